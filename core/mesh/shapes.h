@@ -1,0 +1,29 @@
+// Built shapes: deterministic to the byte, no file needed.
+#pragma once
+
+#include <cstdint>
+
+#include "core/mesh/tet_mesh.h"
+
+namespace palpate {
+
+/// Cube [0, 1]^3 of n^3 cells, six Kuhn tets a cell. Inner vertices are moved by up to `jitter` cells per
+/// axis (uniform, seeded), and a move is halved until every tet around stays positive. Throws: InputError
+/// unless 1 <= n <= 600 and 0 <= jitter <= 0.5.
+TetMesh build_kuhn_cube(int cells_per_side, double jitter, std::uint64_t seed);
+
+/// Bar [0, 4] x [0, 1] x [0, 1] of 4n x n x n Kuhn cells.
+TetMesh build_bar(int cells_per_side);
+
+/// Body-centred cubic lattice in the bar [0, 4] x [0, 1]^2 with n cells a unit: lattice tets inside, the
+/// outer half octahedra cut flat at the faces.
+TetMesh build_bcc_bar(int cells_per_side);
+
+/// Geodesic unit sphere: each face of the icosahedron divided into frequency^2 triangles; 10 f^2 + 2
+/// vertices.
+SurfaceMesh build_geodesic_sphere(int frequency);
+
+/// The geodesic sphere bent into a kidney-like shape with a hilum.
+SurfaceMesh build_bean_surface(int frequency);
+
+}  // namespace palpate

@@ -1,0 +1,151 @@
+#include "experiments/process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+
+#include "core/base/error.h"
+
+namespace palpate::experiments {
+namespace {
+
+double seconds_of(const timeval& t) {
+  return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+}
+
+void redirect(int target, const std::filesystem::path& path) {
+  const char* name = path.empty() ? "/dev/null" : path.c_str();
+  const int file = ::open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  if (file >= 0) ::dup2(file, target);
+}
+
+/// Runs in the child between fork and exec: only calls that are safe there.
+[[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments, pid_t parent,
+                         int failure_pipe) {
+  ::setpgid(0, 0);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
+  const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
+  if (null >= 0) ::dup2(null, STDIN_FILENO);
+  redirect(STDOUT_FILENO, spec.standard_output);
+  redirect(STDERR_FILENO, spec.standard_error);
+  const rlimit no_core{0, 0};
+  ::setrlimit(RLIMIT_CORE, &no_core);
+#ifndef PALPATE_SANITIZED
+  if (spec.memory_bytes > 0) {
+    const rlimit bound{spec.memory_bytes, spec.memory_bytes};
+    ::setrlimit(RLIMIT_AS, &bound);
+  }
+#endif
+  ::execv(arguments[0], arguments.data());
+  const int error = errno;
+  const ssize_t written = ::write(failure_pipe, &error, sizeof error);
+  ::_exit(written == sizeof error ? 127 : 126);
+}
+
+/// Waits until the child ends or the time is up. Returns false when the time is up.
+bool wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline) {
+  const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
+    const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1'000'000));
+    pollfd event{handle, POLLIN, 0};
+    const int ready = handle >= 0 ? ::poll(&event, 1, milliseconds) : -1;
+    if (ready > 0) break;
+    if (handle < 0) {  // no pidfd on this kernel: look every few milliseconds
+      siginfo_t info{};
+      if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+          info.si_pid != 0)
+        break;
+      ::usleep(2000);
+    }
+    if (milliseconds == 0) {
+      if (handle >= 0) ::close(handle);
+      return false;
+    }
+  }
+  if (handle >= 0) ::close(handle);
+  return true;
+}
+
+ProcessResult describe(int status, const rusage& usage, bool timed_out, const ProcessSpec& spec) {
+  ProcessResult result;
+  result.user_s = seconds_of(usage.ru_utime);
+  result.system_s = seconds_of(usage.ru_stime);
+  result.peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  if (timed_out) {
+    result.end = ProcessEnd::kTimedOut;
+    std::string limit = std::to_string(spec.timeout_s);
+    limit.erase(limit.find_last_not_of('0') + 1);
+    if (!limit.empty() && limit.back() == '.') limit.pop_back();
+    result.message = "timed out after " + limit + " s";
+  } else if (WIFSIGNALED(status)) {
+    result.end = ProcessEnd::kSignalled;
+    result.signal = WTERMSIG(status);
+    result.message =
+        "killed by signal " + std::to_string(result.signal) + " (" + ::strsignal(result.signal) + ")";
+  } else {
+    result.end = ProcessEnd::kExited;
+    result.exit_code = WEXITSTATUS(status);
+    result.message = "exit code " + std::to_string(result.exit_code);
+  }
+  return result;
+}
+
+}  // namespace
+
+ProcessResult run_process(const ProcessSpec& spec) {
+  require(!spec.arguments.empty(), "run_process: no program");
+  ::setenv("LC_ALL", "C", 1);
+  ::setenv("OMP_NUM_THREADS", "1", 0);
+  std::vector<char*> arguments;
+  for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
+  arguments.push_back(nullptr);
+  std::array<int, 2> failure{-1, -1};
+  if (::pipe2(failure.data(), O_CLOEXEC) != 0) throw UnavailableError("cannot make a pipe");
+
+  const auto start = std::chrono::steady_clock::now();
+  const pid_t parent = ::getpid();
+  const pid_t child = ::fork();
+  if (child < 0) {
+    ::close(failure[0]);
+    ::close(failure[1]);
+    throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
+  }
+  if (child == 0) become(spec, arguments, parent, failure[1]);
+  ::close(failure[1]);
+  ::setpgid(child, child);
+
+  const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(std::min(spec.timeout_s, 1e8)));
+  const bool ended = wait_for_end(child, start + limit);
+  ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late
+  int status = 0;
+  rusage usage{};
+  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  ProcessResult result = describe(status, usage, !ended, spec);
+  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  int error = 0;
+  if (::read(failure[0], &error, sizeof error) == sizeof error) {
+    result.end = ProcessEnd::kNotStarted;
+    result.message = "cannot start " + spec.arguments[0] + ": " + std::strerror(error);
+  }
+  ::close(failure[0]);
+  return result;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,38 @@
+// Child processes with a time-out, a memory bound and their own peak memory.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::experiments {
+
+/// What to start, and its bounds. Nothing goes through a shell.
+struct ProcessSpec {
+  std::vector<std::string> arguments;     ///< program path first
+  double timeout_s = 300.0;               ///< wall clock; the process group is killed after it
+  std::uint64_t memory_bytes = 0;         ///< address-space bound; 0 for none (and in sanitizer builds)
+  std::filesystem::path standard_output;  ///< file that receives it; empty: discarded
+  std::filesystem::path standard_error;   ///< file that receives it; empty: discarded
+};
+
+/// How a child ended.
+enum class ProcessEnd { kExited, kSignalled, kTimedOut, kNotStarted };
+
+struct ProcessResult {
+  ProcessEnd end = ProcessEnd::kNotStarted;
+  int exit_code = -1;  ///< valid for kExited
+  int signal = 0;      ///< valid for kSignalled
+  double wall_s = 0.0;
+  double user_s = 0.0;
+  double system_s = 0.0;
+  std::uint64_t peak_rss_bytes = 0;  ///< of the child alone
+  std::string message;  ///< one line for a person: "timed out after 300 s", "killed by signal 11"
+};
+
+/// Runs a child to its end. The child is killed with this process (also by kill -9), has no standard input,
+/// and sees the environment with LC_ALL=C and OMP_NUM_THREADS=1 unless set.
+ProcessResult run_process(const ProcessSpec& spec);
+
+}  // namespace palpate::experiments

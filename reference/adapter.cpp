@@ -1,0 +1,92 @@
+#include "reference/adapter.h"
+
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+json read_json(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string(), 0, "a readable request file", "none");
+  json value = json::parse(file, nullptr, false);
+  if (value.is_discarded() || !value.is_object()) {
+    throw InputError(path.string(), 0, "a JSON object", "something else");
+  }
+  return value;
+}
+
+template <typename T>
+T field(const json& object, const char* key, const std::string& where) {
+  if (!object.contains(key)) throw InputError(where, 0, std::string("the key \"") + key + "\"", "none");
+  try {
+    return object.at(key).get<T>();
+  } catch (const json::exception&) {
+    throw InputError(where, 0, std::string("another type for \"") + key + "\"", object.at(key).dump());
+  }
+}
+
+Request parse_request(const std::filesystem::path& path) {
+  const json object = read_json(path);
+  const std::string where = path.string();
+  if (field<std::string>(object, "schema", where) != "palpate/request/1") {
+    throw InputError(where, 0, "schema palpate/request/1", object.at("schema").dump());
+  }
+  Request request;
+  request.contest = field<std::string>(object, "contest", where);
+  request.method = field<std::string>(object, "method", where);
+  request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
+  request.output = field<std::string>(object, "mesh_out", where);
+  request.stop = object.value("stop", json::object());
+  request.options = object.value("options", json::object());
+  request.threads = object.value("threads", 1);
+  return request;
+}
+
+void write_json(const std::filesystem::path& path, const json& value) {
+  write_file_atomically(path, value.dump(2) + "\n");
+}
+
+int write_failure(const std::filesystem::path& path, const char* status, const std::string& message,
+                  int code) {
+  std::cerr << message << '\n';
+  try {
+    write_json(path, {{"schema", "palpate/response/1"}, {"status", status}, {"message", message}});
+  } catch (const std::exception& error) {
+    std::cerr << error.what() << '\n';
+    return 3;
+  }
+  return code;
+}
+
+}  // namespace
+
+int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel) {
+  if (argc != 3) {
+    std::cerr << "usage: " << (argc > 0 ? argv[0] : "adapter") << " REQUEST.json RESPONSE.json\n";
+    return 2;
+  }
+  const std::filesystem::path response_path = argv[2];
+  try {
+    const Response response = kernel(parse_request(argv[1]));
+    write_json(response_path, {{"schema", "palpate/response/1"},
+                               {"status", "ok"},
+                               {"kernel_s", response.kernel_s},
+                               {"report", response.report},
+                               {"notes", response.notes}});
+    return 0;
+  } catch (const InputError& error) {
+    return write_failure(response_path, "bad_input", error.what(), 2);
+  } catch (const std::exception& error) {
+    return write_failure(response_path, "error", error.what(), 3);
+  }
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,42 @@
+// The door: what an adapter program reads and writes. See reference/PROTOCOL.md.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::reference {
+
+/// A request as the runner wrote it.
+///
+///   {"schema": "palpate/request/1", "contest": "simplify", "method": "palpate.hierarchical",
+///    "mesh_in": "in.mesh", "mesh_out": "out.mesh", "stop": {"fusions": 87} (or "tets", "ratio", "limit":
+///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1}
+struct Request {
+  std::string contest;
+  std::string method;
+  std::filesystem::path input;   ///< "mesh_in" (or "surface_in" for meshers)
+  std::filesystem::path output;  ///< "mesh_out"
+  nlohmann::json stop;
+  nlohmann::json options;
+  int threads = 1;
+};
+
+/// What an adapter answers: its own kernel time, and the report of its method.
+///
+///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...]}
+/// or {"schema": ..., "status": "bad_input" | "error", "message": "one line"}
+struct Response {
+  double kernel_s = 0.0;
+  nlohmann::json report = nlohmann::json::object();
+  std::vector<std::string> notes;
+};
+
+/// Runs an adapter: reads the request named by argv[1], calls `kernel`, writes the response named by argv[2]
+/// (beside it and renamed). InputError becomes status "bad_input" and exit code 2, any other exception status
+/// "error" and exit code 3. Returns the exit code.
+int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel);
+
+}  // namespace palpate::reference

@@ -1,0 +1,3 @@
+#include "core/mesh/medit.h"
+
+#include <gtest/gtest.h>
