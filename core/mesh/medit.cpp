@@ -120,7 +120,7 @@ class WordReader {
   std::size_t word_line_ = 1;
 };
 
-std::string quoted(std::string_view word) {
+std::string shown(std::string_view word) {
   if (word.empty()) return "the end of the file";
   std::string text = "\"";
   for (const char c : word.substr(0, 40)) text += (c >= ' ' && c <= '~') ? c : '?';
@@ -140,17 +140,17 @@ struct Row {
 
 double read_coordinate(WordReader& reader, const Row& row) {
   std::string_view word = reader.next();
-  const std::string_view shown = word;
+  const std::string_view whole = word;
   if (!word.empty() && word.front() == '+') word.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (shown.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) {
-    reader.fail("a coordinate of " + row.text(), quoted(shown));
+  if (whole.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) {
+    reader.fail("a coordinate of " + row.text(), shown(whole));
   }
   // An exponent beyond the range of doubles: too small is zero, too large is refused below as written.
   if (error == std::errc::result_out_of_range || !std::isfinite(value) ||
       std::fabs(value) > kLargestCoordinate) {
-    reader.fail("a finite coordinate of " + row.text() + " within +-1e90", quoted(shown));
+    reader.fail("a finite coordinate of " + row.text() + " within +-1e90", shown(whole));
   }
   return value;
 }
@@ -160,7 +160,7 @@ std::int64_t read_integer(WordReader& reader, const std::string& what) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (word.empty() || error != std::errc() || end != word.data() + word.size())
-    reader.fail(what, quoted(word));
+    reader.fail(what, shown(word));
   return value;
 }
 
@@ -170,7 +170,7 @@ Index read_vertex_index(WordReader& reader, const Row& row, std::size_t vertices
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (word.empty() || error != std::errc() || end != word.data() + word.size() || value < 1 ||
       value > static_cast<std::int64_t>(vertices)) {
-    reader.fail("a vertex number from 1 to " + std::to_string(vertices) + " in " + row.text(), quoted(word));
+    reader.fail("a vertex number from 1 to " + std::to_string(vertices) + " in " + row.text(), shown(word));
   }
   return static_cast<Index>(value - 1);
 }
@@ -232,7 +232,7 @@ void read_vertices(WordReader& reader, std::vector<Vec3>& points) {
     const double y = read_coordinate(reader, row);
     const double z = read_coordinate(reader, row);
     const std::string_view reference = reader.next();
-    if (reference.empty()) reader.fail("the reference number of " + row.text(), quoted(reference));
+    if (reference.empty()) reader.fail("the reference number of " + row.text(), shown(reference));
     points.push_back({x, y, z});
   }
 }
@@ -280,7 +280,7 @@ bool is_other_element(std::string_view keyword) {
 void read_header(WordReader& reader) {
   const std::string_view word = reader.next();
   if (word == "MeshVersionUnformatted") reader.fail("an ASCII MEDIT mesh", "a binary one");
-  if (word != "MeshVersionFormatted") reader.fail("MeshVersionFormatted (a MEDIT mesh)", quoted(word));
+  if (word != "MeshVersionFormatted") reader.fail("MeshVersionFormatted (a MEDIT mesh)", shown(word));
   const std::int64_t version = read_integer(reader, "the MEDIT version");
   if (version < 1 || version > 4) reader.fail("a MEDIT version from 1 to 4", std::to_string(version));
 }
@@ -354,7 +354,7 @@ std::uint64_t read_sections(WordReader& reader, MeditFile& file) {
     } else if (is_other_element(keyword)) {
       reader.fail("linear tetrahedra and triangles only", keyword);
     } else {
-      reader.fail("a MEDIT keyword after " + previous, quoted(keyword));
+      reader.fail("a MEDIT keyword after " + previous, shown(keyword));
     }
     previous = keyword;
   }

@@ -1,3 +1,0 @@
-#include "core/mesh/medit.h"
-
-#include <gtest/gtest.h>
