@@ -9,7 +9,7 @@ namespace palpate {
 
 /// Cube [0, 1]^3 of n^3 cells, six Kuhn tets a cell. Inner vertices are moved by up to `jitter` cells per
 /// axis (uniform, seeded), and a move is halved until every tet around stays positive. Throws: InputError
-/// unless 1 <= n <= 600 and 0 <= jitter <= 0.5.
+/// unless 1 <= n <= 560 (2^30 tets) and 0 <= jitter <= 0.5.
 TetMesh build_kuhn_cube(int cells_per_side, double jitter, std::uint64_t seed);
 
 /// Bar [0, 4] x [0, 1] x [0, 1] of 4n x n x n Kuhn cells.
