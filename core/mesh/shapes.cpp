@@ -246,20 +246,20 @@ class GeodesicNumbers {
   std::array<std::array<Index, 12>, 12> edge_number_{};
 };
 
-/// Takes a point of the unit sphere to the kidney, in centimetres: 11 long, about 6 wide, 4.5 thick.
+/// Takes a point of the unit sphere to the kidney, in centimetres: 11.0 long, 5.5 wide, 4.5 thick.
 ///
 ///   along       t = x - s x (1 - x^2): the poles get some of the equator's vertices
 ///   section     half axes r(t) (w, h), r(t)^2 = (1 - t^2) (1 + e t^2): an ellipsoid with fuller ends
 ///   hilum       y is pushed in by d ((1 + y) / 2)^6, deepest in the middle of the inner side
 ///   bend        the axis becomes the parabola y = k X^2 / 2, sections stay normal to it
 Vec3 bean_point(const Vec3& p) {
-  constexpr double kHalfLength = 5.5;
-  constexpr double kHalfWidth = 2.7;
+  constexpr double kHalfLength = 5.3;
+  constexpr double kHalfWidth = 3.05;
   constexpr double kHalfThickness = 2.25;
-  constexpr double kSpread = 0.3;
+  constexpr double kSpread = 0.25;
   constexpr double kFullness = 0.35;
-  constexpr double kHilumDepth = 1.5;
-  constexpr double kCurvature = 0.14;
+  constexpr double kHilumDepth = 1.6;
+  constexpr double kCurvature = 0.09;
   const double t = p.x - kSpread * p.x * (1.0 - p.x * p.x);
   // (1 - t^2) / (1 - x^2), without the division by zero at the poles.
   const double ratio = (1.0 + kSpread * p.x * (1.0 + p.x)) * (1.0 - kSpread * p.x * (1.0 - p.x));
