@@ -68,7 +68,9 @@ enum class State : std::uint8_t {
   kWaiting,        ///< in the queue
   kParkedFlip,     ///< its witness would flip
   kParkedQuality,  ///< its witness would lose too much quality
-  kTouched         ///< moved by a fusion, with skip_touched
+  kRefusedFlip,    ///< was parked so when its level ended
+  kRefusedQuality,
+  kTouched  ///< moved by a fusion, with skip_touched
 };
 
 inline bool is_parked(State s) {

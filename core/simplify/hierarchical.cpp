@@ -80,17 +80,24 @@ class Run {
         if (!fuse_worst()) break;
         ++report.fusions;
       }
-      end_level(report.rejected);
+      if (!stopped) end_level();
     }
+    count_rejections(report.rejected);
   }
 
-  void count_excluded(Rejections& rejected) const {
+  void count_rejections(Rejections& rejected) const {
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
       if (!mesh_.is_alive(t)) continue;
       if (level_[t] == 0) {
         ++rejected.boundary;
       } else if (level_[t] < options_.last_level) {
         ++rejected.boundary_neighbour;
+      } else if (state_[t] == State::kTouched) {
+        ++rejected.touched;
+      } else if (state_[t] == State::kParkedFlip || state_[t] == State::kRefusedFlip) {
+        ++rejected.flip;
+      } else if (state_[t] == State::kParkedQuality || state_[t] == State::kRefusedQuality) {
+        ++rejected.quality;
       }
     }
   }
@@ -109,14 +116,12 @@ class Run {
     }
   }
 
-  void end_level(Rejections& rejected) {
+  /// The level is done with: its candidates leave their witnesses and keep the reason.
+  void end_level() {
     for (const Index t : members_) {
-      if (!mesh_.is_alive(t)) continue;
-      if (state_[t] == State::kParkedFlip) ++rejected.flip;
-      if (state_[t] == State::kParkedQuality) ++rejected.quality;
-      if (state_[t] == State::kTouched) ++rejected.touched;
-      if (is_parked(state_[t])) parking_.leave(t);
-      state_[t] = State::kIdle;
+      if (!is_parked(state_[t])) continue;
+      parking_.leave(t);
+      state_[t] = state_[t] == State::kParkedFlip ? State::kRefusedFlip : State::kRefusedQuality;
     }
     reconsider_.clear();
   }
@@ -303,7 +308,6 @@ SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& optio
   {
     Run run(work, std::move(level), options, ideal_volume);
     run.simplify(report);
-    run.count_excluded(report.rejected);
   }
   mesh = extract_mesh(std::move(work));
   report.vertices_out = mesh.points.size();

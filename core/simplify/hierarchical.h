@@ -44,9 +44,9 @@ struct SimplifyOptions {
   StorageOrder storage = StorageOrder::kSpatial;
 };
 
-/// Tets that were left, by the check that kept each of them from being fused. For a level that was worked
-/// through, the tets that were left when it ended; for the level at which a run stopped, those refused so
-/// far.
+/// The tets that are left, by the check that keeps each of them from being fused: as found when its level
+/// ended or, at the level where a run stopped, when it was last looked at (those not looked at are not
+/// counted).
 struct Rejections {
   std::uint64_t boundary = 0;            ///< check 1: level 0
   std::uint64_t boundary_neighbour = 0;  ///< check 2: level 1 up to last_level - 1

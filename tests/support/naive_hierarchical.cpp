@@ -47,8 +47,9 @@ class Naive {
         fuse(worst);
         ++report.fusions;
       }
-      for (Index t = 0; t < mesh_.tets.size(); ++t)
-        report.refused += static_cast<std::uint64_t>(alive_[t] && level_[t] == level);
+    }
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      report.refused += static_cast<std::uint64_t>(alive_[t] && level_[t] >= options_.last_level);
     }
     return report;
   }
