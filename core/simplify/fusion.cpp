@@ -184,41 +184,7 @@ TetMesh extract_mesh(FusionMesh&& mesh) {
 }
 
 void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan) {
-  const Tet& center = mesh.tets[target];
-  plan.target = target;
-  plan.barycenter = 0.25 * (mesh.points[center[0]] + mesh.points[center[1]] + mesh.points[center[2]] +
-                            mesh.points[center[3]]);
-  plan.moved.clear();
-  plan.dead.clear();
-  plan.figures.clear();
-  for (int i = 0; i < 4; ++i) {
-    for (const Index t : mesh.star(center[i])) {
-      const Tet& tet = mesh.tets[t];
-      int shared = 0;
-      int first_shared = 4;     // lowest corner of the target that this tet has, so that it is listed once
-      std::uint8_t corner = 0;  // its corner that moves, if it is the only one
-      for (int j = 3; j >= 0; --j) {
-        for (std::uint8_t k = 0; k < 4; ++k) {
-          if (tet[k] != center[j]) continue;
-          ++shared;
-          first_shared = j;
-          corner = k;
-        }
-      }
-      if (shared == 1) {
-        plan.moved.push_back({t, corner});
-      } else if (first_shared == i) {
-        plan.dead.push_back(t);
-      }
-    }
-  }
-}
-
-std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m) {
-  const Tet& tet = mesh.tets[m.tet];
-  std::array<Vec3, 4> p{mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
-  p[m.corner] = plan.barycenter;
-  return p;
+  walk_fusion(mesh, target, plan, [](const MovedTet&) { return true; });
 }
 
 void apply_fusion(FusionMesh& mesh, const FusionPlan& plan) {

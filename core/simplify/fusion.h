@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -59,11 +61,54 @@ struct FusionPlan {
   std::vector<TetFigures> figures;  ///< of the moved tets after the fusion, once checked
 };
 
-/// Collects the tets around `target` by walking the stars of its four vertices. Reuses the memory of `plan`.
+/// Walks the stars of the target's four vertices and fills `plan` (whose memory is reused), calling
+/// on_moved(const MovedTet&) for each moved tet; it ends early, with an unfinished plan, when that returns
+/// false. Returns: whether the walk went to its end.
+template <typename OnMoved>
+bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved) {
+  const Tet& center = mesh.tets[target];
+  plan.target = target;
+  plan.barycenter = 0.25 * (mesh.points[center[0]] + mesh.points[center[1]] + mesh.points[center[2]] +
+                            mesh.points[center[3]]);
+  plan.moved.clear();
+  plan.dead.clear();
+  plan.figures.clear();
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (const Index t : mesh.star(center[i])) {
+      const Tet& tet = mesh.tets[t];
+      // Bit k of a mask: corner k of the tet is that vertex of the target.
+      std::array<unsigned, 4> mask;
+      for (std::size_t j = 0; j < 4; ++j) {
+        mask[j] = static_cast<unsigned>(tet[0] == center[j]) |
+                  static_cast<unsigned>(tet[1] == center[j]) << 1U |
+                  static_cast<unsigned>(tet[2] == center[j]) << 2U |
+                  static_cast<unsigned>(tet[3] == center[j]) << 3U;
+      }
+      const unsigned shared = mask[0] | mask[1] | mask[2] | mask[3];
+      if ((shared & (shared - 1U)) == 0U) {
+        const MovedTet m{t, static_cast<std::uint8_t>(std::countr_zero(shared))};
+        plan.moved.push_back(m);
+        if (!on_moved(m)) return false;
+      } else {
+        unsigned earlier = 0;
+        for (std::size_t j = 0; j < i; ++j) earlier |= mask[j];
+        if (earlier == 0U) plan.dead.push_back(t);  // listed at the first of the stars that it is in
+      }
+    }
+  }
+  return true;
+}
+
+/// Collects all tets around `target`.
 void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan);
 
 /// Points of moved tet `m` after the fusion.
-std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m);
+inline std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m) {
+  const Tet& tet = mesh.tets[m.tet];
+  std::array<Vec3, 4> p{mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
+  p[m.corner] = plan.barycenter;
+  return p;
+}
 
 /// Carries a plan out: the vertex with the smallest number in the input survives at the barycenter.
 /// Requires: the plan was made for the mesh as it is.
