@@ -183,6 +183,22 @@ TetMesh extract_mesh(FusionMesh&& mesh) {
   return result;
 }
 
+std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& corners,
+                                                  const Vec3& barycenter) {
+  std::array<double, 4> distance_sq;
+  for (std::size_t i = 0; i < 4; ++i) distance_sq[i] = length_sq(corners[i] - barycenter);
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  const auto sort_pair = [&](std::size_t i, std::size_t j) {
+    if (distance_sq[order[i]] < distance_sq[order[j]]) std::swap(order[i], order[j]);
+  };
+  sort_pair(0, 1);
+  sort_pair(2, 3);
+  sort_pair(0, 2);
+  sort_pair(1, 3);
+  sort_pair(1, 2);
+  return order;
+}
+
 void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan) {
   walk_fusion(mesh, target, plan, [](const MovedTet&) { return true; });
 }

@@ -61,6 +61,10 @@ struct FusionPlan {
   std::vector<TetFigures> figures;  ///< of the moved tets after the fusion, once checked
 };
 
+/// The corners of a tet, the farthest from its barycenter first: what moves farthest is likeliest to flip
+/// something.
+std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& corners, const Vec3& barycenter);
+
 /// Walks the stars of the target's four vertices and fills `plan` (whose memory is reused), calling
 /// on_moved(const MovedTet&) for each moved tet; it ends early, with an unfinished plan, when that returns
 /// false. Returns: whether the walk went to its end.
@@ -68,12 +72,14 @@ template <typename OnMoved>
 bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved) {
   const Tet& center = mesh.tets[target];
   plan.target = target;
-  plan.barycenter = 0.25 * (mesh.points[center[0]] + mesh.points[center[1]] + mesh.points[center[2]] +
-                            mesh.points[center[3]]);
+  const std::array<Vec3, 4> corners{mesh.points[center[0]], mesh.points[center[1]], mesh.points[center[2]],
+                                    mesh.points[center[3]]};
+  plan.barycenter = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
   plan.moved.clear();
   plan.dead.clear();
   plan.figures.clear();
-  for (std::size_t i = 0; i < 4; ++i) {
+  unsigned visited = 0;  // bit j: the star of corner j is done with
+  for (const std::size_t i : farthest_corners_first(corners, plan.barycenter)) {
     for (const Index t : mesh.star(center[i])) {
       const Tet& tet = mesh.tets[t];
       // Bit k of a mask: corner k of the tet is that vertex of the target.
@@ -90,11 +96,12 @@ bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved
         plan.moved.push_back(m);
         if (!on_moved(m)) return false;
       } else {
-        unsigned earlier = 0;
-        for (std::size_t j = 0; j < i; ++j) earlier |= mask[j];
-        if (earlier == 0U) plan.dead.push_back(t);  // listed at the first of the stars that it is in
+        unsigned in_earlier = 0;
+        for (std::size_t j = 0; j < 4; ++j) in_earlier |= (visited >> j & 1U) != 0U ? mask[j] : 0U;
+        if (in_earlier == 0U) plan.dead.push_back(t);  // listed at the first of the stars that it is in
       }
     }
+    visited |= 1U << i;
   }
   return true;
 }
