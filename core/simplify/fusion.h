@@ -1,6 +1,10 @@
 // Tetrahedral fusion: a tet becomes a vertex at its barycenter (Chopra and Meyer, IEEE Visualization 2002).
 #pragma once
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -61,6 +65,18 @@ struct FusionPlan {
   std::vector<TetFigures> figures;  ///< of the moved tets after the fusion, once checked
 };
 
+/// Bit k is set if corner k of the tet is vertex v.
+inline unsigned corners_that_are(const Tet& tet, Index v) {
+#ifdef __SSE2__
+  const __m128i corners = _mm_loadu_si128(reinterpret_cast<const __m128i*>(tet.data()));
+  const __m128i equal = _mm_cmpeq_epi32(corners, _mm_set1_epi32(static_cast<int>(v)));
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
+#else
+  return static_cast<unsigned>(tet[0] == v) | static_cast<unsigned>(tet[1] == v) << 1U |
+         static_cast<unsigned>(tet[2] == v) << 2U | static_cast<unsigned>(tet[3] == v) << 3U;
+#endif
+}
+
 /// The corners of a tet, the farthest from its barycenter first: what moves farthest is likeliest to flip
 /// something.
 std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& corners, const Vec3& barycenter);
@@ -78,18 +94,15 @@ bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved
   plan.moved.clear();
   plan.dead.clear();
   plan.figures.clear();
+  for (const Index v : center) {
+    for (const Index t : mesh.star(v)) __builtin_prefetch(&mesh.tets[t]);
+  }
   unsigned visited = 0;  // bit j: the star of corner j is done with
   for (const std::size_t i : farthest_corners_first(corners, plan.barycenter)) {
     for (const Index t : mesh.star(center[i])) {
       const Tet& tet = mesh.tets[t];
-      // Bit k of a mask: corner k of the tet is that vertex of the target.
-      std::array<unsigned, 4> mask;
-      for (std::size_t j = 0; j < 4; ++j) {
-        mask[j] = static_cast<unsigned>(tet[0] == center[j]) |
-                  static_cast<unsigned>(tet[1] == center[j]) << 1U |
-                  static_cast<unsigned>(tet[2] == center[j]) << 2U |
-                  static_cast<unsigned>(tet[3] == center[j]) << 3U;
-      }
+      const std::array<unsigned, 4> mask{corners_that_are(tet, center[0]), corners_that_are(tet, center[1]),
+                                         corners_that_are(tet, center[2]), corners_that_are(tet, center[3])};
       const unsigned shared = mask[0] | mask[1] | mask[2] | mask[3];
       if ((shared & (shared - 1U)) == 0U) {
         const MovedTet m{t, static_cast<std::uint8_t>(std::countr_zero(shared))};
