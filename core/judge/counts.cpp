@@ -1,15 +1,18 @@
+#include <algorithm>
+
 #include "core/judge/judge.h"
 #include "core/judge/vertex_links.h"
 
 namespace palpate::judge {
 namespace {
 
-/// V - 3 <= T <= C(V - 1, 2) - n + 2 with n boundary vertices.
+/// V - 3 <= T <= C(V - 1, 2) - n + 2 with n boundary vertices (n at least 4).
 bool within_tet_bounds(const Counts& counts) {
   const std::uint64_t v = counts.vertices;
   if (v < 4) return false;
   const std::uint64_t pairs = v % 2 == 1 ? (v - 1) / 2 * (v - 2) : (v - 2) / 2 * (v - 1);
-  return v <= counts.tets + 3 && counts.tets + counts.boundary_vertices <= pairs + 2;
+  const std::uint64_t n = std::max<std::uint64_t>(counts.boundary_vertices, 4);
+  return v <= counts.tets + 3 && counts.tets + n <= pairs + 2;
 }
 
 std::int64_t alternating_sum(std::uint64_t vertices, std::uint64_t edges, std::uint64_t faces,
