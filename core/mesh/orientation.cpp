@@ -81,7 +81,7 @@ void scale_to_one(std::array<Vec3, 4>& p) {
 }  // namespace
 
 // The determinant |b-a, c-a, d-a| written out as four 3x3 determinants of the coordinates themselves.
-int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+int orientation_by_expansions(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   std::array<Vec3, 4> p{a, b, c, d};
   scale_to_one(p);
   Expansion<96> e;

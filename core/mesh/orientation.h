@@ -8,7 +8,7 @@
 namespace palpate {
 
 /// The exact sign by expansions of doubles, without a filter: what orientation() falls back on.
-int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+int orientation_by_expansions(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 /// Sign of (b - a) x (c - a) . (d - a), exact: +1 positively oriented, -1 negatively, 0 coplanar.
 ///
@@ -37,7 +37,7 @@ inline int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
     if (det > bound) return 1;
     if (det < -bound) return -1;
   }
-  return exact_orientation(a, b, c, d);
+  return orientation_by_expansions(a, b, c, d);
 }
 
 }  // namespace palpate
