@@ -1,19 +1,22 @@
 """Charts of a run, as SVG and PNG. The same records give the same bytes: no dates, fixed ids, one bundled font."""
 
 import os
+import textwrap
 
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from records import BUCKETS, figure, histogram, median, quantile
 from tables import timing_of
 from verdict import values_of
 
 # Colours that stay apart for colour-blind eyes (Okabe and Ito), and apart in grey print.
-BETTER, THAN, SPREAD, OTHERS = "#0072B2", "#D55E00", "#E69F00", "#009E73"
+BETTER, THAN, SPREAD, OTHERS = "#0072B2", "#D55E00", "#CC79A7", "#009E73"
+BAND, QUARTILES = "#F0E442", "#5b3a00"
 INK, FAINT, GRID = "#222222", "#767676", "#dddddd"
 STYLE = {
     "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "figure.dpi": 100,
@@ -66,9 +69,9 @@ def draw_band(ax, group):
     columns = list(zip(*(shares(case) for case in group.cases() if shares(case))))
     for bucket, column in enumerate(columns):
         left, right = bucket / BUCKETS, (bucket + 1) / BUCKETS
-        ax.fill_between([left + 0.004, right - 0.004], min(column), max(column), color=SPREAD, alpha=0.55, linewidth=0, zorder=3)
+        ax.fill_between([left + 0.004, right - 0.004], min(column), max(column), color=BAND, linewidth=0, zorder=3)
         low, high = quantile(column, 0.25), quantile(column, 0.75)
-        ax.fill_between([left + 0.004, right - 0.004], low, high, color="#8a5a00", alpha=0.9, linewidth=0, zorder=3)
+        ax.fill_between([left + 0.004, right - 0.004], low, high, color=QUARTILES, linewidth=0, zorder=3)
     return bool(columns)
 
 
@@ -111,8 +114,8 @@ def draw_pair(run, claim, mesh, sweep, folder):
         finish_histogram_axes(ax)
     if spread and draw_band(axes[1], spread):
         seeds = len(spread.cases())
-        handles.append(Patch(color=SPREAD, alpha=0.55, label=f"{spread.label}: least to greatest of {seeds}"))
-        handles.append(Patch(color="#8a5a00", alpha=0.9, label="its quartiles"))
+        handles.append(Patch(color=BAND, label=f"{spread.label}: least to greatest of {seeds}"))
+        handles.append(Patch(color=QUARTILES, label="its quartiles"))
     if outline:
         handles.append(plt.Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (3, 2)), label="input"))
     axes[0].set_ylabel("tetrahedra, %")
@@ -196,6 +199,9 @@ def draw_overview(run, claim, folder):
         for value, color, side in ((claim.published_better, BETTER, claim.better), (claim.published_than, THAN, claim.than)):
             handles.append(plt.Line2D([], [], color=color, linewidth=1.2, label=f"published, {side}: {value:.2f}"))
     fig.legend(handles=handles, loc="lower center", ncol=2 if columns < 3 else len(handles), fontsize=8)
+    if run.plan_data.get("question"):
+        question = textwrap.fill(str(run.plan_data["question"]), int((width + 2.9 * columns) * 11))
+        fig.suptitle(question, x=0.01, ha="left", fontsize=11, fontweight="bold")
     fig.tight_layout(rect=(0, (0.55 if columns < 3 else 0.35) / height, 1, 1))
     return save(fig, folder, "overview")
 
@@ -214,7 +220,7 @@ def draw_overview_panel(ax, run, claim, mesh, measure, names):
             draw_values(ax, y, values, color_of(group, claim))
         else:
             ax.annotate("no accepted answer", (0.02, y), xycoords=("axes fraction", "data"), fontsize=7, color=FAINT,
-                        va="center")
+                        va="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5}, zorder=5)
     ax.set_yticks(range(len(names)), names)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.tick_params(axis="y", length=0)
@@ -238,21 +244,24 @@ def draw_timing(run, claim, folder):
     fig, ax = plt.subplots(figsize=(width, 0.22 * (last + 2) + 0.8))
     for y, group, timing in rows:
         color = color_of(group, claim)
-        ax.plot([timing["kernel_min_s"], timing["kernel_max_s"]], [y, y], color=color, linewidth=1.3, solid_capstyle="butt")
-        ax.plot([timing["kernel_q1_s"], timing["kernel_q3_s"]], [y, y], color=color, linewidth=6, alpha=0.55,
-                solid_capstyle="butt")
-        ax.plot(timing["kernel_median_s"], y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7)
+        times = {name: 1000 * timing[f"kernel_{name}_s"] for name in ("min", "q1", "median", "q3", "max")}
+        ax.plot([times["min"], times["max"]], [y, y], color=color, linewidth=1.3, solid_capstyle="butt")
+        ax.plot([times["q1"], times["q3"]], [y, y], color=color, linewidth=6, alpha=0.55, solid_capstyle="butt")
+        ax.plot(times["median"], y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7)
         if timing["tets_removed_per_s"] is not None:
             ax.annotate(f"{timing['tets_removed_per_s']:,.0f}", (1.02, y), xycoords=("axes fraction", "data"), fontsize=8,
                         va="center", color=INK)
     for mesh, y in marks.items():
         ax.annotate(mesh, (0.004, y), xycoords=("axes fraction", "data"), fontsize=9, fontweight="bold", va="center")
     ax.set_xscale("log")
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
     ax.set_yticks([y for y, _, _ in rows], [group.name for _, group, _ in rows], fontsize=8)
     ax.set_ylim(last + 0.8, -0.8)
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="x", which="both")
-    ax.set_xlabel("time of the method, s (median, quartiles, range over repeats)")
+    ax.set_xlabel("time of the method, ms (median, quartiles, range over repeats)")
     ax.annotate("tets removed\na second", (1.02, 1), xycoords="axes fraction", fontsize=8, va="bottom", color=FAINT)
     fig.tight_layout()
     return save(fig, folder, "timing")

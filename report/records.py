@@ -219,4 +219,7 @@ def sort_as_planned(groups, plan_data):
 
     meshes = places("meshes", "name")
     labels = places("contestants", "label", "name", "method")
-    return sorted(groups, key=lambda group: (meshes.get(group.mesh, len(meshes)), labels.get(group.label, len(labels))))
+    for group in groups:
+        meshes.setdefault(group.mesh, len(meshes))
+        labels.setdefault(group.label, len(labels))
+    return sorted(groups, key=lambda group: (meshes[group.mesh], labels[group.label]))

@@ -33,7 +33,7 @@ def record(mesh, label, percent, seed=None, repeat=0, kernel_s=0.01, outcome="ac
             "mesh": {"name": mesh, "vertices": 1500, "tets": 8100, "hash": "0"}, "contestant": "palpate.made_up",
             "label": label, "required": True, "options": {}, "stop": {"kind": "fusions", "value": 87}, "sweep": {},
             "seed": seed, "repeat": repeat, "warmup": False, "outcome": outcome, "violations": [], "message": None,
-            "kernel_s": kernel_s, "wall_s": kernel_s + 0.02, "user_s": kernel_s, "peak_rss_bytes": 20 * 2**20,
+            "kernel_s": kernel_s, "wall_s": (kernel_s or 5.0) + 0.02, "user_s": kernel_s, "peak_rss_bytes": 20 * 2**20,
             "report": {"method": "made_up", "tets_in": 8100, "tets_out": 6300, "fusions": 87, "stop": "fusions",
                        "rejected": {"boundary": 900, "flip": 40, "quality": 0}},
             "judge": judge(percent) if percent is not None else None}
