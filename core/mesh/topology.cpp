@@ -132,7 +132,8 @@ std::vector<Edge> build_edges(const TetMesh& mesh) {
     const auto first = others.begin() + offsets[v];
     const auto last = others.begin() + offsets[v + 1];
     std::sort(first, last);
-    for (auto it = first; it != std::unique(first, last); ++it) edges.push_back({v, *it});
+    const auto end = std::unique(first, last);
+    for (auto it = first; it != end; ++it) edges.push_back({v, *it});
   }
   return edges;
 }

@@ -1,0 +1,250 @@
+#include "core/simplify/fusion.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// Room for new rows in meshes too small for a quarter to matter.
+constexpr std::size_t kSpareEntries = 1024;
+
+/// Spreads the low 21 bits of `x` to every third bit.
+std::uint64_t spread_bits(std::uint64_t x) {
+  x &= 0x1fffffU;
+  x = (x | x << 32U) & 0x1f00000000ffffULL;
+  x = (x | x << 16U) & 0x1f0000ff0000ffULL;
+  x = (x | x << 8U) & 0x100f00f00f00f00fULL;
+  x = (x | x << 4U) & 0x10c30c30c30c30c3ULL;
+  x = (x | x << 2U) & 0x1249249249249249ULL;
+  return x;
+}
+
+/// Vertices along the Morton curve through the bounding box; equal keys by number.
+std::vector<Index> order_in_space(const std::vector<Vec3>& points) {
+  const BoundingBox box = bounding_box(points);
+  const Vec3 size = box.high - box.low;
+  const double longest = std::max({size.x, size.y, size.z});
+  const double scale = longest > 0.0 ? 2097151.0 / longest : 0.0;
+  struct Entry {
+    std::uint64_t key;
+    Index vertex;
+  };
+  std::vector<Entry> entries(points.size());
+  for (Index v = 0; v < points.size(); ++v) {
+    const Vec3 p = scale * (points[v] - box.low);
+    entries[v] = {spread_bits(static_cast<std::uint64_t>(p.x)) |
+                      spread_bits(static_cast<std::uint64_t>(p.y)) << 1U |
+                      spread_bits(static_cast<std::uint64_t>(p.z)) << 2U,
+                  v};
+  }
+  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    return a.key != b.key ? a.key < b.key : a.vertex < b.vertex;
+  });
+  std::vector<Index> order(points.size());
+  std::transform(entries.begin(), entries.end(), order.begin(), [](const Entry& e) { return e.vertex; });
+  return order;
+}
+
+/// Renumbers vertices along the curve, then tets by their smallest new vertex (a counting sort, so stable).
+void sort_in_space(TetMesh& mesh, FusionMesh& result) {
+  result.vertex_origin = order_in_space(mesh.points);
+  std::vector<Index> new_number(mesh.points.size());
+  std::vector<Vec3> points(mesh.points.size());
+  for (Index v = 0; v < points.size(); ++v) {
+    new_number[result.vertex_origin[v]] = v;
+    points[v] = mesh.points[result.vertex_origin[v]];
+  }
+  mesh.points = std::move(points);
+  for (Tet& tet : mesh.tets) {
+    for (Index& v : tet) v = new_number[v];
+  }
+  const auto first_vertex = [](const Tet& t) { return std::min({t[0], t[1], t[2], t[3]}); };
+  std::vector<Index>& begin = new_number;  // its memory serves as the rows' cursors
+  begin.assign(mesh.points.size() + 1, 0);
+  for (const Tet& tet : mesh.tets) ++begin[first_vertex(tet) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  result.tet_origin.resize(mesh.tets.size());
+  for (Index t = 0; t < mesh.tets.size(); ++t) result.tet_origin[begin[first_vertex(mesh.tets[t])]++] = t;
+  std::vector<Tet> tets(mesh.tets.size());
+  for (Index t = 0; t < tets.size(); ++t) tets[t] = mesh.tets[result.tet_origin[t]];
+  mesh.tets = std::move(tets);
+}
+
+/// Moves all rows to the front of star_tets, in the order in which they stand, so that the tail is free.
+void compact_stars(FusionMesh& mesh) {
+  std::vector<Index> order(mesh.star_begin.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::sort(order.begin(), order.end(),
+            [&](Index a, Index b) { return mesh.star_begin[a] < mesh.star_begin[b]; });
+  std::uint64_t end = 0;
+  for (const Index v : order) {
+    const auto first = mesh.star_tets.begin() + static_cast<std::ptrdiff_t>(mesh.star_begin[v]);
+    std::move(first, first + mesh.star_size[v], mesh.star_tets.begin() + static_cast<std::ptrdiff_t>(end));
+    mesh.star_begin[v] = mesh.star_size[v] == 0 ? 0 : end;
+    mesh.star_capacity[v] = mesh.star_size[v];
+    end += mesh.star_size[v];
+  }
+  mesh.star_tets.resize(end);
+}
+
+/// Gives vertex v a row for `size` tets: one of the four old rows if it is large enough, else a new one at
+/// the end.
+void allocate_row(FusionMesh& mesh, Index v, const Tet& old_vertices, std::size_t size) {
+  Index widest = v;
+  for (const Index w : old_vertices) {
+    if (mesh.star_capacity[w] > mesh.star_capacity[widest]) widest = w;
+  }
+  if (mesh.star_capacity[widest] >= size) {
+    std::swap(mesh.star_begin[v], mesh.star_begin[widest]);
+    std::swap(mesh.star_capacity[v], mesh.star_capacity[widest]);
+  }
+  for (const Index w : old_vertices) {
+    mesh.star_size[w] = 0;
+    if (w != v) mesh.star_capacity[w] = 0;
+  }
+  if (mesh.star_capacity[v] < size) {
+    if (mesh.star_tets.size() + size > mesh.star_tets.capacity()) {
+      compact_stars(mesh);
+      const std::size_t live = mesh.star_tets.size();
+      if (live + live / 16 + size > mesh.star_tets.capacity()) mesh.star_tets.reserve(live + live / 4 + size);
+    }
+    mesh.star_begin[v] = mesh.star_tets.size();
+    mesh.star_capacity[v] = static_cast<Index>(size);
+    mesh.star_tets.resize(mesh.star_tets.size() + size);
+  }
+  mesh.star_size[v] = static_cast<Index>(size);
+}
+
+void erase_from_star(FusionMesh& mesh, Index v, Index tet) {
+  Index* const row = mesh.star_tets.data() + mesh.star_begin[v];
+  Index* const last = row + mesh.star_size[v];
+  Index* const found = std::find(row, last, tet);
+  require(found != last, "erase_from_star: the tet is not in the star");
+  *found = *(last - 1);
+  --mesh.star_size[v];
+}
+
+}  // namespace
+
+FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order) {
+  FusionMesh result;
+  if (order == StorageOrder::kSpatial) sort_in_space(mesh, result);
+  VertexStars stars = build_vertex_stars(mesh);
+  const std::size_t vertices = mesh.points.size();
+  result.star_begin.resize(vertices);
+  result.star_size.resize(vertices);
+  result.star_capacity.resize(vertices);
+  for (Index v = 0; v < vertices; ++v) {
+    result.star_begin[v] = stars.offsets[v];
+    result.star_size[v] = result.star_capacity[v] = stars.offsets[v + 1] - stars.offsets[v];
+  }
+  result.star_tets = std::move(stars.tets);
+  result.star_tets.reserve(result.star_tets.size() + result.star_tets.size() / 4 + kSpareEntries);
+  result.points = std::move(mesh.points);
+  result.tets = std::move(mesh.tets);
+  result.alive = result.tets.size();
+  mesh = {};
+  return result;
+}
+
+TetMesh extract_mesh(FusionMesh&& mesh) {
+  std::vector<Index>().swap(mesh.star_tets);
+  // Input number of each alive tet and used vertex -> storage number, then a walk in the input's order.
+  std::vector<Index> storage_of(std::max(mesh.tets.size(), mesh.points.size()), kNoIndex);
+  TetMesh result;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (mesh.star_size[v] > 0) storage_of[mesh.origin_of_vertex(v)] = v;
+  }
+  std::vector<Index> new_number(mesh.points.size(), kNoIndex);
+  for (std::size_t origin = 0; origin < mesh.points.size(); ++origin) {
+    const Index v = storage_of[origin];
+    if (v == kNoIndex) continue;
+    new_number[v] = static_cast<Index>(result.points.size());
+    result.points.push_back(mesh.points[v]);
+  }
+  std::fill(storage_of.begin(), storage_of.end(), kNoIndex);
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    if (mesh.is_alive(t)) storage_of[mesh.origin_of_tet(t)] = t;
+  }
+  result.tets.reserve(mesh.alive);
+  for (std::size_t origin = 0; origin < mesh.tets.size(); ++origin) {
+    const Index t = storage_of[origin];
+    if (t == kNoIndex) continue;
+    Tet tet = mesh.tets[t];
+    for (Index& v : tet) v = new_number[v];
+    result.tets.push_back(tet);
+  }
+  mesh = {};
+  return result;
+}
+
+void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan) {
+  const Tet& center = mesh.tets[target];
+  plan.target = target;
+  plan.barycenter = 0.25 * (mesh.points[center[0]] + mesh.points[center[1]] + mesh.points[center[2]] +
+                            mesh.points[center[3]]);
+  plan.moved.clear();
+  plan.dead.clear();
+  plan.figures.clear();
+  for (int i = 0; i < 4; ++i) {
+    for (const Index t : mesh.star(center[i])) {
+      const Tet& tet = mesh.tets[t];
+      int shared = 0;
+      int first_shared = 4;     // lowest corner of the target that this tet has, so that it is listed once
+      std::uint8_t corner = 0;  // its corner that moves, if it is the only one
+      for (int j = 3; j >= 0; --j) {
+        for (std::uint8_t k = 0; k < 4; ++k) {
+          if (tet[k] != center[j]) continue;
+          ++shared;
+          first_shared = j;
+          corner = k;
+        }
+      }
+      if (shared == 1) {
+        plan.moved.push_back({t, corner});
+      } else if (first_shared == i) {
+        plan.dead.push_back(t);
+      }
+    }
+  }
+}
+
+std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m) {
+  const Tet& tet = mesh.tets[m.tet];
+  std::array<Vec3, 4> p{mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
+  p[m.corner] = plan.barycenter;
+  return p;
+}
+
+void apply_fusion(FusionMesh& mesh, const FusionPlan& plan) {
+  require(plan.target != kNoIndex && mesh.is_alive(plan.target), "apply_fusion: the target is dead");
+  const Tet center = mesh.tets[plan.target];
+  const Index survivor = *std::min_element(center.begin(), center.end(), [&](Index a, Index b) {
+    return mesh.origin_of_vertex(a) < mesh.origin_of_vertex(b);
+  });
+  for (const Index t : plan.dead) {
+    for (const Index v : mesh.tets[t]) {
+      if (std::find(center.begin(), center.end(), v) == center.end()) erase_from_star(mesh, v, t);
+    }
+    mesh.tets[t][0] = kNoIndex;
+  }
+  mesh.alive -= plan.dead.size();
+  mesh.points[survivor] = plan.barycenter;
+  allocate_row(mesh, survivor, center, plan.moved.size());
+  Index* row = mesh.star_tets.data() + mesh.star_begin[survivor];
+  for (const MovedTet& m : plan.moved) {
+    mesh.tets[m.tet][m.corner] = survivor;
+    *row++ = m.tet;
+  }
+}
+
+double mean_tet_volume(const TetMesh& mesh) {
+  return mesh.tets.empty() ? 0.0 : total_volume(mesh) / static_cast<double>(mesh.tets.size());
+}
+
+}  // namespace palpate::simplify

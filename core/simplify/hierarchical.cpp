@@ -1,0 +1,318 @@
+#include "core/simplify/hierarchical.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/orientation.h"
+#include "core/simplify/candidate_queue.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// Doubly linked lists of the candidates that are parked on each tet.
+struct Parking {
+  std::vector<Index> first;  ///< of the candidates parked on this tet
+  std::vector<Index> next;   ///< of the candidates on the same witness
+  std::vector<Index> previous;
+  std::vector<Index> witness;  ///< of this candidate: the present one, or the last
+
+  explicit Parking(std::size_t tets)
+      : first(tets, kNoIndex), next(tets, kNoIndex), previous(tets, kNoIndex), witness(tets, kNoIndex) {}
+
+  void park(Index candidate, Index on) {
+    witness[candidate] = on;
+    previous[candidate] = kNoIndex;
+    next[candidate] = first[on];
+    if (first[on] != kNoIndex) previous[first[on]] = candidate;
+    first[on] = candidate;
+  }
+
+  void leave(Index candidate) {
+    if (previous[candidate] == kNoIndex) {
+      first[witness[candidate]] = next[candidate];
+    } else {
+      next[previous[candidate]] = next[candidate];
+    }
+    if (next[candidate] != kNoIndex) previous[next[candidate]] = previous[candidate];
+  }
+};
+
+/// What a look at a candidate found.
+struct Verdict {
+  State state = State::kIdle;  ///< kIdle: it can be fused
+  Index witness = kNoIndex;
+};
+
+class Run {
+ public:
+  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options, double ideal_volume)
+      : mesh_(mesh),
+        options_(options),
+        level_(std::move(level)),
+        state_(mesh.tets.size(), State::kIdle),
+        parking_(mesh.tets.size()),
+        qualities_(mesh, options, ideal_volume),
+        queue_(mesh, qualities_, state_),
+        total_volume_(ideal_volume * static_cast<double>(mesh.tets.size())),
+        drop_cubed_(options.drop * options.drop * options.drop) {}
+
+  void simplify(SimplifyReport& report) {
+    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
+    report.stop = "limit";
+    int level = static_cast<int>(report.level_sizes.size());
+    bool stopped = false;
+    while (--level >= options_.last_level && !stopped) {
+      start_level(static_cast<std::uint16_t>(level));
+      while (true) {
+        if (options_.stop.fusions && report.fusions >= *options_.stop.fusions) {
+          report.stop = "fusions";
+          stopped = true;
+          break;
+        }
+        if (target > 0 && mesh_.alive <= target) {
+          report.stop = options_.stop.tets && *options_.stop.tets == target ? "tets" : "ratio";
+          stopped = true;
+          break;
+        }
+        if (!fuse_worst()) break;
+        ++report.fusions;
+      }
+      if (!stopped) end_level();
+    }
+    count_rejections(report.rejected);
+  }
+
+  void count_rejections(Rejections& rejected) const {
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      if (!mesh_.is_alive(t)) continue;
+      if (level_[t] == 0) {
+        ++rejected.boundary;
+      } else if (level_[t] < options_.last_level) {
+        ++rejected.boundary_neighbour;
+      } else if (state_[t] == State::kTouched) {
+        ++rejected.touched;
+      } else if (state_[t] == State::kParkedFlip || state_[t] == State::kRefusedFlip) {
+        ++rejected.flip;
+      } else if (state_[t] == State::kParkedQuality || state_[t] == State::kRefusedQuality) {
+        ++rejected.quality;
+      }
+    }
+  }
+
+ private:
+  void start_level(std::uint16_t level) {
+    queue_.clear();
+    current_level_ = level;
+    members_.clear();
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      if (level_[t] != level || !mesh_.is_alive(t)) continue;
+      members_.push_back(t);
+      if (state_[t] == State::kTouched) continue;
+      state_[t] = State::kWaiting;
+      queue_.push(t);
+    }
+  }
+
+  /// The level is done with: its candidates leave their witnesses and keep the reason.
+  void end_level() {
+    for (const Index t : members_) {
+      if (!is_parked(state_[t])) continue;
+      parking_.leave(t);
+      state_[t] = state_[t] == State::kParkedFlip ? State::kRefusedFlip : State::kRefusedQuality;
+    }
+    reconsider_.clear();
+  }
+
+  /// Fuses the worst candidate that passes the checks. Returns whether there was one.
+  bool fuse_worst() {
+    while (true) {
+      reconsider_for_ideal_volume();
+      const Index t = queue_.pop_worst();
+      if (t == kNoIndex) return false;
+      const Verdict verdict = examine(t);
+      if (verdict.state == State::kIdle) {
+        fuse();
+        return true;
+      }
+      state_[t] = verdict.state;
+      parking_.park(t, verdict.witness);
+      if (verdict.state == State::kParkedQuality && qualities_.is_updated())
+        plan_reconsideration(t, verdict.witness);
+    }
+  }
+
+  /// Looks at a candidate: first at the moved tet that failed it last time, then at all, flips before
+  /// qualities.
+  Verdict examine(Index t) {
+    const Index last_witness = parking_.witness[t];
+    if (options_.checks.flip && last_witness != kNoIndex && mesh_.is_alive(last_witness) &&
+        would_flip(t, last_witness)) {
+      return {State::kParkedFlip, last_witness};
+    }
+    plan_fusion(mesh_, t, plan_);
+    for (const MovedTet& m : plan_.moved) {
+      const auto p = moved_points(mesh_, plan_, m);
+      const bool is_positive = orientation(p[0], p[1], p[2], p[3]) > 0;
+      if (!is_positive && options_.checks.flip) return {State::kParkedFlip, m.tet};
+      plan_.figures.push_back({is_positive, 0.0, 0.0});
+    }
+    for (std::size_t i = 0; i < plan_.moved.size(); ++i) {
+      if (plan_.figures[i].is_positive) {
+        const auto p = moved_points(mesh_, plan_, plan_.moved[i]);
+        plan_.figures[i] = measure_positive_tet(options_.metric, p[0], p[1], p[2], p[3]);
+      }
+      if (options_.checks.quality &&
+          qualities_.key(plan_.figures[i]) < drop_cubed_ * qualities_.key(plan_.moved[i].tet)) {
+        return {State::kParkedQuality, plan_.moved[i].tet};
+      }
+    }
+    return {};
+  }
+
+  /// Does fusing `t` flip `other`? False if `other` does not share exactly one vertex with it.
+  bool would_flip(Index t, Index other) const {
+    const Tet& center = mesh_.tets[t];
+    const Tet& tet = mesh_.tets[other];
+    int shared = 0;
+    std::size_t corner = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (std::find(center.begin(), center.end(), tet[k]) == center.end()) continue;
+      ++shared;
+      corner = k;
+    }
+    if (shared != 1) return false;
+    std::array<Vec3, 4> p{mesh_.points[tet[0]], mesh_.points[tet[1]], mesh_.points[tet[2]],
+                          mesh_.points[tet[3]]};
+    p[corner] = 0.25 * (mesh_.points[center[0]] + mesh_.points[center[1]] + mesh_.points[center[2]] +
+                        mesh_.points[center[3]]);
+    return orientation(p[0], p[1], p[2], p[3]) <= 0;
+  }
+
+  void fuse() {
+    for (const Index t : plan_.dead) {
+      if (is_parked(state_[t])) parking_.leave(t);
+      state_[t] = State::kIdle;
+    }
+    apply_fusion(mesh_, plan_);
+    if (qualities_.is_updated())
+      qualities_.set_ideal_volume(total_volume_ / static_cast<double>(mesh_.alive));
+    for (std::size_t i = 0; i < plan_.moved.size(); ++i) {
+      const Index t = plan_.moved[i].tet;
+      qualities_.set(t, plan_.figures[i]);
+      if (is_parked(state_[t])) parking_.leave(t);
+      if (options_.skip_touched) {
+        state_[t] = State::kTouched;
+      } else if (level_[t] == current_level_) {
+        state_[t] = State::kWaiting;
+        queue_.push(t);
+      }
+    }
+    for (const MovedTet& m : plan_.moved) wake_parked_on(m.tet);
+    for (const Index t : plan_.dead) wake_parked_on(t);
+  }
+
+  void wake_parked_on(Index witness) {
+    Index t = std::exchange(parking_.first[witness], kNoIndex);
+    while (t != kNoIndex) {
+      state_[t] = State::kWaiting;
+      queue_.push(t);
+      t = parking_.next[t];
+    }
+  }
+
+  /// A growing ideal volume can heal a loss of quality though neither tet changes: where the moved tet is
+  /// larger than the ideal volume and than it was, its key still grows. Notes the ideal volume at which it
+  /// could pass, rounded down.
+  void plan_reconsideration(Index t, Index witness) {
+    const auto at = std::find_if(plan_.moved.begin(), plan_.moved.end(),
+                                 [&](const MovedTet& m) { return m.tet == witness; });
+    const TetFigures& after = plan_.figures[static_cast<std::size_t>(at - plan_.moved.begin())];
+    const double volume_before = qualities_.volume(witness);
+    if (after.shape <= 0.0 || after.volume <= volume_before || after.volume <= qualities_.ideal_volume())
+      return;
+    const double passes_at = drop_cubed_ * qualities_.shape(witness) * volume_before / after.shape;
+    if (passes_at > after.volume * (1.0 + kRoundingMargin)) return;
+    const double next = std::nextafter(qualities_.ideal_volume(), std::numeric_limits<double>::infinity());
+    reconsider_.push({std::max(next, passes_at * (1.0 - kRoundingMargin)), mesh_.origin_of_tet(t), t});
+  }
+
+  void reconsider_for_ideal_volume() {
+    const auto any = [](const Candidate&) { return true; };
+    for (const Candidate* c = reconsider_.top(any); c != nullptr && c->key <= qualities_.ideal_volume();
+         c = reconsider_.top(any)) {
+      const Index t = c->tet;
+      reconsider_.pop();
+      if (!mesh_.is_alive(t) || state_[t] != State::kParkedQuality) continue;
+      parking_.leave(t);
+      state_[t] = State::kWaiting;
+      queue_.push(t);
+    }
+  }
+
+  /// Far above the rounding of the few operations it stands for; too large costs a second look, no more.
+  static constexpr double kRoundingMargin = 1e-12;
+
+  FusionMesh& mesh_;
+  const SimplifyOptions& options_;
+  std::vector<std::uint16_t> level_;
+  std::vector<State> state_;
+  Parking parking_;
+  Qualities qualities_;
+  CandidateQueue queue_;
+  LazyHeap reconsider_;
+  FusionPlan plan_;
+  std::vector<Index> members_;
+  std::uint16_t current_level_ = 0;
+  double total_volume_;
+  double drop_cubed_;
+};
+
+}  // namespace
+
+std::uint64_t target_tet_count(const StopRule& stop, std::uint64_t tets_in) {
+  std::uint64_t target = stop.tets.value_or(0);
+  if (stop.ratio) {
+    const double removed = std::ceil(*stop.ratio * static_cast<double>(tets_in));
+    target = std::max(target, tets_in - static_cast<std::uint64_t>(removed));
+  }
+  return target;
+}
+
+void validate_options(const SimplifyOptions& options) {
+  if (!(options.drop >= 0.0 && options.drop <= 1.0)) {
+    throw InputError("drop", 0, "a share from 0 to 1", std::to_string(options.drop));
+  }
+  if (options.last_level < 1)
+    throw InputError("last_level", 0, "1 or more", std::to_string(options.last_level));
+  const StopRule& stop = options.stop;
+  if (stop.ratio && !(*stop.ratio >= 0.0 && *stop.ratio < 1.0)) {
+    throw InputError("ratio", 0, "a share from 0 up to, not including, 1", std::to_string(*stop.ratio));
+  }
+  if (stop.tets && *stop.tets == 0) throw InputError("tets", 0, "1 or more", "0");
+}
+
+SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& options) {
+  validate_options(options);
+  SimplifyReport report;
+  report.vertices_in = mesh.points.size();
+  report.tets_in = mesh.tets.size();
+
+  const double ideal_volume = mean_tet_volume(mesh);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage);
+  std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
+  report.level_sizes = count_levels(level);
+  {
+    Run run(work, std::move(level), options, ideal_volume);
+    run.simplify(report);
+  }
+  mesh = extract_mesh(std::move(work));
+  report.vertices_out = mesh.points.size();
+  report.tets_out = mesh.tets.size();
+  return report;
+}
+
+}  // namespace palpate::simplify

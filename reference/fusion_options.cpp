@@ -1,0 +1,109 @@
+#include "reference/fusion_options.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+/// Removes `key` from `options` and returns its value as T, or `fallback` if it is absent.
+template <typename T>
+T take(json& options, const char* key, bool (json::*is_type)() const noexcept, const char* expected,
+       T fallback) {
+  const auto it = options.find(key);
+  if (it == options.end()) return fallback;
+  if (!((*it).*is_type)()) throw InputError(key, 0, expected, it->dump());
+  const T value = it->template get<T>();
+  options.erase(it);
+  return value;
+}
+
+simplify::StopRule read_stop(const json& stop) {
+  simplify::StopRule rule;
+  for (const auto& [kind, value] : stop.items()) {
+    if (kind == "fusions" && value.is_number_unsigned()) {
+      rule.fusions = value.get<std::uint64_t>();
+    } else if (kind == "tets" && value.is_number_unsigned()) {
+      rule.tets = value.get<std::uint64_t>();
+    } else if (kind == "ratio" && value.is_number()) {
+      rule.ratio = value.get<double>();
+    } else if (!(kind == "limit" && value == true)) {
+      throw InputError("stop", 0, "fusions, tets, ratio or limit with a value that fits",
+                       kind + ": " + value.dump());
+    }
+  }
+  return rule;
+}
+
+}  // namespace
+
+std::size_t take_choice(json& options, const char* key, const std::vector<std::string>& choices) {
+  const std::string value = take<std::string>(options, key, &json::is_string, "a name", choices.front());
+  const auto it = std::find(choices.begin(), choices.end(), value);
+  if (it != choices.end()) return static_cast<std::size_t>(it - choices.begin());
+  std::string expected = "one of";
+  for (const std::string& choice : choices) expected += " " + choice;
+  throw InputError(key, 0, expected, value);
+}
+
+simplify::SimplifyOptions take_fusion_options(const json& stop, json& options) {
+  using simplify::IdealVolume;
+  using simplify::LevelAdjacency;
+  simplify::SimplifyOptions result;
+  result.stop = read_stop(stop);
+  constexpr std::array kLevels{LevelAdjacency::kVertex, LevelAdjacency::kEdge, LevelAdjacency::kFace};
+  result.levels = kLevels[take_choice(options, "levels", {"vertex", "edge", "face"})];
+  result.drop = take<double>(options, "drop", &json::is_number, "a number", result.drop);
+  constexpr std::array kIdeal{IdealVolume::kFixed, IdealVolume::kUpdated};
+  result.ideal_volume = kIdeal[take_choice(options, "ideal_volume", {"fixed", "updated"})];
+  result.skip_touched =
+      take<bool>(options, "skip_touched", &json::is_boolean, "true or false", result.skip_touched);
+  result.last_level =
+      take<int>(options, "last_level", &json::is_number_integer, "a whole number", result.last_level);
+  constexpr std::array<simplify::FusionChecks, 4> kChecks{
+      {{true, true}, {true, false}, {false, true}, {false, false}}};
+  result.checks = kChecks[take_choice(options, "checks", {"all", "flip", "quality", "none"})];
+  constexpr std::array kMetrics{simplify::kThesisMetric, simplify::kMeanRatioMetric};
+  result.metric = kMetrics[take_choice(options, "metric", {"thesis", "mean_ratio"})];
+  return result;
+}
+
+void require_all_taken(const json& options) {
+  if (!options.empty()) throw InputError("options", 0, "known options", options.begin().key());
+}
+
+Response run_fusion(const Request& request,
+                    const std::function<simplify::SimplifyReport(TetMesh&)>& simplify) {
+  MeditFile file = read_medit(request.input);
+  Response response;
+  response.notes = std::move(file.notes);
+  const auto start = std::chrono::steady_clock::now();
+  const simplify::SimplifyReport report = simplify(file.mesh);
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_medit(request.output, file.mesh);
+  if (report.fusions == 0 && report.stop == "limit") {
+    response.notes.emplace_back("no tetrahedron can be fused: the mesh is left as it is");
+  }
+  response.report = {{"method", request.method},
+                     {"vertices_in", report.vertices_in},
+                     {"vertices_out", report.vertices_out},
+                     {"tets_in", report.tets_in},
+                     {"tets_out", report.tets_out},
+                     {"fusions", report.fusions},
+                     {"stop", report.stop},
+                     {"levels", report.level_sizes},
+                     {"rejected",
+                      {{"boundary", report.rejected.boundary},
+                       {"boundary_neighbour", report.rejected.boundary_neighbour},
+                       {"quality", report.rejected.quality},
+                       {"flip", report.rejected.flip},
+                       {"touched", report.rejected.touched}}}};
+  return response;
+}
+
+}  // namespace palpate::reference
