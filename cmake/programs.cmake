@@ -1,0 +1,25 @@
+# The target "programs": the program and every adapter, without tests and benchmarks. The launcher builds it.
+
+# Appends the executables that `folder` and the folders below it declare to the list named `list_name`.
+function(palpate_collect_programs folder list_name)
+  set(found ${${list_name}})
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target IN LISTS targets)
+    get_target_property(type ${target} TYPE)
+    if(type STREQUAL "EXECUTABLE")
+      list(APPEND found ${target})
+    endif()
+  endforeach()
+  get_property(children DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(child IN LISTS children)
+    palpate_collect_programs(${child} found)
+  endforeach()
+  set(${list_name} ${found} PARENT_SCOPE)
+endfunction()
+
+set(palpate_programs "")
+palpate_collect_programs(${PROJECT_SOURCE_DIR} palpate_programs)
+add_custom_target(programs)
+if(palpate_programs)
+  add_dependencies(programs ${palpate_programs})
+endif()

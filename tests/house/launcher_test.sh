@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# The launcher in a small repository of its own: it builds, hands over arguments and exit code, sees each kind of change,
+# builds once when two are started together, and says what failed.
+#   launcher_test.sh ROOT
+set -euo pipefail
+root=$1
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+repo=$work/repo
+mkdir -p "$repo"/{core,reference,experiments,cmake}
+cp -- "$root/palpate" "$repo/palpate"
+printf 'bash # the shell\n' >"$repo/packages.txt"
+cat >"$repo/CMakePresets.json" <<'JSON'
+{"version": 6, "configurePresets": [
+  {"name": "release", "generator": "Ninja", "binaryDir": "${sourceDir}/build/${presetName}"}]}
+JSON
+cat >"$repo/CMakeLists.txt" <<'CMAKE'
+cmake_minimum_required(VERSION 3.25)
+project(small LANGUAGES C)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+add_executable(palpate experiments/main.cpp)
+set_source_files_properties(experiments/main.cpp PROPERTIES LANGUAGE C)
+add_custom_target(programs DEPENDS palpate)
+CMAKE
+write_program() { # EXIT_CODE
+  cat >"$repo/experiments/main.cpp" <<C
+#include <stdio.h>
+int main(int n, char** a) { for (int i = 1; i < n; ++i) printf("[%s]", a[i]); return $1; }
+C
+}
+export PALPATE_OFFLINE=1
+unset PALPATE_PRESET PALPATE_JOBS
+code=0
+run() {
+  code=0
+  out=$("$repo/palpate" "$@" 2>"$work/err") || code=$?
+}
+expect() { # TITLE CONDITION...
+  local title=$1
+  shift
+  if ! "$@"; then
+    printf 'not so: %s\n(exit code %s, out: %s)\n' "$title" "$code" "$out" >&2
+    cat "$work/err" >&2
+    exit 1
+  fi
+}
+
+write_program 1
+run quality "a b" ''
+expect "arguments are handed over as they are" test "$out" = '[quality][a b][]'
+expect "the exit code is the program's" test "$code" = 1
+
+run quality
+expect "nothing is said or built when all is up to date" test ! -s "$work/err"
+
+write_program 2
+run quality
+expect "an edited source is built" test "$code" = 2
+write_program 0
+touch -d '2001-01-01' "$repo/experiments/main.cpp"
+run quality
+expect "a source with an old date does not go unnoticed" grep -q configuring "$work/err"
+write_program 0
+
+rm -rf "$repo/build"
+"$repo/palpate" one >"$work/one" 2>"$work/one.err" &
+"$repo/palpate" two >"$work/two" 2>"$work/two.err"
+wait
+expect "two at once both run" test "$(cat "$work/one" "$work/two")" = '[one][two]'
+builds=$(cat "$work/one.err" "$work/two.err" | grep -c configuring)
+expect "two at once build once" test "$builds" = 1
+
+printf 'int main(void) { return nothing; }\n' >"$repo/experiments/main.cpp"
+run quality
+expect "a failed build exits with 3" test "$code" = 3
+expect "a failed build shows why" grep -q "nothing" "$work/err"
+expect "a failed build names its log" grep -q "build.log" "$work/err"
+run quality
+expect "a failed build is not taken for done" test "$code" = 3
+
+write_program 0
+mv "$repo" "$work/moved"
+repo=$work/moved
+run quality
+expect "a moved folder builds anew" test "$code" = 0
+
+PALPATE_PRESET=fast run quality
+expect "an unknown preset is bad usage" test "$code" = 2
+echo "the launcher does what it says"

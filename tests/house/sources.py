@@ -1,0 +1,149 @@
+"""Holds the C++ sources against the tools, and remembers what passed.
+
+    sources.py headers|format|tidy ROOT BUILD [FILE...]
+
+headers  every header of ours compiles alone, with the compiler and the include paths of the build
+format   clang-format 14 would change nothing
+tidy     clang-tidy 14 finds nothing, with the compile commands of the build
+
+A file that passed is not looked at again until its text, a header of ours that it includes, the settings, the command or
+the tool changes; the marks are kept below BUILD/checked. Without FILE all files that git tracks are held (or, outside
+a git checkout, all that are there). Exits with 1 if a file fails, with 2 if a tool is missing.
+"""
+
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+FOLDERS = ("core", "reference", "experiments", "tests")
+
+
+def list_sources(root, suffixes):
+    """The C++ files of ours, relative to the root, sorted."""
+    done = subprocess.run(["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard", "--", *FOLDERS],
+                          capture_output=True, text=True)
+    if done.returncode == 0:
+        names = [name for name in done.stdout.split("\0") if name and (root / name).is_file()]
+    else:
+        names = [path.relative_to(root).as_posix() for folder in FOLDERS for path in (root / folder).rglob("*")
+                 if path.is_file()]
+    return sorted(name for name in names if name.endswith(suffixes))
+
+
+def text_with_headers(root, name, seen=None):
+    """The bytes of a file and of all headers of ours below it, each once."""
+    seen = set() if seen is None else seen
+    if name in seen or not (root / name).is_file():
+        return b""
+    seen.add(name)
+    data = (root / name).read_bytes()
+    parts = [name.encode(), b"\0", data]
+    for match in INCLUDE.finditer(data.decode("utf-8", errors="replace")):
+        parts.append(text_with_headers(root, match.group(1), seen))
+    return b"".join(parts)
+
+
+def read_commands(build):
+    """The compile command of each source, as a list of words, by its absolute path."""
+    entries = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
+    return {entry["file"]: shlex.split(entry["command"]) for entry in entries}
+
+
+def flags_near(root, commands, header):
+    """Compiler and language flags of a source beside the header, or of one in a folder above it."""
+    folder = (root / header).parent
+    while True:
+        for source, words in sorted(commands.items()):
+            if pathlib.Path(source).is_relative_to(folder):
+                kept = [words[0]]
+                for i, word in enumerate(words[1:], start=1):
+                    if word.startswith(("-I", "-D", "-std", "-W", "-f")):
+                        kept.append(word)
+                    elif words[i - 1] == "-isystem":
+                        kept += ["-isystem", word]
+                return kept
+        if folder == root:
+            raise SystemExit("no compile command below the root: configure the build first")
+        folder = folder.parent
+
+
+class Check:
+    """What one kind of check runs for a file, and on which files."""
+
+    def __init__(self, kind, root, build):
+        self.kind, self.root, self.build = kind, root, build
+        self.suffixes = {"headers": (".h",), "format": (".h", ".cpp"), "tidy": (".cpp",)}[kind]
+        self.settings = b""
+        if kind != "format":
+            self.commands = read_commands(build)
+        if kind != "headers":
+            self.tool = find_tool("clang-" + kind)
+            self.settings = (root / f".clang-{kind}").read_bytes()
+            self.settings += subprocess.run([self.tool, "--version"], capture_output=True, check=True).stdout
+
+    def command(self, name):
+        """The words to run; None for a source that this build leaves out (its vendor is missing, or tests/consumer)."""
+        path = str(self.root / name)
+        if self.kind == "format":
+            return [self.tool, "--dry-run", "-Werror", path]
+        if self.kind == "tidy":
+            return [self.tool, "--quiet", "-p", str(self.build), path] if path in self.commands else None
+        return flags_near(self.root, self.commands, name) + ["-fsyntax-only", "-x", "c++", "-include", path, "/dev/null"]
+
+    def key(self, name, words):
+        build_words = self.commands.get(str(self.root / name), []) if self.kind == "tidy" else []
+        digest = hashlib.sha256(self.settings)
+        digest.update("\0".join([*words, *build_words]).encode())
+        digest.update((self.root / name).read_bytes() if self.kind == "format" else text_with_headers(self.root, name))
+        return digest.hexdigest()
+
+    def hold(self, name):
+        """("passed" | "known" | "left out" | "failed", what the tool said)."""
+        words = self.command(name)
+        if words is None:
+            return "left out", ""
+        mark = self.build / "checked" / self.kind / self.key(name, words)
+        if mark.exists():
+            return "known", ""
+        done = subprocess.run(words, capture_output=True, text=True, cwd=self.root)
+        if done.returncode != 0:
+            return "failed", done.stdout + done.stderr
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        mark.touch()
+        return "passed", ""
+
+
+def find_tool(name):
+    """The tool of the version that the settings are for."""
+    for candidate in (name + "-14", name):
+        path = shutil.which(candidate)
+        if path and " 14." in subprocess.run([path, "--version"], capture_output=True, text=True).stdout:
+            return path
+    print(f"{name} 14 is missing (packages.txt)", file=sys.stderr)
+    raise SystemExit(2)
+
+
+def main():
+    kind, root, build = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
+    check = Check(kind, root, build)
+    names = sys.argv[4:] or list_sources(root, check.suffixes)
+    counts = {"passed": 0, "known": 0, "left out": 0, "failed": 0}
+    with concurrent.futures.ThreadPoolExecutor(max_workers=len(os.sched_getaffinity(0))) as pool:
+        for name, (outcome, said) in zip(names, pool.map(check.hold, names)):
+            counts[outcome] += 1
+            if outcome == "failed":
+                print(f"{name}:\n{said}")
+    print(f"{kind}: {len(names)} files: " + ", ".join(f"{count} {outcome}" for outcome, count in counts.items()))
+    return 1 if counts["failed"] or not names else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

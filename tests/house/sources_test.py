@@ -1,0 +1,72 @@
+"""Each check of sources.py must refuse a bad file, must pass a good one, and must notice a changed header."""
+
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+REPO = HERE.parents[1]
+
+
+class Sources(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.root = pathlib.Path(self.folder.name).resolve() / "repo"
+        self.build = self.root / "build"
+        self.build.mkdir(parents=True)
+        for name in (".clang-format", ".clang-tidy"):
+            (self.root / name).write_bytes((REPO / name).read_bytes())
+        self.write("core/base/good.h", "#pragma once\n#include <vector>\n\nusing Numbers = std::vector<int>;\n")
+        self.write("core/base/good.cpp", '#include "core/base/good.h"\n\nint count(const Numbers& numbers);\n')
+        command = f"/usr/bin/g++ -I{self.root} -std=c++20 -c {self.root}/core/base/good.cpp"
+        entry = {"directory": str(self.build), "command": command, "file": f"{self.root}/core/base/good.cpp"}
+        (self.build / "compile_commands.json").write_text(json.dumps([entry]), encoding="utf-8")
+
+    def write(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+    def hold(self, kind):
+        done = subprocess.run([sys.executable, "-B", HERE / "sources.py", kind, self.root, self.build],
+                              capture_output=True, text=True)
+        return done.returncode, done.stdout
+
+    def test_good_files_pass_and_are_remembered(self):
+        for kind in ("headers", "format", "tidy"):
+            with self.subTest(kind=kind):
+                code, said = self.hold(kind)
+                self.assertEqual(code, 0, said)
+                self.assertRegex(said, "[1-9] passed, 0 known")
+                code, said = self.hold(kind)
+                self.assertEqual(code, 0, said)
+                self.assertRegex(said, "0 passed, [1-9] known")
+
+    def test_a_header_that_needs_another_is_refused(self):
+        self.write("core/base/bad.h", "#pragma once\ninline std::vector<int> none() { return {}; }\n")
+        code, said = self.hold("headers")
+        self.assertEqual(code, 1)
+        self.assertIn("core/base/bad.h", said)
+
+    def test_untidy_layout_is_refused(self):
+        self.write("core/base/bad.h", "#pragma once\nint   f( );\n")
+        self.assertEqual(self.hold("format")[0], 1)
+
+    def test_a_name_against_the_style_is_refused(self):
+        self.write("core/base/good.cpp", "int BadName() { return 0; }\n")
+        code, said = self.hold("tidy")
+        self.assertEqual(code, 1)
+        self.assertIn("readability-identifier-naming", said)
+
+    def test_a_changed_header_is_looked_at_again(self):
+        self.assertEqual(self.hold("tidy")[0], 0)
+        self.write("core/base/good.h", "#pragma once\n#include <vector>\nusing Numbers = std::vector<int>;\nint BadName();\n")
+        self.assertIn("0 known", self.hold("tidy")[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
