@@ -14,15 +14,15 @@ namespace palpate::judge {
 
 /// Counts of what is wrong with a mesh; all zero for a valid one.
 struct Validity {
-  std::uint64_t index_errors = 0;       ///< tets with an index out of range or a vertex twice
-  std::uint64_t non_finite_points = 0;  ///< points with a coordinate that is NaN or infinite
-  std::uint64_t inverted_tets = 0;      ///< exact orientation negative
-  std::uint64_t flat_tets = 0;          ///< exact orientation zero
-  std::uint64_t duplicate_tets = 0;     ///< same four vertices as an earlier tet
-  std::uint64_t nonmanifold_faces = 0;  ///< more than two tets
-  std::uint64_t folded_faces = 0;       ///< two tets, neither flat, with their apexes on the same side
-  std::uint64_t nonmanifold_edges = 0;  ///< link neither one cycle nor one path: the tets around it make
-                                        ///< neither one ring nor one fan
+  std::uint64_t index_errors = 0;          ///< tets with an index out of range or a vertex twice
+  std::uint64_t non_finite_points = 0;     ///< points with a coordinate that is NaN or infinite
+  std::uint64_t inverted_tets = 0;         ///< exact orientation negative
+  std::uint64_t flat_tets = 0;             ///< exact orientation zero
+  std::uint64_t duplicate_tets = 0;        ///< same four vertices as an earlier tet
+  std::uint64_t nonmanifold_faces = 0;     ///< more than two tets
+  std::uint64_t folded_faces = 0;          ///< two tets, neither flat, with their apexes on the same side
+  std::uint64_t nonmanifold_edges = 0;     ///< link neither one cycle nor one path: the tets around it make
+                                           ///< neither one ring nor one fan
   std::uint64_t nonmanifold_vertices = 0;  ///< link neither a sphere nor a disc
   std::uint64_t isolated_vertices = 0;     ///< points that no tet with valid indices uses
   std::vector<std::string> findings;  ///< the first three of each kind, one line each; elements are counted
