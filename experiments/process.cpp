@@ -55,13 +55,18 @@ void redirect(int target, const std::filesystem::path& path) {
   ::_exit(written == sizeof error ? 127 : 126);
 }
 
-/// Waits until the child ends or the time is up. Returns false when the time is up.
-bool wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline) {
+enum class Wait { kEnded, kTimeUp, kStopped };
+
+/// Waits until the child ends, the time is up or the stop flag rises.
+Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
+                  const volatile std::sig_atomic_t* stop_flag) {
+  constexpr std::int64_t kFlagPeriodMs = 100;
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   while (true) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, 1'000'000));
+    const std::int64_t longest = stop_flag != nullptr ? kFlagPeriodMs : 1'000'000;
+    const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, longest));
     pollfd event{handle, POLLIN, 0};
     const int ready = handle >= 0 ? ::poll(&event, 1, milliseconds) : -1;
     if (ready > 0) break;
@@ -72,21 +77,25 @@ bool wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline) {
         break;
       ::usleep(2000);
     }
-    if (milliseconds == 0) {
+    const bool stopped = stop_flag != nullptr && *stop_flag != 0;
+    if (milliseconds == 0 || stopped) {
       if (handle >= 0) ::close(handle);
-      return false;
+      return stopped ? Wait::kStopped : Wait::kTimeUp;
     }
   }
   if (handle >= 0) ::close(handle);
-  return true;
+  return Wait::kEnded;
 }
 
-ProcessResult describe(int status, const rusage& usage, bool timed_out, const ProcessSpec& spec) {
+ProcessResult describe(int status, const rusage& usage, Wait wait, const ProcessSpec& spec) {
   ProcessResult result;
   result.user_s = seconds_of(usage.ru_utime);
   result.system_s = seconds_of(usage.ru_stime);
   result.peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-  if (timed_out) {
+  if (wait == Wait::kStopped) {
+    result.end = ProcessEnd::kInterrupted;
+    result.message = "interrupted";
+  } else if (wait == Wait::kTimeUp) {
     result.end = ProcessEnd::kTimedOut;
     std::string limit = std::to_string(spec.timeout_s);
     limit.erase(limit.find_last_not_of('0') + 1);
@@ -110,7 +119,7 @@ ProcessResult describe(int status, const rusage& usage, bool timed_out, const Pr
 ProcessResult run_process(const ProcessSpec& spec) {
   require(!spec.arguments.empty(), "run_process: no program");
   ::setenv("LC_ALL", "C", 1);
-  ::setenv("OMP_NUM_THREADS", "1", 0);
+  ::setenv("OMP_NUM_THREADS", std::to_string(spec.threads).c_str(), 1);
   std::vector<char*> arguments;
   for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);
@@ -131,13 +140,13 @@ ProcessResult run_process(const ProcessSpec& spec) {
 
   const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(std::min(spec.timeout_s, 1e8)));
-  const bool ended = wait_for_end(child, start + limit);
+  const Wait wait = wait_for_end(child, start + limit, spec.stop_flag);
   ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late
   int status = 0;
   rusage usage{};
   while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
   }
-  ProcessResult result = describe(status, usage, !ended, spec);
+  ProcessResult result = describe(status, usage, wait, spec);
   result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   int error = 0;
   if (::read(failure[0], &error, sizeof error) == sizeof error) {

@@ -1,6 +1,7 @@
 // Child processes with a time-out, a memory bound and their own peak memory.
 #pragma once
 
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -15,10 +16,12 @@ struct ProcessSpec {
   std::uint64_t memory_bytes = 0;         ///< address-space bound; 0 for none (and in sanitizer builds)
   std::filesystem::path standard_output;  ///< file that receives it; empty: discarded
   std::filesystem::path standard_error;   ///< file that receives it; empty: discarded
+  int threads = 1;                        ///< what the child sees as OMP_NUM_THREADS
+  const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the group is killed when it turns non-zero
 };
 
 /// How a child ended.
-enum class ProcessEnd { kExited, kSignalled, kTimedOut, kNotStarted };
+enum class ProcessEnd { kExited, kSignalled, kTimedOut, kInterrupted, kNotStarted };
 
 struct ProcessResult {
   ProcessEnd end = ProcessEnd::kNotStarted;
@@ -32,7 +35,7 @@ struct ProcessResult {
 };
 
 /// Runs a child to its end. The child is killed with this process (also by kill -9), has no standard input,
-/// and sees the environment with LC_ALL=C and OMP_NUM_THREADS=1 unless set.
+/// and sees the environment with LC_ALL=C and OMP_NUM_THREADS as asked for.
 ProcessResult run_process(const ProcessSpec& spec);
 
 }  // namespace palpate::experiments

@@ -12,16 +12,23 @@
 namespace palpate {
 
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
-  partial_ = path_.string() + ".partial-" + std::to_string(::getpid());
+  std::error_code ignored;
+  // Through a link to the file itself: renaming would replace the link.
+  if (std::filesystem::is_symlink(path_, ignored)) {
+    std::filesystem::path target = std::filesystem::canonical(path_, ignored);
+    if (!ignored) path_ = std::move(target);
+  }
+  if (std::filesystem::is_directory(path_, ignored)) {
+    throw InputError(path_.string(), 0, "a file to write", "a folder");
+  }
+  is_special_ = std::filesystem::is_other(path_, ignored);
+  partial_ = is_special_ ? path_.string() : path_.string() + ".partial-" + std::to_string(::getpid());
   file_ = std::fopen(partial_.c_str(), "wb");
   if (file_ == nullptr) fail("a folder that can be written");
 }
 
 AtomicFile::~AtomicFile() {
-  if (file_ == nullptr) return;
-  std::fclose(file_);
-  std::error_code ignored;
-  std::filesystem::remove(partial_, ignored);
+  if (file_ != nullptr) discard();
 }
 
 void AtomicFile::write(std::string_view bytes) {
@@ -31,11 +38,11 @@ void AtomicFile::write(std::string_view bytes) {
 
 void AtomicFile::commit() {
   require(file_ != nullptr, "AtomicFile: committed twice");
-  if (std::fflush(file_) != 0 || ::fsync(::fileno(file_)) != 0) {
-    // Pipes and special files cannot be synced; anything else is a real failure.
-    if (errno != EINVAL && errno != EROFS) fail("room on the disk");
-  }
+  if (std::fflush(file_) != 0) fail("room on the disk");
+  // Pipes, devices and some file systems cannot be synced.
+  if (::fsync(::fileno(file_)) != 0 && errno != EINVAL && errno != EROFS) fail("room on the disk");
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail("room on the disk");
+  if (is_special_) return;
   std::error_code error;
   std::filesystem::rename(partial_, path_, error);
   if (error) {
@@ -44,11 +51,16 @@ void AtomicFile::commit() {
   }
 }
 
-void AtomicFile::fail(const char* what) {
-  const std::string reason = std::strerror(errno);
+void AtomicFile::discard() {
   if (file_ != nullptr) std::fclose(std::exchange(file_, nullptr));
+  if (is_special_) return;
   std::error_code ignored;
   std::filesystem::remove(partial_, ignored);
+}
+
+void AtomicFile::fail(const char* what) {
+  const std::string reason = std::strerror(errno);
+  discard();
   throw InputError(path_.string(), 0, what, reason);
 }
 

@@ -9,6 +9,7 @@
 namespace palpate {
 
 /// Writes a file beside its final place and renames it on commit(); without a commit nothing is left behind.
+/// Links are followed. A pipe or a device is written straight: it is never replaced by a file.
 /// Throws: InputError from every member when the folder cannot be written or the disk is full.
 class AtomicFile {
  public:
@@ -24,10 +25,12 @@ class AtomicFile {
 
  private:
   [[noreturn]] void fail(const char* what);
+  void discard();
 
   std::filesystem::path path_;
   std::filesystem::path partial_;
   std::FILE* file_ = nullptr;
+  bool is_special_ = false;
 };
 
 /// Writes a whole file at once.

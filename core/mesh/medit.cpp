@@ -1,9 +1,9 @@
 #include "core/mesh/medit.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
-#include <cstdio>
-#include <memory>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 
@@ -11,114 +11,12 @@
 #include "core/base/error.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
+#include "core/mesh/word_reader.h"
 
 namespace palpate {
 namespace {
 
 constexpr double kLargestCoordinate = 1e90;  // its cube and the products of the predicates stay finite
-
-/// Reads white-space separated words with their line, through a fixed buffer.
-class WordReader {
- public:
-  explicit WordReader(const std::filesystem::path& path) : name_(path.string()) {
-    std::error_code error;
-    if (!std::filesystem::exists(path, error)) throw InputError(name_, 0, "a mesh file", "no such file");
-    if (std::filesystem::is_directory(path, error)) throw InputError(name_, 0, "a mesh file", "a folder");
-    file_.reset(std::fopen(path.c_str(), "rb"));
-    if (!file_) throw InputError(name_, 0, "a readable file", "one that cannot be opened");
-    size_ = std::filesystem::file_size(path, error);
-    if (error) size_ = 0;
-    buffer_.resize(kBufferSize);
-    if (!fill()) throw InputError(name_, 0, "a MEDIT mesh", "an empty file");
-  }
-
-  /// The next word, empty at the end of the file; valid until the next call.
-  std::string_view next() {
-    skip_space();
-    word_line_ = line_;
-    if (at_ == end_) return {};
-    std::size_t last = at_;
-    while (true) {
-      while (last < end_ && !is_space(buffer_[last])) ++last;
-      if (last < end_ || !refill(last)) break;
-    }
-    if (last - at_ > kLongestWord) fail("text", "binary data");
-    const std::string_view word(buffer_.data() + at_, last - at_);
-    at_ = last;
-    return word;
-  }
-
-  [[noreturn]] void fail(const std::string& expected, const std::string& found) const {
-    throw InputError(name_, word_line_, expected, found);
-  }
-
-  std::size_t line() const { return word_line_; }
-  std::uint64_t bytes_left() const { return size_ > consumed_ + at_ ? size_ - consumed_ - at_ : 0; }
-  const std::string& name() const { return name_; }
-
- private:
-  static constexpr std::size_t kBufferSize = 1U << 20U;
-  static constexpr std::size_t kLongestWord = 256;
-
-  static bool is_space(char c) {
-    return c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
-  }
-
-  void skip_space() {
-    bool in_comment = false;
-    while (at_ < end_ || fill()) {
-      const char c = buffer_[at_];
-      if (c == '\0') {
-        word_line_ = line_;
-        fail("text", "binary data");
-      }
-      if (c == '\n') {
-        ++line_;
-        in_comment = false;
-      } else if (c == '#') {
-        in_comment = true;
-      } else if (!in_comment && !is_space(c)) {
-        return;
-      }
-      ++at_;
-    }
-  }
-
-  bool fill() {
-    consumed_ += end_;
-    at_ = 0;
-    end_ = std::fread(buffer_.data(), 1, buffer_.size(), file_.get());
-    return end_ > 0;
-  }
-
-  /// Moves the word that ends at the buffer's end to its front and reads on behind it.
-  bool refill(std::size_t& last) {
-    const std::size_t kept = end_ - at_;
-    if (kept > kLongestWord) return false;
-    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(at_),
-              buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
-    consumed_ += at_;
-    at_ = 0;
-    const std::size_t got = std::fread(buffer_.data() + kept, 1, buffer_.size() - kept, file_.get());
-    end_ = kept + got;
-    last = kept;
-    return got > 0;
-  }
-
-  struct Closer {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  std::string name_;
-  std::unique_ptr<std::FILE, Closer> file_;
-  std::vector<char> buffer_;
-  std::size_t at_ = 0;
-  std::size_t end_ = 0;
-  std::uint64_t consumed_ = 0;
-  std::uint64_t size_ = 0;
-  std::size_t line_ = 1;
-  std::size_t word_line_ = 1;
-};
 
 std::string shown(std::string_view word) {
   if (word.empty()) return "the end of the file";
@@ -138,56 +36,67 @@ struct Row {
   }
 };
 
+/// Takes the whole of `word` as a number. Returns the error of std::from_chars, or invalid_argument.
+template <typename Number>
+std::errc parse(std::string_view word, Number& value) {
+  const char* last = word.data() + word.size();
+  const auto [end, error] = std::from_chars(word.data(), last, value);
+  return error == std::errc() && end != last ? std::errc::invalid_argument : error;
+}
+
 double read_coordinate(WordReader& reader, const Row& row) {
-  std::string_view word = reader.next();
-  const std::string_view whole = word;
-  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const std::string_view word = reader.next();
+  const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
   double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (whole.empty() || error == std::errc::invalid_argument || end != word.data() + word.size()) {
-    reader.fail("a coordinate of " + row.text(), shown(whole));
-  }
-  // An exponent beyond the range of doubles: too small is zero, too large is refused below as written.
-  if (error == std::errc::result_out_of_range || !std::isfinite(value) ||
-      std::fabs(value) > kLargestCoordinate) {
-    reader.fail("a finite coordinate of " + row.text() + " within +-1e90", shown(whole));
+  const std::errc error = parse(word.substr(has_plus ? 1 : 0), value);
+  if (error == std::errc::invalid_argument) reader.fail("a coordinate of " + row.text(), shown(word));
+  if (error != std::errc() || !(std::fabs(value) <= kLargestCoordinate)) {
+    reader.fail("a finite coordinate of " + row.text() + " within +-1e90", shown(word));
   }
   return value;
 }
 
-std::int64_t read_integer(WordReader& reader, const std::string& what) {
+/// `what` is called for the message alone, so that a good row costs no text.
+template <typename What>
+std::int64_t read_integer(WordReader& reader, What&& what) {
   const std::string_view word = reader.next();
   std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || error != std::errc() || end != word.data() + word.size())
-    reader.fail(what, shown(word));
+  if (parse(word, value) != std::errc()) reader.fail(what(), shown(word));
   return value;
 }
 
 Index read_vertex_index(WordReader& reader, const Row& row, std::size_t vertices) {
   const std::string_view word = reader.next();
   std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (word.empty() || error != std::errc() || end != word.data() + word.size() || value < 1 ||
-      value > static_cast<std::int64_t>(vertices)) {
+  if (parse(word, value) != std::errc() || value < 1 || value > static_cast<std::int64_t>(vertices)) {
     reader.fail("a vertex number from 1 to " + std::to_string(vertices) + " in " + row.text(), shown(word));
   }
   return static_cast<Index>(value - 1);
 }
 
+/// A count, and how many rows memory may be set aside for.
+struct Count {
+  std::uint64_t rows;
+  std::uint64_t reserve;
+};
+
 /// Reads a count and holds it against the bytes that are left, so that a lying file costs no memory.
-std::uint64_t read_count(WordReader& reader, const char* section, std::uint64_t smallest_row_bytes) {
-  const std::int64_t count = read_integer(reader, std::string("the number of ") + section);
-  const std::uint64_t most = reader.bytes_left() / smallest_row_bytes + 1;
-  if (count < 0 || static_cast<std::uint64_t>(count) > most) {
-    reader.fail(std::string("a number of ") + section + " that the file can hold (at most " +
-                    std::to_string(most) + ")",
+Count read_count(WordReader& reader, const char* section, std::uint64_t smallest_row_bytes) {
+  const std::string kind(section);
+  const std::int64_t count = read_integer(reader, [&] { return "the number of " + kind; });
+  if (count < 0) reader.fail("a number of " + kind + " that is not negative", std::to_string(count));
+  if (count >= (std::int64_t{1} << 30)) {
+    reader.fail("fewer than 2^30 " + kind, std::to_string(count));
+  }
+  const auto rows = static_cast<std::uint64_t>(count);
+  if (!reader.has_size()) return {rows, 0};
+  // The last row may lack its line end.
+  const std::uint64_t most = (reader.bytes_left() + 1) / smallest_row_bytes;
+  if (rows > most) {
+    reader.fail("a number of " + kind + " that the file can hold (at most " + std::to_string(most) + ")",
                 std::to_string(count));
   }
-  if (count >= (std::int64_t{1} << 30)) {
-    reader.fail(std::string("fewer than 2^30 ") + section, std::to_string(count));
-  }
-  return static_cast<std::uint64_t>(count);
+  return {rows, rows};
 }
 
 template <std::size_t N>
@@ -204,36 +113,41 @@ void require_distinct(const WordReader& reader, const std::array<Index, N>& elem
 
 /// Reads one section of elements with N vertices and a reference number each. Returns whether references
 /// differ.
-template <std::size_t N, typename Take>
+template <std::size_t N>
 bool read_elements(WordReader& reader, const char* section, const char* kind, std::size_t vertices,
-                   Take&& take) {
-  const std::uint64_t count = read_count(reader, section, 2 * N + 2);
+                   std::vector<std::array<Index, N>>& elements) {
+  const Count count = read_count(reader, section, 2 * N + 2);
+  if (count.rows > 0 && vertices == 0) {
+    reader.fail(std::string("the section Vertices before ") + section, "none");
+  }
+  elements.reserve(elements.size() + count.reserve);
   std::int64_t first_reference = 0;
   bool references_differ = false;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const Row row{kind, i + 1, count};
+  for (std::uint64_t i = 0; i < count.rows; ++i) {
+    const Row row{kind, i + 1, count.rows};
     std::array<Index, N> element;
     for (Index& v : element) v = read_vertex_index(reader, row, vertices);
-    const std::int64_t reference = read_integer(reader, "the reference number of " + row.text());
+    const std::int64_t reference =
+        read_integer(reader, [&] { return "the reference number of " + row.text(); });
     require_distinct(reader, element, row);
     if (i == 0) first_reference = reference;
     references_differ = references_differ || reference != first_reference;
-    take(element, count);
+    elements.push_back(element);
   }
   return references_differ;
 }
 
 void read_vertices(WordReader& reader, std::vector<Vec3>& points) {
-  const std::uint64_t count = read_count(reader, "vertices", 8);
-  points.reserve(count);
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const Row row{"vertex", i + 1, count};
-    const double x = read_coordinate(reader, row);
-    const double y = read_coordinate(reader, row);
-    const double z = read_coordinate(reader, row);
-    const std::string_view reference = reader.next();
-    if (reference.empty()) reader.fail("the reference number of " + row.text(), shown(reference));
-    points.push_back({x, y, z});
+  const Count count = read_count(reader, "vertices", 8);
+  points.reserve(count.reserve);
+  for (std::uint64_t i = 0; i < count.rows; ++i) {
+    const Row row{"vertex", i + 1, count.rows};
+    Vec3 point;
+    point.x = read_coordinate(reader, row);
+    point.y = read_coordinate(reader, row);
+    point.z = read_coordinate(reader, row);
+    read_integer(reader, [&] { return "the reference number of " + row.text(); });
+    points.push_back(point);
   }
 }
 
@@ -262,9 +176,13 @@ std::size_t numbers_per_marker(std::string_view keyword) {
 }
 
 void skip_markers(WordReader& reader, const std::string& keyword, std::size_t numbers) {
-  const std::uint64_t count = read_count(reader, keyword.c_str(), 2 * numbers);
-  for (std::uint64_t i = 0; i < count * numbers; ++i) {
-    if (reader.next().empty()) reader.fail("a number of " + keyword, "the end of the file");
+  const Count count = read_count(reader, keyword.c_str(), 2 * numbers);
+  for (std::uint64_t i = 0; i < count.rows * numbers; ++i) {
+    const std::string_view word = reader.next();
+    double value = 0.0;
+    if (parse(word, value) == std::errc::invalid_argument) {
+      reader.fail("a number of " + Row{keyword.c_str(), i / numbers + 1, count.rows}.text(), shown(word));
+    }
   }
 }
 
@@ -281,9 +199,16 @@ void read_header(WordReader& reader) {
   const std::string_view word = reader.next();
   if (word == "MeshVersionUnformatted") reader.fail("an ASCII MEDIT mesh", "a binary one");
   if (word != "MeshVersionFormatted") reader.fail("MeshVersionFormatted (a MEDIT mesh)", shown(word));
-  const std::int64_t version = read_integer(reader, "the MEDIT version");
+  const std::int64_t version = read_integer(reader, [] { return "the MEDIT version"; });
   if (version < 1 || version > 4) reader.fail("a MEDIT version from 1 to 4", std::to_string(version));
 }
+
+/// What the sections of a file hold.
+struct Sections {
+  TetMesh mesh;
+  std::uint64_t triangles = 0;
+  bool references_differ = false;
+};
 
 void restore_orientation(const WordReader& reader, MeditFile& file) {
   std::size_t swapped = 0;
@@ -318,49 +243,52 @@ void check_extent(const WordReader& reader, const TetMesh& mesh) {
   }
 }
 
-/// Reads the sections up to End. Returns the number of triangles.
-std::uint64_t read_sections(WordReader& reader, MeditFile& file) {
-  TetMesh& mesh = file.mesh;
-  std::uint64_t triangles = 0;
-  bool references_differ = false;
-  bool ended = false;
+/// Reads one section. Returns whether it was one that we know.
+bool read_section(WordReader& reader, const std::string& keyword, Sections& sections) {
+  TetMesh& mesh = sections.mesh;
+  if (keyword == "Dimension") {
+    const std::int64_t dimension = read_integer(reader, [] { return "the dimension"; });
+    if (dimension != 3) reader.fail("dimension 3", std::to_string(dimension));
+  } else if (keyword == "Vertices") {
+    if (!mesh.points.empty()) reader.fail("one section Vertices", "a second");
+    read_vertices(reader, mesh.points);
+  } else if (keyword == "Triangles") {
+    std::vector<Triangle> triangles;
+    read_elements<3>(reader, "triangles", "triangle", mesh.points.size(), triangles);
+    sections.triangles += triangles.size();
+  } else if (keyword == "Tetrahedra") {
+    if (!mesh.tets.empty()) reader.fail("one section Tetrahedra", "a second");
+    sections.references_differ =
+        read_elements<4>(reader, "tetrahedra", "tetrahedron", mesh.points.size(), mesh.tets);
+  } else if (const std::size_t numbers = numbers_per_marker(keyword); numbers > 0) {
+    skip_markers(reader, keyword, numbers);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// Reads the sections up to End.
+Sections read_sections(WordReader& reader, std::vector<std::string>& notes) {
+  Sections sections;
   std::string previous = "the header";
-  while (!ended) {
+  while (true) {
     const std::string keyword(reader.next());
+    if (keyword == "End") break;
     if (keyword.empty()) {
-      file.notes.emplace_back("the file has no End");
+      notes.emplace_back("the file has no End");
       break;
     }
-    if (keyword == "Dimension") {
-      const std::int64_t dimension = read_integer(reader, "the dimension");
-      if (dimension != 3) reader.fail("dimension 3", std::to_string(dimension));
-    } else if (keyword == "Vertices") {
-      if (!mesh.points.empty()) reader.fail("one section Vertices", "a second");
-      read_vertices(reader, mesh.points);
-    } else if (keyword == "Triangles") {
-      read_elements<3>(reader, "triangles", "triangle", mesh.points.size(),
-                       [&](const Triangle&, std::uint64_t) { ++triangles; });
-    } else if (keyword == "Tetrahedra") {
-      if (!mesh.tets.empty()) reader.fail("one section Tetrahedra", "a second");
-      references_differ = read_elements<4>(reader, "tetrahedra", "tetrahedron", mesh.points.size(),
-                                           [&](const Tet& tet, std::uint64_t count) {
-                                             if (mesh.tets.empty()) mesh.tets.reserve(count);
-                                             mesh.tets.push_back(tet);
-                                           });
-    } else if (const std::size_t numbers = numbers_per_marker(keyword); numbers > 0) {
-      skip_markers(reader, keyword, numbers);
-    } else if (keyword == "End") {
-      ended = true;
-    } else if (is_other_element(keyword)) {
-      reader.fail("linear tetrahedra and triangles only", keyword);
-    } else {
+    if (is_other_element(keyword)) reader.fail("linear tetrahedra and triangles only", keyword);
+    if (!read_section(reader, keyword, sections)) {
       reader.fail("a MEDIT keyword after " + previous, shown(keyword));
     }
     previous = keyword;
   }
-  if (references_differ)
-    file.notes.emplace_back("reference numbers of the tetrahedra differ: they are not kept");
-  return triangles;
+  if (sections.references_differ) {
+    notes.emplace_back("reference numbers of the tetrahedra differ: they are not kept");
+  }
+  return sections;
 }
 
 void append_number(std::string& text, double value) {
@@ -398,18 +326,27 @@ void write_elements(AtomicFile& file, std::string& text, const char* section,
   }
 }
 
+void require_writable(const TetMesh& mesh) {
+  for (const Vec3& p : mesh.points) require(is_finite(p), "write_medit: a coordinate is not finite");
+  for (const Tet& tet : mesh.tets) {
+    for (const Index v : tet) require(v < mesh.points.size(), "write_medit: no such vertex");
+  }
+}
+
 }  // namespace
 
 MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientation) {
   WordReader reader(path);
   MeditFile file;
   read_header(reader);
-  const std::uint64_t triangles = read_sections(reader, file);
+  Sections sections = read_sections(reader, file.notes);
+  file.mesh = std::move(sections.mesh);
   TetMesh& mesh = file.mesh;
   if (mesh.points.empty()) throw InputError(reader.name(), 0, "a section Vertices", "none");
   if (mesh.tets.empty()) {
-    throw InputError(reader.name(), 0, "tetrahedra",
-                     triangles > 0 ? "none, only " + std::to_string(triangles) + " triangles" : "none");
+    throw InputError(
+        reader.name(), 0, "tetrahedra",
+        sections.triangles > 0 ? "none, only " + std::to_string(sections.triangles) + " triangles" : "none");
   }
   check_extent(reader, mesh);
   if (orientation == ReadOrientation::kRestore) {
@@ -423,6 +360,7 @@ MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientat
 }
 
 void write_medit(const std::filesystem::path& path, const TetMesh& mesh) {
+  require_writable(mesh);
   AtomicFile file(path);
   std::string text = "MeshVersionFormatted 2\nDimension 3\nVertices\n";
   append_number(text, mesh.points.size());
@@ -436,7 +374,7 @@ void write_medit(const std::filesystem::path& path, const TetMesh& mesh) {
     text += " 0\n";
     flush_when_large(file, text);
   }
-  write_elements(file, text, "Triangles", build_boundary(mesh));
+  write_elements(file, text, "Triangles", build_unpaired_faces(mesh));
   write_elements(file, text, "Tetrahedra", mesh.tets);
   text += "End\n";
   file.write(text);

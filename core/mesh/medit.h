@@ -35,7 +35,9 @@ MeditFile read_medit(const std::filesystem::path& path,
 
 /// Writes vertices, boundary triangles and tets; doubles in their shortest form that reads back to the same
 /// bits. The same mesh gives the same bytes. Written beside `path` and renamed: a failure leaves no half
-/// file. Throws: InputError if the folder cannot be written or the disk is full.
+/// file. A broken mesh (non-manifold, inverted) is written too, so that the judge can look at it.
+/// Throws: InputError if the folder cannot be written or the disk is full; ContractError if a coordinate is
+///         not finite or a tet names a vertex that does not exist.
 void write_medit(const std::filesystem::path& path, const TetMesh& mesh);
 
 }  // namespace palpate

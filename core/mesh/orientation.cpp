@@ -78,8 +78,10 @@ void scale_to_one(std::array<Vec3, 4>& p) {
   for (Vec3& v : p) v = {std::scalbn(v.x, shift), std::scalbn(v.y, shift), std::scalbn(v.z, shift)};
 }
 
-/// The determinant |b-a, c-a, d-a| written out as four 3x3 determinants of the coordinates themselves.
-int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+}  // namespace
+
+// The determinant |b-a, c-a, d-a| written out as four 3x3 determinants of the coordinates themselves.
+int orientation_by_expansions(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   std::array<Vec3, 4> p{a, b, c, d};
   scale_to_one(p);
   Expansion<96> e;
@@ -89,31 +91,6 @@ int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
   add_determinant(e, -1.0, p[0], p[1], p[2]);
   if (e.size == 0) return 0;
   return e.part[e.size - 1] > 0.0 ? 1 : -1;
-}
-
-}  // namespace
-
-int orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const Vec3 u = b - a;
-  const Vec3 v = c - a;
-  const Vec3 w = d - a;
-  const double yz = u.y * v.z;
-  const double zy = u.z * v.y;
-  const double zx = u.z * v.x;
-  const double xz = u.x * v.z;
-  const double xy = u.x * v.y;
-  const double yx = u.y * v.x;
-  const double det = (yz - zy) * w.x + (zx - xz) * w.y + (xy - yx) * w.z;
-  const double permanent = (std::fabs(yz) + std::fabs(zy)) * std::fabs(w.x) +
-                           (std::fabs(zx) + std::fabs(xz)) * std::fabs(w.y) +
-                           (std::fabs(xy) + std::fabs(yx)) * std::fabs(w.z);
-  // Shewchuk's bound (7 + 56 eps) eps with eps = 2^-53, rounded up; the floor catches underflow.
-  const double bound = 7.8e-16 * permanent;
-  if (std::isfinite(permanent) && permanent > 1e-270) {
-    if (det > bound) return 1;
-    if (det < -bound) return -1;
-  }
-  return exact_orientation(a, b, c, d);
 }
 
 }  // namespace palpate

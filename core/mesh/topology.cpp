@@ -52,6 +52,7 @@ struct HalfFaceRows {
 };
 
 HalfFaceRows build_half_faces(const TetMesh& mesh) {
+  require(mesh.tets.size() < (1U << 30U), "build_half_faces: too many tets for 32-bit codes");
   HalfFaceRows rows;
   rows.offsets.assign(mesh.points.size() + 1, 0);
   const Index codes = static_cast<Index>(4 * mesh.tets.size());
@@ -96,6 +97,25 @@ void check_face_count(const Triangle& face, std::uint64_t count) {
   }
 }
 
+void check_opposite_sides(const TetMesh& mesh, const Triangle& face, Index code_a, Index code_b) {
+  if (is_even(oriented_face(mesh, code_a)) != is_even(oriented_face(mesh, code_b))) return;
+  throw InputError(name_of(face), 0, "its two tetrahedra on opposite sides",
+                   "tetrahedra " + std::to_string(code_a / 4 + 1) + " and " + std::to_string(code_b / 4 + 1) +
+                       " on the same side (inverted)");
+}
+
+std::vector<Triangle> collect_unpaired(const TetMesh& mesh, const HalfFaceRows& rows) {
+  std::vector<Index> codes;
+  for_each_face(rows, [&](Index, std::uint64_t first, std::uint64_t count) {
+    if (count == 1) codes.push_back(rows.faces[first].code);
+  });
+  std::sort(codes.begin(), codes.end());
+  std::vector<Triangle> unpaired;
+  unpaired.reserve(codes.size());
+  for (const Index code : codes) unpaired.push_back(oriented_face(mesh, code));
+  return unpaired;
+}
+
 }  // namespace
 
 VertexStars build_vertex_stars(const TetMesh& mesh) {
@@ -117,30 +137,38 @@ VertexStars build_vertex_stars(const TetMesh& mesh) {
 }
 
 std::vector<Edge> build_edges(const TetMesh& mesh) {
-  std::vector<Index> offsets(mesh.points.size() + 1, 0);
+  std::vector<std::uint64_t> offsets(mesh.points.size() + 1, 0);
   for (const Tet& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) ++offsets[std::min(tet[i], tet[j]) + 1];
   }
   for (std::size_t v = 1; v < offsets.size(); ++v) offsets[v] += offsets[v - 1];
   std::vector<Index> others(6 * mesh.tets.size());
-  std::vector<Index> next(offsets.begin(), offsets.end() - 1);
+  std::vector<std::uint64_t> next(offsets.begin(), offsets.end() - 1);
   for (const Tet& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) others[next[std::min(tet[i], tet[j])]++] = std::max(tet[i], tet[j]);
   }
+  // From here on, next[v] is the end of the different neighbours in row v.
+  std::size_t count = 0;
+  const auto at = [&](std::uint64_t i) { return others.begin() + static_cast<std::ptrdiff_t>(i); };
+  for (std::size_t v = 0; v < next.size(); ++v) {
+    std::sort(at(offsets[v]), at(offsets[v + 1]));
+    next[v] = static_cast<std::uint64_t>(std::unique(at(offsets[v]), at(offsets[v + 1])) - others.begin());
+    count += next[v] - offsets[v];
+  }
   std::vector<Edge> edges;
-  for (Index v = 0; v + 1 < offsets.size(); ++v) {
-    const auto first = others.begin() + offsets[v];
-    const auto last = others.begin() + offsets[v + 1];
-    std::sort(first, last);
-    const auto end = std::unique(first, last);
-    for (auto it = first; it != end; ++it) edges.push_back({v, *it});
+  edges.reserve(count);
+  for (Index v = 0; v < next.size(); ++v) {
+    for (std::uint64_t i = offsets[v]; i < next[v]; ++i) edges.push_back({v, others[i]});
   }
   return edges;
 }
 
 std::vector<Face> build_faces(const TetMesh& mesh) {
   const HalfFaceRows rows = build_half_faces(mesh);
+  std::size_t face_count = 0;
+  for_each_face(rows, [&](Index, std::uint64_t, std::uint64_t) { ++face_count; });
   std::vector<Face> faces;
+  faces.reserve(face_count);
   for_each_face(rows, [&](Index v, std::uint64_t first, std::uint64_t count) {
     const HalfFace& half = rows.faces[first];
     const Triangle vertices{v, half.middle, half.largest};
@@ -151,29 +179,18 @@ std::vector<Face> build_faces(const TetMesh& mesh) {
 }
 
 std::vector<Triangle> build_boundary(const TetMesh& mesh) {
-  std::vector<Index> codes;
-  {
-    const HalfFaceRows rows = build_half_faces(mesh);
-    for_each_face(rows, [&](Index v, std::uint64_t first, std::uint64_t count) {
-      const HalfFace& half = rows.faces[first];
-      const Triangle vertices{v, half.middle, half.largest};
-      check_face_count(vertices, count);
-      if (count == 1) {
-        codes.push_back(half.code);
-      } else if (is_even(oriented_face(mesh, half.code)) ==
-                 is_even(oriented_face(mesh, rows.faces[first + 1].code))) {
-        throw InputError(name_of(vertices), 0, "its two tetrahedra on opposite sides",
-                         "tetrahedra " + std::to_string(half.code / 4 + 1) + " and " +
-                             std::to_string(rows.faces[first + 1].code / 4 + 1) +
-                             " on the same side (inverted)");
-      }
-    });
-  }
-  std::sort(codes.begin(), codes.end());
-  std::vector<Triangle> boundary;
-  boundary.reserve(codes.size());
-  for (const Index code : codes) boundary.push_back(oriented_face(mesh, code));
-  return boundary;
+  const HalfFaceRows rows = build_half_faces(mesh);
+  for_each_face(rows, [&](Index v, std::uint64_t first, std::uint64_t count) {
+    const HalfFace& half = rows.faces[first];
+    const Triangle vertices{v, half.middle, half.largest};
+    check_face_count(vertices, count);
+    if (count == 2) check_opposite_sides(mesh, vertices, half.code, rows.faces[first + 1].code);
+  });
+  return collect_unpaired(mesh, rows);
+}
+
+std::vector<Triangle> build_unpaired_faces(const TetMesh& mesh) {
+  return collect_unpaired(mesh, build_half_faces(mesh));
 }
 
 std::vector<std::uint8_t> build_boundary_vertex_flags(const TetMesh& mesh) {

@@ -44,6 +44,10 @@ std::vector<Face> build_faces(const TetMesh& mesh);
 /// Throws: InputError if a face has more than two tets, or two tets on the same side.
 std::vector<Triangle> build_boundary(const TetMesh& mesh);
 
+/// The faces that have one tet only, as build_boundary gives them, of any mesh: faces with more tets are left
+/// out, however the tets lie. For output; algorithms want build_boundary.
+std::vector<Triangle> build_unpaired_faces(const TetMesh& mesh);
+
 /// One flag a vertex: 1 if it lies on a boundary face.
 std::vector<std::uint8_t> build_boundary_vertex_flags(const TetMesh& mesh);
 

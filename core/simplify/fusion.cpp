@@ -183,42 +183,24 @@ TetMesh extract_mesh(FusionMesh&& mesh) {
   return result;
 }
 
-void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan) {
-  const Tet& center = mesh.tets[target];
-  plan.target = target;
-  plan.barycenter = 0.25 * (mesh.points[center[0]] + mesh.points[center[1]] + mesh.points[center[2]] +
-                            mesh.points[center[3]]);
-  plan.moved.clear();
-  plan.dead.clear();
-  plan.figures.clear();
-  for (int i = 0; i < 4; ++i) {
-    for (const Index t : mesh.star(center[i])) {
-      const Tet& tet = mesh.tets[t];
-      int shared = 0;
-      int first_shared = 4;     // lowest corner of the target that this tet has, so that it is listed once
-      std::uint8_t corner = 0;  // its corner that moves, if it is the only one
-      for (int j = 3; j >= 0; --j) {
-        for (std::uint8_t k = 0; k < 4; ++k) {
-          if (tet[k] != center[j]) continue;
-          ++shared;
-          first_shared = j;
-          corner = k;
-        }
-      }
-      if (shared == 1) {
-        plan.moved.push_back({t, corner});
-      } else if (first_shared == i) {
-        plan.dead.push_back(t);
-      }
-    }
-  }
+std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& corners,
+                                                  const Vec3& barycenter) {
+  std::array<double, 4> distance_sq;
+  for (std::size_t i = 0; i < 4; ++i) distance_sq[i] = length_sq(corners[i] - barycenter);
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  const auto sort_pair = [&](std::size_t i, std::size_t j) {
+    if (distance_sq[order[i]] < distance_sq[order[j]]) std::swap(order[i], order[j]);
+  };
+  sort_pair(0, 1);
+  sort_pair(2, 3);
+  sort_pair(0, 2);
+  sort_pair(1, 3);
+  sort_pair(1, 2);
+  return order;
 }
 
-std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m) {
-  const Tet& tet = mesh.tets[m.tet];
-  std::array<Vec3, 4> p{mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
-  p[m.corner] = plan.barycenter;
-  return p;
+void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan) {
+  walk_fusion(mesh, target, plan, [](const MovedTet&) { return true; });
 }
 
 void apply_fusion(FusionMesh& mesh, const FusionPlan& plan) {

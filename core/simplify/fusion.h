@@ -1,7 +1,13 @@
 // Tetrahedral fusion: a tet becomes a vertex at its barycenter (Chopra and Meyer, IEEE Visualization 2002).
 #pragma once
 
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -59,11 +65,70 @@ struct FusionPlan {
   std::vector<TetFigures> figures;  ///< of the moved tets after the fusion, once checked
 };
 
-/// Collects the tets around `target` by walking the stars of its four vertices. Reuses the memory of `plan`.
+/// Bit k is set if corner k of the tet is vertex v.
+inline unsigned corners_that_are(const Tet& tet, Index v) {
+#ifdef __SSE2__
+  const __m128i corners = _mm_loadu_si128(reinterpret_cast<const __m128i*>(tet.data()));
+  const __m128i equal = _mm_cmpeq_epi32(corners, _mm_set1_epi32(static_cast<int>(v)));
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_castsi128_ps(equal)));
+#else
+  return static_cast<unsigned>(tet[0] == v) | static_cast<unsigned>(tet[1] == v) << 1U |
+         static_cast<unsigned>(tet[2] == v) << 2U | static_cast<unsigned>(tet[3] == v) << 3U;
+#endif
+}
+
+/// The corners of a tet, the farthest from its barycenter first: what moves farthest is likeliest to flip
+/// something.
+std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& corners, const Vec3& barycenter);
+
+/// Walks the stars of the target's four vertices and fills `plan` (whose memory is reused), calling
+/// on_moved(const MovedTet&) for each moved tet; it ends early, with an unfinished plan, when that returns
+/// false. Returns: whether the walk went to its end.
+template <typename OnMoved>
+bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved) {
+  const Tet& center = mesh.tets[target];
+  plan.target = target;
+  const std::array<Vec3, 4> corners{mesh.points[center[0]], mesh.points[center[1]], mesh.points[center[2]],
+                                    mesh.points[center[3]]};
+  plan.barycenter = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  plan.moved.clear();
+  plan.dead.clear();
+  plan.figures.clear();
+  for (const Index v : center) {
+    for (const Index t : mesh.star(v)) __builtin_prefetch(&mesh.tets[t]);
+  }
+  unsigned visited = 0;  // bit j: the star of corner j is done with
+  for (const std::size_t i : farthest_corners_first(corners, plan.barycenter)) {
+    for (const Index t : mesh.star(center[i])) {
+      const Tet& tet = mesh.tets[t];
+      const std::array<unsigned, 4> mask{corners_that_are(tet, center[0]), corners_that_are(tet, center[1]),
+                                         corners_that_are(tet, center[2]), corners_that_are(tet, center[3])};
+      const unsigned shared = mask[0] | mask[1] | mask[2] | mask[3];
+      if ((shared & (shared - 1U)) == 0U) {
+        const MovedTet m{t, static_cast<std::uint8_t>(std::countr_zero(shared))};
+        plan.moved.push_back(m);
+        if (!on_moved(m)) return false;
+      } else {
+        unsigned in_earlier = 0;
+        for (std::size_t j = 0; j < 4; ++j) in_earlier |= (visited >> j & 1U) != 0U ? mask[j] : 0U;
+        if (in_earlier == 0U) plan.dead.push_back(t);  // listed at the first of the stars that it is in
+      }
+    }
+    visited |= 1U << i;
+  }
+  return true;
+}
+
+/// Collects all tets around `target`.
 void plan_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan);
 
 /// Points of moved tet `m` after the fusion.
-std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m);
+inline std::array<Vec3, 4> moved_points(const FusionMesh& mesh, const FusionPlan& plan, const MovedTet& m) {
+  const Tet& tet = mesh.tets[m.tet];
+  std::array<Vec3, 4> p{mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
+  p[m.corner] = plan.barycenter;
+  return p;
+}
 
 /// Carries a plan out: the vertex with the smallest number in the input survives at the barycenter.
 /// Requires: the plan was made for the mesh as it is.

@@ -152,13 +152,12 @@ class Run {
         would_flip(t, last_witness)) {
       return {State::kParkedFlip, last_witness};
     }
-    plan_fusion(mesh_, t, plan_);
-    for (const MovedTet& m : plan_.moved) {
+    const bool flips = !walk_fusion(mesh_, t, plan_, [&](const MovedTet& m) {
       const auto p = moved_points(mesh_, plan_, m);
-      const bool is_positive = orientation(p[0], p[1], p[2], p[3]) > 0;
-      if (!is_positive && options_.checks.flip) return {State::kParkedFlip, m.tet};
-      plan_.figures.push_back({is_positive, 0.0, 0.0});
-    }
+      plan_.figures.push_back({orientation(p[0], p[1], p[2], p[3]) > 0, 0.0, 0.0});
+      return plan_.figures.back().is_positive || !options_.checks.flip;
+    });
+    if (flips) return {State::kParkedFlip, plan_.moved.back().tet};
     for (std::size_t i = 0; i < plan_.moved.size(); ++i) {
       if (plan_.figures[i].is_positive) {
         const auto p = moved_points(mesh_, plan_, plan_.moved[i]);

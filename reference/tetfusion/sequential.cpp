@@ -86,13 +86,12 @@ class Scan {
   }
 
   Check examine(Index t) {
-    simplify::plan_fusion(mesh_, t, plan_);
-    if (options_.checks.flip) {
-      for (const MovedTet& m : plan_.moved) {
-        const auto p = simplify::moved_points(mesh_, plan_, m);
-        if (orientation(p[0], p[1], p[2], p[3]) <= 0) return Check::kFlip;
-      }
-    }
+    const bool passes = simplify::walk_fusion(mesh_, t, plan_, [&](const MovedTet& m) {
+      if (!options_.checks.flip) return true;
+      const auto p = simplify::moved_points(mesh_, plan_, m);
+      return orientation(p[0], p[1], p[2], p[3]) > 0;
+    });
+    if (!passes) return Check::kFlip;
     if (options_.checks.quality) {
       for (const MovedTet& m : plan_.moved) {
         const Tet& tet = mesh_.tets[m.tet];

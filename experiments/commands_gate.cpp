@@ -1,0 +1,98 @@
+// gate.
+#include <fstream>
+#include <iostream>
+#include <memory>
+
+#include "core/base/error.h"
+#include "experiments/commands.h"
+#include "experiments/gate.h"
+#include "experiments/record_file.h"
+#include "experiments/run_folder.h"
+#include "experiments/terminal.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+struct GateArguments {
+  std::string run;
+  std::string accepted;
+  bool update = false;
+  bool as_json = false;
+};
+
+std::string plan_of(const std::vector<json>& records, const fs::path& folder) {
+  if (records.empty()) throw InputError(folder.string(), 0, "a run with records", "none");
+  const json plan = records.front().value("plan", json());
+  if (!plan.is_string()) throw InputError(folder.string(), 0, "records that name their plan", plan.dump());
+  return plan.get<std::string>();
+}
+
+void print_gate(const GateResult& result) {
+  TextTable table({"case", "measure", "accepted", "measured", "tolerance", "unit", ""}, "llrrrll");
+  for (const GateLine& line : result.lines) {
+    const bool holds = line.problem.empty();
+    table.add(
+        {line.run_case, line.measure, line.accepted ? short_number(*line.accepted) : "none",
+         line.measured ? short_number(*line.measured) : "none",
+         "-" + short_number(line.lower) + " +" + short_number(line.upper), line.unit,
+         holds ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed) + ": " + line.problem});
+  }
+  std::cout << table.text();
+}
+
+json describe_gate(const GateResult& result) {
+  json lines = json::array();
+  for (const GateLine& line : result.lines) {
+    lines.push_back({{"case", line.run_case},
+                     {"measure", line.measure},
+                     {"unit", line.unit},
+                     {"accepted", line.accepted ? json(*line.accepted) : json()},
+                     {"measured", line.measured ? json(*line.measured) : json()},
+                     {"lower", line.lower},
+                     {"upper", line.upper},
+                     {"holds", line.problem.empty()},
+                     {"problem", line.problem}});
+  }
+  return {{"holds", result.holds()}, {"figures", std::move(lines)}};
+}
+
+int gate(const GateArguments& arguments) {
+  const fs::path folder = find_run(arguments.run);
+  const auto records = read_records(folder / "records.jsonl");
+  const std::string plan = plan_of(records, folder);
+  const fs::path accepted = arguments.accepted.empty()
+                                ? fs::path(PALPATE_SOURCE_DIR) / "results" / "accepted" / (plan + ".json")
+                                : fs::path(arguments.accepted);
+  GateResult result = hold_against(records, plan, accepted);
+  if (arguments.update) {
+    const auto changes = update_accepted(result, accepted);
+    for (const std::string& change : changes) print_note("accepted: " + change);
+    if (changes.empty()) print_note("the accepted figures are unchanged");
+    result = hold_against(records, plan, accepted);
+  }
+  if (arguments.as_json) {
+    print_json(describe_gate(result));
+  } else {
+    print_gate(result);
+  }
+  return result.holds() ? kDone : kNotAccepted;
+}
+
+}  // namespace
+
+void add_gate_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<GateArguments>();
+  CLI::App* command = app.add_subcommand("gate", "Hold a run against accepted figures");
+  command->add_option("RUN", arguments->run, "Run folder, or the folder of a plan's runs (the newest counts)")
+      ->required();
+  command->add_option("--accepted", arguments->accepted,
+                      "Accepted figures (default: results/accepted/<plan>.json)");
+  command->add_flag("--update", arguments->update, "Take the run's figures over, tolerances kept");
+  command->add_flag("--json", arguments->as_json, "Print the outcome as JSON");
+  command->callback([arguments, &exit_code] { exit_code = gate(*arguments); });
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,203 @@
+// simplify: one mesh through the same door as in a plan.
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "core/base/error.h"
+#include "experiments/commands.h"
+#include "experiments/contestant_run.h"
+#include "experiments/judge_record.h"
+#include "experiments/mesh_source.h"
+#include "experiments/nearest_name.h"
+#include "experiments/output_file.h"
+#include "experiments/terminal.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+struct SimplifyArguments {
+  std::string mesh;
+  std::string out;
+  std::string method;
+  std::int64_t fusions = -1;
+  std::int64_t tets = -1;
+  double ratio = -1.0;
+  std::vector<std::string> set;
+  double timeout_s = 3600.0;
+  int threads = 1;
+  bool as_json = false;
+};
+
+/// A folder below the system's temporary one, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "palpate-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw InputError(name, 0, "a temporary folder that can be written", "none");
+    }
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+MethodEntry find_method(const Registry& registry, const std::string& name) {
+  const auto entry = registry.find(name);
+  if (!entry)
+    throw InputError("--method: unknown method \"" + name + "\"" +
+                     nearest_hint(name, registry.method_names()));
+  if (entry->contestant->contest != "simplify") {
+    throw InputError("--method: " + name + " is in the contest " + entry->contestant->contest +
+                     ", not in simplify");
+  }
+  const std::string why = entry->contestant->unavailable();
+  if (!why.empty()) throw UnavailableError(name + " is unavailable: " + why);
+  return *entry;
+}
+
+Stop stop_of(const SimplifyArguments& arguments, const MethodSpec& method) {
+  Stop stop;
+  if (arguments.fusions >= 0) stop = {StopKind::kFusions, static_cast<double>(arguments.fusions), ""};
+  if (arguments.tets >= 0) stop = {StopKind::kTets, static_cast<double>(arguments.tets), ""};
+  if (arguments.ratio >= 0.0) stop = {StopKind::kRatio, arguments.ratio, ""};
+  if (!method.takes_stop(stop_name(stop.kind))) {
+    throw InputError(method.name + " cannot stop at " + stop_name(stop.kind) + ", only at " +
+                     joined(method.stops));
+  }
+  return stop;
+}
+
+json parse_options(const MethodSpec& method, const std::vector<std::string>& settings) {
+  std::map<std::string, GivenOption> given;
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw InputError("--set", 0, "key=value", "\"" + setting + "\"");
+    const std::string key = setting.substr(0, equals);
+    if (!given.emplace(key, GivenOption{setting.substr(equals + 1), "--set"}).second) {
+      throw InputError("--set: option \"" + key + "\" twice");
+    }
+  }
+  return resolve_options(method, given);
+}
+
+/// The input, oriented and judged. Throws: InputError if the judge finds it invalid.
+TetMesh read_valid_mesh(const std::string& path) {
+  MeditFile file = read_mesh(path, ReadOrientation::kRestore);
+  for (const std::string& note : file.notes) print_note(path + ": " + note);
+  const Judgement judgement = judge_mesh(file.mesh);
+  if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
+  return std::move(file.mesh);
+}
+
+void print_report(const json& report) {
+  TextTable table({"measure", "value"}, "lr");
+  for (const char* key :
+       {"vertices_in", "vertices_out", "tets_in", "tets_out", "fusions", "stop", "kernel_s"}) {
+    if (!report.contains(key)) continue;
+    const json& value = report.at(key);
+    const std::string text = value.is_number()
+                                 ? short_number(value.get<double>())
+                                 : (value.is_string() ? value.get<std::string>() : value.dump());
+    table.add({key, text});
+  }
+  const json rejected = report.value("rejected", json::object());
+  for (const auto& [reason, count] : rejected.items()) table.add({"rejected: " + reason, count.dump()});
+  std::cout << table.text();
+}
+
+json full_report(const ContestantAnswer& answer, const std::string& method, const TetMesh& in,
+                 const TetMesh& out) {
+  json report = answer.report;
+  report["method"] = method;
+  report["kernel_s"] = *answer.kernel_s;
+  report["wall_s"] = *answer.wall_s;
+  report["peak_rss_bytes"] = *answer.peak_rss_bytes;
+  report["vertices_in"] = in.points.size();
+  report["tets_in"] = in.tets.size();
+  report["vertices_out"] = out.points.size();
+  report["tets_out"] = out.tets.size();
+  return report;
+}
+
+int simplify(const SimplifyArguments& arguments) {
+  const Registry registry = load_registry();
+  const MethodEntry method = find_method(registry, arguments.method);
+  ContestantTask task;
+  task.method = method;
+  task.options = parse_options(*method.method, arguments.set);
+  task.stop = stop_of(arguments, *method.method);
+  check_output_file(arguments.out);
+  const TetMesh in = read_valid_mesh(arguments.mesh);
+  const ScratchFolder scratch;
+  task.scratch = scratch.path();
+  task.mesh_in = scratch.path() / "in.mesh";
+  write_medit(task.mesh_in, in);
+  task.threads = arguments.threads;
+  task.timeout_s = arguments.timeout_s;
+  const ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(arguments.method + ": " + answer.message);
+  if (answer.outcome != "ok") {
+    throw UnavailableError(arguments.method + ": " + answer.outcome + ": " + answer.message);
+  }
+  TetMesh out;
+  try {
+    out = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+  } catch (const InputError& error) {
+    throw UnavailableError(arguments.method + ": its mesh cannot be read: " + error.what());
+  }
+  write_mesh(arguments.out, out);
+  for (const std::string& note : answer.notes) print_note(note);
+  const json report = full_report(answer, arguments.method, in, out);
+  if (out.tets.size() == in.tets.size() && answer.notes.empty())
+    print_note("nothing was removed: the output is the input");
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_report(report);
+    std::cout << "Written: " << arguments.out << '\n';
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_simplify_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimplifyArguments>();
+  CLI::App* command = app.add_subcommand("simplify", "Simplify one mesh with one method");
+  command->add_option("MESH", arguments->mesh, "Mesh to simplify")->required();
+  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")->required();
+  command->add_option("--method", arguments->method, "One of palpate list contestants")->required();
+  auto* stops = command->add_option_group("stop", "When to stop; without one, at the method's limit");
+  stops->add_option("--fusions", arguments->fusions, "After so many fusions")->check(CLI::NonNegativeNumber);
+  stops->add_option("--tets", arguments->tets, "At the first state with at most so many tetrahedra")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
+  stops->add_option("--ratio", arguments->ratio, "When this share of the tetrahedra is removed")
+      ->check(CLI::Range(0.0, 0.999999999));
+  stops->require_option(0, 1);
+  command->add_option("--set", arguments->set, "Option of the method, key=value")->allow_extra_args(false);
+  command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
+      ->check(CLI::Range(0.01, 1e7));
+  command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
+      ->check(CLI::Range(1, 1024));
+  command->add_flag("--json", arguments->as_json, "Print the report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = simplify(*arguments); });
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,242 @@
+#include "experiments/contestant.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "experiments/nearest_name.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<std::string> kStops{"fusions", "tets", "ratio", "limit"};
+
+void check_schema(const YamlFields& fields, const std::string& schema) {
+  const YamlValue value = fields.need("schema");
+  if (value.text() != schema) value.fail_expected(schema);
+}
+
+OptionType read_type(const YamlValue& value) {
+  const std::string type = value.text();
+  if (type == "choice") return OptionType::kChoice;
+  if (type == "number") return OptionType::kNumber;
+  if (type == "integer") return OptionType::kInteger;
+  if (type == "bool") return OptionType::kBool;
+  value.fail_expected("choice, number, integer or bool");
+}
+
+std::vector<std::string> read_texts(const YamlValue& value) {
+  std::vector<std::string> texts;
+  for (const YamlValue& item : value.items()) texts.push_back(item.text());
+  return texts;
+}
+
+OptionSpec read_option(const YamlValue& value) {
+  const YamlFields fields = value.fields({"name", "type", "choices", "min", "max", "default", "help"});
+  OptionSpec option;
+  option.name = fields.need("name").identifier();
+  option.type = read_type(fields.need("type"));
+  if (const auto choices = fields.find("choices")) option.choices = read_texts(*choices);
+  if (option.choices.empty() == (option.type == OptionType::kChoice)) {
+    value.fail("option " + option.name + ": choices belong to the type choice, and only there");
+  }
+  if (const auto min = fields.find("min")) option.min = min->number();
+  if (const auto max = fields.find("max")) option.max = max->number();
+  const YamlValue preset = fields.need("default");
+  option.default_value =
+      parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));
+  option.help = fields.need("help").text();
+  return option;
+}
+
+MethodSpec read_method(const YamlValue& value) {
+  const YamlFields fields = value.fields({"name", "summary", "stops", "options"});
+  MethodSpec method;
+  method.name = fields.need("name").identifier();
+  method.summary = fields.need("summary").text();
+  for (const YamlValue& stop : fields.need("stops").items()) {
+    const std::string kind = stop.text();
+    if (std::find(kStops.begin(), kStops.end(), kind) == kStops.end()) {
+      stop.fail("unknown stop \"" + kind + "\"" + nearest_hint(kind, kStops));
+    }
+    method.stops.push_back(kind);
+  }
+  if (method.stops.empty()) value.fail("method " + method.name + " has no stop");
+  const auto options = fields.find("options");
+  if (!options) return method;
+  for (const YamlValue& item : options->items()) {
+    OptionSpec option = read_option(item);
+    if (method.find_option(option.name) != nullptr) item.fail("option \"" + option.name + "\" twice");
+    method.options.push_back(std::move(option));
+  }
+  return method;
+}
+
+std::string bounds_text(const OptionSpec& option) {
+  std::ostringstream text;
+  text << (option.type == OptionType::kInteger ? "a whole number" : "a number");
+  if (option.min && option.max) {
+    text << " from " << *option.min << " to " << *option.max;
+  } else if (option.min) {
+    text << ", at least " << *option.min;
+  } else if (option.max) {
+    text << ", at most " << *option.max;
+  }
+  return text.str();
+}
+
+template <typename T>
+json parse_bounded(const OptionSpec& option, const std::string& text, const std::string& where) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  const auto real = static_cast<double>(value);
+  if (!whole || !std::isfinite(real) || (option.min && real < *option.min) ||
+      (option.max && real > *option.max)) {
+    throw InputError(where + ": " + option.name, 0, bounds_text(option), "\"" + text + "\"");
+  }
+  return value;
+}
+
+/// Descriptions directly in `root` or one folder below it.
+std::vector<std::filesystem::path> find_descriptions(const std::filesystem::path& root) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  if (std::filesystem::exists(root / "contestant.yaml", error)) found.push_back(root / "contestant.yaml");
+  for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
+    const auto description = entry.path() / "contestant.yaml";
+    if (std::filesystem::exists(description, error)) found.push_back(description);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace
+
+const OptionSpec* MethodSpec::find_option(const std::string& option) const {
+  for (const OptionSpec& spec : options) {
+    if (spec.name == option) return &spec;
+  }
+  return nullptr;
+}
+
+bool MethodSpec::takes_stop(const std::string& kind) const {
+  return std::find(stops.begin(), stops.end(), kind) != stops.end();
+}
+
+std::string Contestant::unavailable() const {
+  std::error_code error;
+  if (std::filesystem::exists(program, error)) return "";
+  std::string why = "its program " + program.filename().string() + " was not built";
+  if (!packages.empty()) why += " (needs " + joined(packages) + ")";
+  return why;
+}
+
+Registry::Registry(std::vector<Contestant> contestants) : contestants_(std::move(contestants)) {
+  std::sort(contestants_.begin(), contestants_.end(),
+            [](const Contestant& a, const Contestant& b) { return a.folder < b.folder; });
+  std::set<std::string> seen;
+  for (const std::string& name : method_names()) {
+    if (!seen.insert(name).second) throw InputError("method " + name + " is offered by two contestants");
+  }
+}
+
+std::vector<std::string> Registry::method_names() const {
+  std::vector<std::string> names;
+  for (const Contestant& contestant : contestants_) {
+    for (const MethodSpec& method : contestant.methods) names.push_back(method.name);
+  }
+  return names;
+}
+
+std::optional<MethodEntry> Registry::find(const std::string& method) const {
+  for (const Contestant& contestant : contestants_) {
+    for (const MethodSpec& spec : contestant.methods) {
+      if (spec.name == method) return MethodEntry{&contestant, &spec};
+    }
+  }
+  return std::nullopt;
+}
+
+Contestant read_contestant(const std::filesystem::path& description,
+                           const std::filesystem::path& bin_folder) {
+  const YamlValue root = read_yaml(description);
+  const YamlFields fields =
+      root.fields({"schema", "contest", "program", "packages", "licence", "source", "methods"});
+  check_schema(fields, "palpate/contestant/1");
+  Contestant contestant;
+  contestant.folder = description.parent_path().filename().string();
+  contestant.contest = fields.need("contest").identifier();
+  contestant.program = bin_folder / fields.need("program").identifier();
+  if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
+  contestant.licence = fields.need("licence").text();
+  if (const auto source = fields.find("source")) contestant.source = source->text();
+  for (const YamlValue& method : fields.need("methods").items()) {
+    contestant.methods.push_back(read_method(method));
+  }
+  if (contestant.methods.empty()) root.fail("a contestant needs at least one method");
+  return contestant;
+}
+
+Registry load_registry() {
+  std::vector<std::filesystem::path> roots{std::filesystem::path(PALPATE_SOURCE_DIR) / "reference"};
+  if (const char* extra = std::getenv("PALPATE_CONTESTANTS")) {
+    std::istringstream list(extra);
+    std::string folder;
+    while (std::getline(list, folder, ':')) {
+      if (!folder.empty()) roots.emplace_back(folder);
+    }
+  }
+  std::vector<Contestant> contestants;
+  for (const auto& root : roots) {
+    for (const auto& description : find_descriptions(root)) {
+      contestants.push_back(read_contestant(description, PALPATE_BIN_DIR));
+    }
+  }
+  return Registry(std::move(contestants));
+}
+
+json parse_option(const OptionSpec& option, const std::string& text, const std::string& where) {
+  switch (option.type) {
+    case OptionType::kChoice:
+      if (std::find(option.choices.begin(), option.choices.end(), text) == option.choices.end()) {
+        throw InputError(where + ": " + option.name, 0, "one of " + joined(option.choices),
+                         "\"" + text + "\"" + nearest_hint(text, option.choices));
+      }
+      return text;
+    case OptionType::kBool:
+      if (text != "true" && text != "false") {
+        throw InputError(where + ": " + option.name, 0, "true or false", "\"" + text + "\"");
+      }
+      return text == "true";
+    case OptionType::kInteger:
+      return parse_bounded<std::int64_t>(option, text, where);
+    case OptionType::kNumber:
+      return parse_bounded<double>(option, text, where);
+  }
+  throw ContractError("parse_option: unknown type");
+}
+
+json resolve_options(const MethodSpec& method, const std::map<std::string, GivenOption>& given) {
+  json options = json::object();
+  for (const OptionSpec& option : method.options) options[option.name] = option.default_value;
+  for (const auto& [name, value] : given) {
+    const OptionSpec* option = method.find_option(name);
+    if (option == nullptr) {
+      std::vector<std::string> names;
+      for (const OptionSpec& spec : method.options) names.push_back(spec.name);
+      throw InputError(value.where + ": " + method.name + " has no option \"" + name + "\"" +
+                       nearest_hint(name, names));
+    }
+    options[name] = parse_option(*option, value.text, value.where);
+  }
+  return options;
+}
+
+}  // namespace palpate::experiments

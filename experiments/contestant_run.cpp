@@ -1,0 +1,171 @@
+#include "experiments/contestant_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/process.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLargestAnswer = 16U << 20U;
+
+/// Reads at most `bytes` of a file; empty if it is missing.
+std::string read_start(const std::filesystem::path& path, std::size_t bytes) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string text(std::min<std::size_t>(bytes, std::filesystem::file_size(path, error)), '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+/// Text from a contestant as one printable line of at most 300 characters.
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text.substr(0, text.find('\n'))) {
+    const auto byte = static_cast<unsigned char>(c);
+    line += byte < 32 || byte >= 127 ? '?' : c;
+    if (line.size() == 300) break;
+  }
+  return line;
+}
+
+json build_request(const ContestantTask& task, const std::filesystem::path& mesh_out) {
+  return {{"schema", "palpate/request/1"},
+          {"contest", task.method.contestant->contest},
+          {"method", task.method.method->name},
+          {"mesh_in", task.mesh_in.string()},
+          {"mesh_out", mesh_out.string()},
+          {"stop", stop_request(task.stop)},
+          {"options", task.options},
+          {"threads", task.threads}};
+}
+
+ContestantAnswer failed(ContestantAnswer answer, const char* outcome, const std::string& message) {
+  answer.outcome = outcome;
+  answer.message = message;
+  return answer;
+}
+
+/// What is wrong with an answer's form, empty if nothing is.
+std::string form_error(const json& response) {
+  if (response.is_discarded()) return "its answer is no JSON";
+  if (!response.is_object()) return "its answer is no JSON object";
+  if (response.value("schema", json()) != "palpate/response/1") {
+    return "its answer's schema is not palpate/response/1";
+  }
+  const json status = response.value("status", json());
+  if (!status.is_string()) return "its answer has no status";
+  const bool ok = status == "ok";
+  if (!ok && status != "bad_input" && status != "error") return "unknown status " + one_line(status.dump());
+  const std::set<std::string> known =
+      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes"}
+         : std::set<std::string>{"schema", "status", "message"};
+  for (const auto& [key, value] : response.items()) {
+    if (known.count(key) == 0) return "unknown key \"" + one_line(key) + "\" in its answer";
+  }
+  if (!ok) return response.value("message", json()).is_string() ? "" : "its answer has no message";
+  if (!response.contains("kernel_s")) return "the key \"kernel_s\" is missing in its answer";
+  const json& kernel_s = response.at("kernel_s");
+  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() < 0.0) {
+    return "kernel_s is no time: " + one_line(kernel_s.dump());
+  }
+  if (!response.value("report", json()).is_object()) return "its answer has no report";
+  const json notes = response.value("notes", json::array());
+  const bool texts = notes.is_array() &&
+                     std::all_of(notes.begin(), notes.end(), [](const json& n) { return n.is_string(); });
+  return texts ? "" : "its notes are no list of texts";
+}
+
+ContestantAnswer read_answer(ContestantAnswer answer, const ProcessResult& process,
+                             const std::filesystem::path& response_file) {
+  std::error_code error;
+  if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
+    return failed(std::move(answer), "bad_answer", "its answer is larger than 16 MiB");
+  }
+  const json response = json::parse(read_start(response_file, kLargestAnswer), nullptr, false);
+  const std::string wrong = form_error(response);
+  if (!wrong.empty()) return failed(std::move(answer), "bad_answer", wrong);
+  const std::string status = response.at("status").get<std::string>();
+  const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
+  if (process.exit_code != expected) {
+    return failed(std::move(answer), "bad_answer",
+                  "it answered \"" + status + "\" and left with " + process.message);
+  }
+  if (status != "ok") {
+    const std::string message = one_line(response.at("message").get<std::string>());
+    const bool memory = message.find("bad_alloc") != std::string::npos;
+    return failed(std::move(answer), memory ? "out_of_memory" : status.c_str(), message);
+  }
+  answer.kernel_s = response.at("kernel_s").get<double>();
+  if (*answer.kernel_s > process.wall_s * 1.01 + 0.001) {
+    return failed(std::move(answer), "bad_answer", "its kernel time exceeds the time of its process");
+  }
+  if (!std::filesystem::is_regular_file(answer.mesh_out, error)) {
+    return failed(std::move(answer), "bad_answer", "it wrote no mesh");
+  }
+  answer.report = response.at("report");
+  for (const json& note : response.value("notes", json::array())) {
+    answer.notes.push_back(one_line(note.get<std::string>()));
+  }
+  answer.outcome = "ok";
+  return answer;
+}
+
+}  // namespace
+
+ContestantAnswer run_contestant(const ContestantTask& task) {
+  const Contestant& contestant = *task.method.contestant;
+  ContestantAnswer answer;
+  const std::string why = contestant.unavailable();
+  if (!why.empty()) return failed(std::move(answer), "unavailable", why);
+  const auto request_file = task.scratch / "request.json";
+  const auto response_file = task.scratch / "response.json";
+  const auto error_file = task.scratch / "stderr.txt";
+  answer.mesh_out = task.scratch / "out.mesh";
+  write_file_atomically(request_file, build_request(task, answer.mesh_out).dump(2) + "\n");
+
+  ProcessSpec spec;
+  spec.arguments = {contestant.program.string(), request_file.string(), response_file.string()};
+  spec.timeout_s = task.timeout_s;
+  spec.memory_bytes = task.memory_mib << 20U;
+  spec.standard_error = error_file;
+  spec.stop_flag = task.stop_flag;
+  spec.threads = task.threads;
+  const ProcessResult process = run_process(spec);
+  answer.wall_s = process.wall_s;
+  answer.user_s = process.user_s;
+  answer.peak_rss_bytes = process.peak_rss_bytes;
+
+  const std::string complaint = read_start(error_file, 4096);
+  const std::string said = complaint.empty() ? "" : ": " + one_line(complaint);
+  std::error_code error;
+  switch (process.end) {
+    case ProcessEnd::kInterrupted:
+      return failed(std::move(answer), "interrupted", process.message);
+    case ProcessEnd::kNotStarted:
+      return failed(std::move(answer), "unavailable", process.message);
+    case ProcessEnd::kTimedOut:
+      return failed(std::move(answer), "timed_out", process.message);
+    case ProcessEnd::kSignalled: {
+      const bool memory = complaint.find("bad_alloc") != std::string::npos;
+      return failed(std::move(answer), memory ? "out_of_memory" : "crashed", process.message + said);
+    }
+    case ProcessEnd::kExited:
+      break;
+  }
+  if (!std::filesystem::exists(response_file, error)) {
+    return failed(std::move(answer), "crashed", process.message + " without an answer" + said);
+  }
+  return read_answer(std::move(answer), process, response_file);
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,47 @@
+// One run of a contestant through the door: request, process, answer, checks.
+#pragma once
+
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "experiments/contestant.h"
+#include "experiments/plan.h"
+
+namespace palpate::experiments {
+
+/// What to ask of a contestant.
+struct ContestantTask {
+  MethodEntry method;
+  std::filesystem::path mesh_in;
+  std::filesystem::path scratch;  ///< an empty folder of its own; request, answer and output mesh go there
+  Stop stop;                      ///< resolved: not kTetsOf
+  nlohmann::json options;
+  int threads = 1;
+  double timeout_s = 300.0;
+  std::uint64_t memory_mib = 0;                           ///< 0: no bound
+  const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the run is given up when it turns non-zero
+};
+
+/// How it went. `outcome` is "ok", or what kept the answer from being judged: "bad_input", "error",
+/// "crashed", "timed_out", "out_of_memory", "bad_answer", "unavailable"; "interrupted" if the stop flag rose.
+struct ContestantAnswer {
+  std::string outcome;
+  std::string message;  ///< one line; empty for "ok"
+  std::optional<double> kernel_s;
+  std::optional<double> wall_s;
+  std::optional<double> user_s;
+  std::optional<std::uint64_t> peak_rss_bytes;
+  nlohmann::json report;  ///< null unless "ok"
+  std::vector<std::string> notes;
+  std::filesystem::path mesh_out;  ///< there only if "ok"
+};
+
+/// Runs it to its end. Never throws for what the contestant does; everything that it says is checked: exit
+/// code against status, keys and types of the answer, finite times, kernel time within the process's.
+ContestantAnswer run_contestant(const ContestantTask& task);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,86 @@
+#include "experiments/measure.h"
+
+#include <array>
+#include <cmath>
+
+namespace palpate::experiments {
+namespace {
+
+constexpr std::array kMeasures{
+    Measure{"quality_histogram", "tets", "", "/judge/histogram", "tets in 10 equal buckets of quality",
+            false},
+    Measure{"percent_above_0_5", "%", "higher", "/judge/percent_above_0_5", "tets of quality above 0.5"},
+    Measure{"percent_above_0_6", "%", "higher", "/judge/percent_above_0_6", "tets of quality above 0.6"},
+    Measure{"mean_quality", "1", "higher", "/judge/mean_quality", "mean quality of the tets"},
+    Measure{"min_quality", "1", "higher", "/judge/min_quality", "least quality of a tet"},
+    Measure{"percent_above_0_5_input_ideal", "%", "higher", "/judge/percent_above_0_5_input_ideal",
+            "the same with the input's ideal volume"},
+    Measure{"percent_above_0_6_input_ideal", "%", "higher", "/judge/percent_above_0_6_input_ideal",
+            "the same with the input's ideal volume"},
+    Measure{"mean_quality_input_ideal", "1", "higher", "/judge/mean_quality_input_ideal",
+            "the same with the input's ideal volume"},
+    Measure{"min_dihedral_deg", "deg", "higher", "/judge/min_dihedral_deg", "least dihedral angle"},
+    Measure{"p1_dihedral_deg", "deg", "higher", "/judge/p1_dihedral_deg",
+            "1st percentile of the tets' least dihedral angles"},
+    Measure{"max_dihedral_deg", "deg", "lower", "/judge/max_dihedral_deg", "greatest dihedral angle"},
+    Measure{"kernel_s", "s", "lower", "/kernel_s", "time of the method alone, by its adapter"},
+    Measure{"wall_s", "s", "lower", "/wall_s", "time of the whole process, files included"},
+    Measure{"user_s", "s", "lower", "/user_s", "processor time of the process"},
+    Measure{"peak_rss_bytes", "bytes", "lower", "/peak_rss_bytes", "largest resident memory of the process"},
+    Measure{"tets", "1", "", "/judge/tets", "tetrahedra left"},
+    Measure{"vertices", "1", "", "/judge/vertices", "vertices left"},
+    Measure{"edges", "1", "", "/judge/edges", "edges left"},
+    Measure{"faces", "1", "", "/judge/faces", "faces left"},
+    Measure{"boundary_vertices", "1", "", "/judge/boundary_vertices", "vertices on the boundary"},
+    Measure{"euler", "1", "", "/judge/euler", "V - E + F - T"},
+    Measure{"components", "1", "", "/judge/components", "parts that are joined by faces"},
+    Measure{"volume", "unit^3", "", "/judge/volume", "sum of the tets' volumes"},
+    Measure{"volume_drift_relative", "1", "lower", "/judge/volume_drift_relative",
+            "change of volume over the input's volume"},
+    Measure{"inverted_tets", "1", "lower", "/judge/inverted_tets", "tets of negative orientation"},
+    Measure{"flat_tets", "1", "lower", "/judge/flat_tets", "tets of no volume"},
+    Measure{"duplicate_tets", "1", "lower", "/judge/duplicate_tets", "tets that are there twice"},
+    Measure{"nonmanifold_faces", "1", "lower", "/judge/nonmanifold_faces", "faces of more than two tets"},
+    Measure{"folded_faces", "1", "lower", "/judge/folded_faces", "faces with two tets on one side"},
+    Measure{"nonmanifold_edges", "1", "lower", "/judge/nonmanifold_edges", "edges with a broken link"},
+    Measure{"nonmanifold_vertices", "1", "lower", "/judge/nonmanifold_vertices",
+            "vertices with a broken link"},
+    Measure{"isolated_vertices", "1", "lower", "/judge/isolated_vertices", "vertices without a tet"},
+    Measure{"boundary_changed_faces", "1", "lower", "/judge/boundary_changed_faces",
+            "boundary faces that are not the input's, to the bit"},
+    Measure{"euler_unchanged", "0 or 1", "higher", "/judge/euler_unchanged",
+            "1 if the Euler characteristic is the input's"},
+    Measure{"components_unchanged", "0 or 1", "higher", "/judge/components_unchanged",
+            "1 if there are as many parts as in the input"},
+};
+
+}  // namespace
+
+std::span<const Measure> list_measures() {
+  return kMeasures;
+}
+
+std::vector<std::string> measure_names() {
+  std::vector<std::string> names;
+  for (const Measure& measure : kMeasures) names.emplace_back(measure.name);
+  return names;
+}
+
+const Measure* find_measure(const std::string& name) {
+  for (const Measure& measure : kMeasures) {
+    if (name == measure.name) return &measure;
+  }
+  return nullptr;
+}
+
+std::optional<double> figure_of(const nlohmann::json& record, const Measure& measure) {
+  const nlohmann::json::json_pointer pointer(measure.key);
+  if (!record.contains(pointer)) return std::nullopt;
+  const nlohmann::json& value = record.at(pointer);
+  if (value.is_boolean()) return value.get<bool>() ? 1.0 : 0.0;
+  if (!value.is_number()) return std::nullopt;
+  const auto figure = value.get<double>();
+  return std::isfinite(figure) ? std::optional<double>(figure) : std::nullopt;
+}
+
+}  // namespace palpate::experiments

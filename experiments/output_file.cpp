@@ -1,0 +1,26 @@
+#include "experiments/output_file.h"
+
+#include <unistd.h>
+
+#include "core/base/error.h"
+
+namespace palpate::experiments {
+
+void check_output_file(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending != ".mesh" && ending != ".vtu") {
+    throw InputError(path.string(), 0, "an output that ends in .mesh or .vtu",
+                     ending.empty() ? "no ending" : "\"" + ending + "\"");
+  }
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw InputError(path.string(), 0, "a file", "a folder");
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw InputError(path.string(), 0, "an output in a folder that exists", "no folder " + folder.string());
+  }
+  if (::access(folder.c_str(), W_OK) != 0) {
+    throw InputError(path.string(), 0, "an output in a folder that can be written", folder.string());
+  }
+}
+
+}  // namespace palpate::experiments

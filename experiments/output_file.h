@@ -1,0 +1,11 @@
+// Checks of an output file before any work is done for it.
+#pragma once
+
+#include <filesystem>
+
+namespace palpate::experiments {
+
+/// Throws: InputError unless the file's ending is one that write_mesh knows and its folder can be written.
+void check_output_file(const std::filesystem::path& path);
+
+}  // namespace palpate::experiments

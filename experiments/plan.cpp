@@ -1,0 +1,243 @@
+#include "experiments/plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/error.h"
+#include "experiments/measure.h"
+#include "experiments/nearest_name.h"
+#include "experiments/plan_contestant.h"
+
+namespace palpate::experiments {
+namespace {
+
+constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
+constexpr std::int64_t kLargestCount = std::int64_t{1} << 40;
+
+PlanMesh read_mesh_entry(const YamlValue& value, const std::filesystem::path& folder) {
+  const YamlFields fields =
+      value.fields({"name", "make", "vertices", "edge_length", "seed", "jitter", "file"});
+  PlanMesh mesh;
+  mesh.name = fields.need("name").identifier();
+  const auto make = fields.find("make");
+  const auto file = fields.find("file");
+  if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");
+  if (file) {
+    for (const char* key : {"vertices", "edge_length", "seed", "jitter"}) {
+      if (const auto extra = fields.find(key)) {
+        extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to a file");
+      }
+    }
+    mesh.file = folder / file->text();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(mesh.file, error)) {
+      file->fail("expected a mesh file, found none at " + mesh.file.string());
+    }
+    return mesh;
+  }
+  ShapeRequest shape;
+  shape.name = make->text();
+  std::vector<std::string> known;
+  for (const ShapeInfo& info : list_shapes()) known.push_back(info.name);
+  if (std::find(known.begin(), known.end(), shape.name) == known.end()) {
+    make->fail("unknown shape \"" + shape.name + "\"" + nearest_hint(shape.name, known));
+  }
+  const auto vertices = fields.find("vertices");
+  const auto edge_length = fields.find("edge_length");
+  if (vertices && edge_length) edge_length->fail("a mesh takes \"vertices\" or \"edge_length\", not both");
+  if (vertices) shape.size.vertices = static_cast<std::uint64_t>(vertices->integer(4, kMostVertices));
+  if (edge_length) shape.size.edge_length = edge_length->number(1e-9, 1e9);
+  if (const auto seed = fields.find("seed")) {
+    shape.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestCount));
+  }
+  if (const auto jitter = fields.find("jitter")) shape.jitter = jitter->number(0.0, 0.5);
+  mesh.shape = shape;
+  return mesh;
+}
+
+std::vector<PlanMesh> read_meshes(const YamlValue& value, const std::filesystem::path& folder) {
+  std::vector<PlanMesh> meshes;
+  std::set<std::string> names;
+  for (const YamlValue& item : value.items()) {
+    meshes.push_back(read_mesh_entry(item, folder));
+    if (!names.insert(meshes.back().name).second) item.fail("mesh \"" + meshes.back().name + "\" twice");
+  }
+  if (meshes.empty()) value.fail("meshes: expected at least one");
+  return meshes;
+}
+
+std::vector<SweepAxis> read_sweep(const YamlValue& value) {
+  static const std::vector<std::string> stops{"tets_removed_ratio", "fusions", "tets"};
+  std::vector<SweepAxis> sweep;
+  bool has_stop = false;
+  for (const auto& [key, list] : value.entries()) {
+    SweepAxis axis;
+    axis.name = key;
+    if (!axis.is_option()) {
+      if (std::find(stops.begin(), stops.end(), key) == stops.end()) {
+        auto known = stops;
+        known.emplace_back("option.NAME");
+        list.fail("unknown sweep \"" + key + "\"" + nearest_hint(key, known));
+      }
+      if (has_stop) list.fail("a sweep takes one kind of stop, not two");
+      has_stop = true;
+    }
+    std::set<std::string> seen;
+    for (const YamlValue& item : list.items()) {
+      if (!seen.insert(item.text()).second) item.fail_expected("values that differ");
+      if (!axis.is_option()) read_stop_value(axis.stop_kind(), item);
+      axis.values.push_back(item.json());
+      axis.texts.push_back({item.text(), item.file() + ":" + std::to_string(item.line())});
+    }
+    if (axis.values.empty()) list.fail_expected("at least one value");
+    sweep.push_back(std::move(axis));
+  }
+  return sweep;
+}
+
+RunSettings read_run(const YamlValue& value) {
+  const YamlFields fields = value.fields({"repeats", "warmup", "threads", "timeout_s", "memory_mib"});
+  RunSettings run;
+  if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
+  if (const auto v = fields.find("warmup")) run.warmup = static_cast<int>(v->integer(0, 1'000));
+  if (const auto v = fields.find("threads")) run.threads = static_cast<int>(v->integer(1, 1'024));
+  if (const auto v = fields.find("timeout_s")) run.timeout_s = v->number(0.01, 1e7);
+  if (const auto v = fields.find("memory_mib")) {
+    run.memory_mib = static_cast<std::uint64_t>(v->integer(16, 1 << 24));
+  }
+  return run;
+}
+
+const Measure& known_measure(const YamlValue& at, const std::string& name, bool scalar) {
+  const Measure* measure = find_measure(name);
+  if (measure == nullptr) at.fail("unknown measure \"" + name + "\"" + nearest_hint(name, measure_names()));
+  if (scalar && !measure->scalar) at.fail("measure \"" + name + "\" is a list, a single number is needed");
+  return *measure;
+}
+
+std::vector<AcceptBound> read_accept(const YamlValue& value) {
+  std::vector<AcceptBound> bounds;
+  for (const auto& [name, entry] : value.entries()) {
+    known_measure(entry, name, true);
+    const YamlFields fields = entry.fields({"min", "max"});
+    AcceptBound bound{name, std::nullopt, std::nullopt};
+    if (const auto min = fields.find("min")) bound.min = min->number();
+    if (const auto max = fields.find("max")) bound.max = max->number();
+    if (!bound.min && !bound.max) entry.fail(name + ": expected min or max");
+    if (bound.min && bound.max && *bound.min > *bound.max) entry.fail(name + ": min is above max");
+    bounds.push_back(bound);
+  }
+  return bounds;
+}
+
+std::string claim_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
+  std::vector<std::string> labels;
+  for (const PlanContestant& contestant : contestants) labels.push_back(contestant.label);
+  const std::string label = value.text();
+  if (std::find(labels.begin(), labels.end(), label) == labels.end()) {
+    value.fail("unknown label \"" + label + "\"" + nearest_hint(label, labels));
+  }
+  return label;
+}
+
+Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
+  const YamlFields fields =
+      value.fields({"text", "source", "measure", "better", "than", "spread", "published"});
+  Claim claim;
+  claim.text = fields.need("text").text();
+  if (const auto source = fields.find("source")) claim.source = source->text();
+  const YamlValue measure = fields.need("measure");
+  claim.measure = known_measure(measure, measure.text(), true).name;
+  claim.better = claim_label(fields.need("better"), contestants);
+  claim.than = claim_label(fields.need("than"), contestants);
+  if (const auto spread = fields.find("spread")) claim.spread = claim_label(*spread, contestants);
+  if (const auto published = fields.find("published")) {
+    const YamlFields figures = published->fields({"better", "than"});
+    claim.published_better = figures.need("better").number();
+    claim.published_than = figures.need("than").number();
+  }
+  return claim;
+}
+
+void read_measures(const YamlValue& value, std::vector<std::string>& measures) {
+  for (const YamlValue& item : value.items()) {
+    const std::string name = item.text();
+    known_measure(item, name, false);
+    if (std::find(measures.begin(), measures.end(), name) != measures.end()) {
+      item.fail("measure \"" + name + "\" twice");
+    }
+    measures.push_back(name);
+  }
+}
+
+std::string plan_name(const std::filesystem::path& path) {
+  const std::string stem = path.stem().string();
+  std::string name;
+  for (const char c : stem) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '_' || c == '-' || c == '.';
+    name += plain ? c : '_';
+  }
+  return name.empty() ? "plan" : name;
+}
+
+}  // namespace
+
+const char* stop_name(StopKind kind) {
+  switch (kind) {
+    case StopKind::kFusions:
+      return "fusions";
+    case StopKind::kTets:
+      return "tets";
+    case StopKind::kRatio:
+      return "ratio";
+    case StopKind::kLimit:
+      return "limit";
+    case StopKind::kTetsOf:
+      return "tets_of";
+  }
+  throw ContractError("stop_name: unknown kind");
+}
+
+nlohmann::json stop_request(const Stop& stop) {
+  require(stop.kind != StopKind::kTetsOf, "stop_request: tets_of is not resolved");
+  if (stop.kind == StopKind::kLimit) return {{"limit", true}};
+  if (stop.kind == StopKind::kRatio) return {{"ratio", stop.value}};
+  return {{stop_name(stop.kind), static_cast<std::int64_t>(stop.value)}};
+}
+
+StopKind SweepAxis::stop_kind() const {
+  if (name == "fusions") return StopKind::kFusions;
+  return name == "tets" ? StopKind::kTets : StopKind::kRatio;
+}
+
+Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
+  const YamlValue root = read_yaml(path);
+  const YamlFields fields = root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep",
+                                         "run", "measure", "accept", "claim"});
+  const YamlValue schema = fields.need("schema");
+  if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
+  Plan plan;
+  plan.file = path;
+  plan.name = plan_name(path);
+  plan.question = fields.need("question").text();
+  if (plan.question.empty()) fields.need("question").fail_expected("a question");
+  const YamlValue contest = fields.need("contest");
+  plan.contest = contest.text();
+  if (plan.contest != "simplify") contest.fail_expected("simplify");
+  plan.meshes = read_meshes(fields.need("meshes"), path.parent_path());
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep);
+  plan.contestants = read_contestants(fields.need("contestants"), plan, registry);
+  if (const auto run = fields.find("run")) plan.run = read_run(*run);
+  if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
+  if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
+  if (const auto claim = fields.find("claim")) plan.claim = read_claim(*claim, plan.contestants);
+  for (const PlanContestant& contestant : plan.contestants) {
+    const std::string why = registry.find(contestant.method)->contestant->unavailable();
+    if (!why.empty()) plan.notes.push_back(contestant.label + " is unavailable: " + why);
+  }
+  return plan;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,109 @@
+// A plan: one question, as data. Reading one checks everything that can be checked without running anything.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/contestant.h"
+#include "experiments/mesh_source.h"
+
+namespace palpate::experiments {
+
+/// A mesh of a plan: a shape that is made, or a file.
+struct PlanMesh {
+  std::string name;
+  std::optional<ShapeRequest> shape;
+  std::filesystem::path file;  ///< when there is no shape; resolved against the plan's folder
+};
+
+/// When a simplifier stops.
+enum class StopKind { kFusions, kTets, kRatio, kLimit, kTetsOf };
+
+struct Stop {
+  StopKind kind = StopKind::kLimit;
+  double value = 0.0;  ///< a count, or the share of tets to remove
+  std::string of;      ///< kTetsOf: the label whose tets are matched
+};
+
+/// A stop's name in plans, requests and records: "fusions", "tets", "ratio", "limit", "tets_of".
+const char* stop_name(StopKind kind);
+
+/// The stop as a request and a record say it: {"tets": 100}, {"limit": true}. kTetsOf is not among them.
+nlohmann::json stop_request(const Stop& stop);
+
+/// One contestant of a plan.
+struct PlanContestant {
+  std::string method;
+  std::string label;
+  std::optional<Stop> stop;
+  std::map<std::string, GivenOption> set;
+  std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
+  bool required = true;             ///< false: its outcome does not decide the exit code
+};
+
+/// One dimension of the sweep.
+struct SweepAxis {
+  std::string name;  ///< "tets_removed_ratio", "fusions", "tets" or "option.NAME"
+  std::vector<nlohmann::json> values;
+  std::vector<GivenOption> texts;  ///< the same as written, for options
+
+  bool is_option() const { return name.rfind("option.", 0) == 0; }
+  std::string option() const { return name.substr(7); }
+  StopKind stop_kind() const;
+};
+
+/// How the cases are run.
+struct RunSettings {
+  int repeats = 1;
+  int warmup = 0;
+  int threads = 1;
+  double timeout_s = 300.0;
+  std::uint64_t memory_mib = 4096;
+};
+
+/// Bounds that a measure has to keep.
+struct AcceptBound {
+  std::string measure;
+  std::optional<double> min;
+  std::optional<double> max;
+};
+
+/// A published claim, and what would decide it.
+struct Claim {
+  std::string text;
+  std::string source;
+  std::string measure;
+  std::string better;
+  std::string than;
+  std::string spread;  ///< label with seeds whose scatter is shown; may be empty
+  std::optional<double> published_better;
+  std::optional<double> published_than;
+};
+
+struct Plan {
+  std::filesystem::path file;
+  std::string name;  ///< the file's name without its ending
+  std::string question;
+  std::vector<PlanMesh> meshes;
+  std::string contest;
+  std::vector<PlanContestant> contestants;
+  std::vector<SweepAxis> sweep;
+  RunSettings run;
+  std::vector<std::string> measure;
+  std::vector<AcceptBound> accept;
+  std::optional<Claim> claim;
+  std::vector<std::string> notes;  ///< worth saying, no error: contestants that are unavailable here
+};
+
+/// Reads and checks a plan (palpate/plan/1).
+///
+/// Throws: InputError "file:line: ..." for unknown keys and names (with the nearest), wrong types, impossible
+///         stops, labels twice, circles of tets_of, missing mesh files.
+Plan read_plan(const std::filesystem::path& path, const Registry& registry);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,173 @@
+#include "experiments/provenance.h"
+
+#include <unistd.h>
+#include <yaml-cpp/yaml.h>
+#include <CLI/Version.hpp>
+
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "experiments/file_hash.h"
+#include "experiments/process.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+/// What a program prints, empty if it cannot be run or fails.
+std::string output_of(const std::vector<std::string>& arguments) {
+  std::string name = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+  const int file = ::mkstemp(name.data());
+  if (file < 0) return "";
+  ::close(file);
+  ProcessSpec spec;
+  spec.arguments = arguments;
+  spec.timeout_s = 20.0;
+  spec.standard_output = name;
+  const ProcessResult result = run_process(spec);
+  std::ostringstream text;
+  text << std::ifstream(name).rdbuf();
+  std::filesystem::remove(name);
+  return result.end == ProcessEnd::kExited && result.exit_code == 0 ? text.str() : "";
+}
+
+/// The value behind the first line that starts with `key` in a file of "key : value" lines.
+std::string system_value(const char* path, const std::string& key) {
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line)) {
+    const std::size_t colon = line.find(':');
+    if (line.rfind(key, 0) != 0 || colon == std::string::npos) continue;
+    const std::size_t start = line.find_first_not_of(" \t", colon + 1);
+    return start == std::string::npos ? "" : line.substr(start);
+  }
+  return "unknown";
+}
+
+std::string operating_system() {
+  std::ifstream file("/etc/os-release");
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.rfind("PRETTY_NAME=\"", 0) == 0) return line.substr(13, line.size() - 14);
+  }
+  return "unknown";
+}
+
+json load_averages() {
+  std::array<double, 3> load{};
+  if (::getloadavg(load.data(), 3) != 3) return nullptr;
+  return load;
+}
+
+json program_hashes(const Plan& plan, const Registry& registry) {
+  json hashes = json::object();
+  hashes["palpate"] = hash_file("/proc/self/exe");
+  std::set<std::filesystem::path> programs;
+  for (const PlanContestant& contestant : plan.contestants) {
+    const Contestant& entry = *registry.find(contestant.method)->contestant;
+    if (entry.unavailable().empty()) programs.insert(entry.program);
+  }
+  for (const auto& program : programs) hashes[program.filename().string()] = hash_file(program);
+  return hashes;
+}
+
+json seeds_of(const Plan& plan) {
+  json seeds = json::object();
+  for (const PlanMesh& mesh : plan.meshes) {
+    if (mesh.shape) seeds["mesh " + mesh.name] = mesh.shape->seed;
+  }
+  for (const PlanContestant& contestant : plan.contestants) {
+    if (!contestant.seeds.empty()) seeds[contestant.label] = contestant.seeds;
+  }
+  return seeds;
+}
+
+}  // namespace
+
+SourceVersion find_source_version() {
+  const std::string git = "/usr/bin/git";
+  const std::string commit = output_of({git, "-C", PALPATE_SOURCE_DIR, "rev-parse", "--short=9", "HEAD"});
+  if (commit.empty()) return {"unknown", false};
+  const std::string changed =
+      output_of({git, "-C", PALPATE_SOURCE_DIR, "status", "--porcelain", "--untracked-files=no"});
+  return {commit.substr(0, commit.find('\n')), !changed.empty()};
+}
+
+std::string utc_now(bool for_file_name) {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  const char* form = for_file_name ? "%Y%m%dT%H%M%SZ" : "%Y-%m-%dT%H:%M:%SZ";
+  std::strftime(text.data(), text.size(), form, &parts);
+  return text.data();
+}
+
+json build_provenance(const Plan& plan, const Registry& registry, int threads) {
+  const SourceVersion version = find_source_version();
+  json provenance = {{"schema", "palpate/provenance/1"},
+                     {"version", PALPATE_VERSION},
+                     {"plan", plan.name},
+                     {"plan_hash", hash_file(plan.file)},
+                     {"commit", version.commit},
+                     {"dirty", version.dirty},
+                     {"compiler", PALPATE_COMPILER},
+                     {"flags", PALPATE_FLAGS},
+                     {"build_type", PALPATE_BUILD_TYPE},
+                     {"libraries",
+                      {{"nlohmann_json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
+                                             std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
+                                             std::to_string(NLOHMANN_JSON_VERSION_PATCH)},
+                       {"yaml_cpp", PALPATE_YAML_CPP_VERSION},
+                       {"cli11", CLI11_VERSION}}},
+                     {"programs", program_hashes(plan, registry)},
+                     {"system", operating_system()},
+                     {"processor", system_value("/proc/cpuinfo", "model name")},
+                     {"processors", ::sysconf(_SC_NPROCESSORS_ONLN)},
+                     {"memory", system_value("/proc/meminfo", "MemTotal")},
+                     {"load", load_averages()},
+                     {"seeds", seeds_of(plan)},
+                     {"threads", threads},
+                     {"repeats", plan.run.repeats},
+                     {"warmup", plan.run.warmup},
+                     {"timeout_s", plan.run.timeout_s},
+                     {"memory_mib", plan.run.memory_mib},
+                     {"measure", plan.measure},
+                     {"started_at", utc_now()}};
+  if (plan.claim) {
+    const Claim& claim = *plan.claim;
+    provenance["claim"] = {{"text", claim.text},         {"source", claim.source}, {"measure", claim.measure},
+                           {"better", claim.better},     {"than", claim.than},     {"spread", claim.spread},
+                           {"published", json::object()}};
+    if (claim.published_better) provenance["claim"]["published"]["better"] = *claim.published_better;
+    if (claim.published_than) provenance["claim"]["published"]["than"] = *claim.published_than;
+  }
+  provenance["question"] = plan.question;
+  return provenance;
+}
+
+std::vector<std::string> find_changes(const json& then, const json& now) {
+  std::vector<std::string> changes;
+  const auto compare = [&](const std::string& what, const json& before, const json& after) {
+    if (before != after) changes.push_back(what + " (" + before.dump() + " then, " + after.dump() + " now)");
+  };
+  compare("the plan changed", then.value("plan_hash", json()), now.value("plan_hash", json()));
+  compare("the number of threads changed", then.value("threads", json()), now.value("threads", json()));
+  const json programs_then = then.value("programs", json::object());
+  const json programs_now = now.value("programs", json::object());
+  for (const auto& [name, hash] : programs_now.items()) {
+    compare("the program " + name + " changed", programs_then.value(name, json()), hash);
+  }
+  for (const auto& [name, hash] : programs_then.items()) {
+    if (!programs_now.contains(name)) changes.push_back("the program " + name + " is gone");
+  }
+  return changes;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,91 @@
+#include "experiments/run_folder.h"
+
+#include <algorithm>
+#include <fstream>
+#include <vector>
+
+#include "core/base/error.h"
+#include "experiments/provenance.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+bool is_empty_folder(const fs::path& folder) {
+  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
+                     [](const fs::directory_entry& entry) { return entry.path().filename() == ".lock"; });
+}
+
+void create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+}
+
+bool holds_run(const fs::path& folder) {
+  std::error_code error;
+  return fs::exists(folder / "records.jsonl", error);
+}
+
+}  // namespace
+
+RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder} {
+  create_folder(folder);
+  lock_.emplace(folder);
+  if (!is_empty_folder(folder)) {
+    const bool started = fs::exists(paths_.plan()) || fs::exists(paths_.records());
+    if (!started) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
+    if (!resume) {
+      throw InputError(folder.string() +
+                       ": holds a run already; --resume continues it, another --out starts anew");
+    }
+  }
+  create_folder(folder / "meshes");
+}
+
+RunFolder::~RunFolder() {
+  std::error_code ignored;
+  fs::remove_all(paths_.scratch(), ignored);
+}
+
+std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
+  std::ifstream file(paths_.provenance());
+  if (!file) return std::nullopt;
+  nlohmann::json value = nlohmann::json::parse(file, nullptr, false);
+  if (!value.is_object()) {
+    throw InputError(paths_.provenance().string(), 0, "the provenance of a run", "something else");
+  }
+  return value;
+}
+
+fs::path RunFolder::fresh_scratch() const {
+  std::error_code error;
+  fs::remove_all(paths_.scratch(), error);
+  create_folder(paths_.scratch());
+  return paths_.scratch();
+}
+
+fs::path results_folder(const std::string& plan_name) {
+  return fs::path(PALPATE_SOURCE_DIR) / "results" / plan_name;
+}
+
+fs::path new_run_folder(const fs::path& parent) {
+  const std::string name = utc_now(true) + "-" + find_source_version().commit;
+  fs::path folder = parent / name;
+  for (int i = 2; fs::exists(folder); ++i) folder = parent / (name + "-" + std::to_string(i));
+  return folder;
+}
+
+fs::path find_run(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) throw InputError(folder.string(), 0, "the folder of a run", "none");
+  if (holds_run(folder)) return folder;
+  std::vector<fs::path> runs;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (holds_run(entry.path())) runs.push_back(entry.path());
+  }
+  if (runs.empty()) throw InputError(folder.string(), 0, "a run (with records.jsonl)", "none");
+  return *std::max_element(runs.begin(), runs.end());
+}
+
+}  // namespace palpate::experiments

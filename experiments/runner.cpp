@@ -1,0 +1,288 @@
+#include "experiments/runner.h"
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/case_record.h"
+#include "experiments/contestant_run.h"
+#include "experiments/file_hash.h"
+#include "experiments/plan_mesh.h"
+#include "experiments/provenance.h"
+#include "experiments/record_file.h"
+#include "experiments/run_folder.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+/// What earlier repeats of a case left.
+struct CaseState {
+  std::set<int> done;
+  std::vector<json> records;
+  double wall_s = -1.0;
+
+  bool is_closed() const {
+    return std::any_of(records.begin(), records.end(), [](const json& record) {
+      const json& outcome = record.at("outcome");
+      return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable";
+    });
+  }
+};
+
+class Runner {
+ public:
+  Runner(const Plan& plan, const Registry& registry, const RunOptions& options, Progress& progress)
+      : plan_(plan),
+        registry_(registry),
+        options_(options),
+        progress_(progress),
+        threads_(options.threads.value_or(plan.run.threads)),
+        folder_(options.folder, options.resume),
+        cases_(build_cases(plan, registry)),
+        states_(cases_.size()),
+        selected_(cases_.size()) {
+    std::iota(selected_.begin(), selected_.end(), std::size_t{0});
+    if (!options.case_id.empty()) selected_ = select_cases(cases_, options.case_id);
+  }
+
+  RunResult run() {
+    prepare();
+    RecordFile records(folder_.paths().records());
+    load_records();
+    record_inputs(records);
+    run_rounds(records);
+    summarise();
+    return result_;
+  }
+
+ private:
+  const PlanContestant& contestant_of(const Case& c) const { return plan_.contestants[c.contestant]; }
+  int rounds() const { return plan_.run.warmup + plan_.run.repeats; }
+
+  /// Plan, meshes and provenance: made, or taken up and compared.
+  void prepare() {
+    json now = build_provenance(plan_, registry_, threads_);
+    const auto then = folder_.earlier_provenance();
+    if (then) {
+      std::string changes;
+      for (const std::string& change : find_changes(*then, now)) changes += "; " + change;
+      if (!changes.empty()) {
+        throw InputError(options_.folder.string() + ": this run cannot be continued" + changes);
+      }
+      for (const PlanMesh& mesh : plan_.meshes) {
+        meshes_.push_back(reload_mesh(mesh, folder_.paths().mesh(mesh.name + "/input"), *then));
+      }
+      return;
+    }
+    std::error_code error;
+    fs::copy_file(plan_.file, folder_.paths().plan(), fs::copy_options::overwrite_existing, error);
+    if (error)
+      throw InputError(folder_.paths().plan().string(), 0, "a file that can be written", error.message());
+    now["meshes"] = json::array();
+    for (const PlanMesh& mesh : plan_.meshes) {
+      progress_.show("mesh " + mesh.name);
+      meshes_.push_back(obtain_mesh(mesh, folder_.paths().mesh(mesh.name + "/input")));
+      for (const std::string& note : meshes_.back().notes) progress_.say(mesh.name + ": " + note);
+      now["meshes"].push_back(describe_mesh(meshes_.back()));
+    }
+    write_file_atomically(folder_.paths().provenance(), now.dump(2) + "\n");
+  }
+
+  void load_records() {
+    std::map<std::string, std::size_t> index;
+    for (std::size_t i = 0; i < cases_.size(); ++i) index[cases_[i].id] = i;
+    for (json& record : read_records(folder_.paths().records())) {
+      const std::string id = record.at("case").get<std::string>();
+      const auto found = index.find(id);
+      if (found != index.end()) remember(found->second, std::move(record));
+      recorded_inputs_.insert(id);
+    }
+  }
+
+  void remember(std::size_t index, json record) {
+    CaseState& state = states_[index];
+    state.done.insert(record.at("repeat").get<int>());
+    if (record.value("wall_s", json()).is_number()) state.wall_s = record.at("wall_s").get<double>();
+    state.records.push_back(std::move(record));
+  }
+
+  void record_inputs(RecordFile& records) {
+    for (const RunMesh& mesh : meshes_) {
+      if (recorded_inputs_.count(mesh.name + "/input") > 0) continue;
+      records.append(build_input_record(plan_, mesh));
+      ++result_.records_added;
+    }
+  }
+
+  bool is_due(std::size_t index, int repeat) const {
+    return states_[index].done.count(repeat) == 0 && !states_[index].is_closed();
+  }
+
+  double seconds_left(int round, std::size_t place) const {
+    double known = 0.0;
+    std::size_t count = 0;
+    for (const CaseState& state : states_) {
+      if (state.wall_s < 0.0) continue;
+      known += state.wall_s;
+      ++count;
+    }
+    const double typical = count > 0 ? known / static_cast<double>(count) : 0.0;
+    double left = 0.0;
+    for (int r = round; r < rounds(); ++r) {
+      for (std::size_t i = r == round ? place : 0; i < selected_.size(); ++i) {
+        const CaseState& state = states_[selected_[i]];
+        if (is_due(selected_[i], r)) left += state.wall_s >= 0.0 ? state.wall_s : typical;
+      }
+    }
+    return left;
+  }
+
+  void run_rounds(RecordFile& records) {
+    std::size_t due = 0;
+    for (int repeat = 0; repeat < rounds(); ++repeat) {
+      for (const std::size_t index : selected_) due += is_due(index, repeat) ? 1 : 0;
+    }
+    progress_.start(due);
+    for (int repeat = 0; repeat < rounds(); ++repeat) {
+      for (std::size_t place = 0; place < selected_.size(); ++place) {
+        const std::size_t index = selected_[place];
+        if (!is_due(index, repeat)) continue;
+        if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
+        if (result_.interrupted) return;
+        progress_.show(cases_[index].id);
+        auto record = run_repeat(index, repeat);
+        if (!record) return;
+        records.append(*record);
+        ++result_.records_added;
+        remember(index, *std::move(record));
+        progress_.step(seconds_left(repeat, place + 1));
+      }
+    }
+  }
+
+  /// The stop with tets_of resolved; nothing if the case that it needs left no mesh.
+  std::optional<Stop> resolve_stop(const Case& c) const {
+    if (!c.tets_of) return c.stop;
+    for (const json& record : states_[*c.tets_of].records) {
+      const json& judgement = record.value("judge", json());
+      if (!judgement.is_object() || !judgement.value("tets", json()).is_number()) continue;
+      return Stop{StopKind::kTets, judgement.at("tets").get<double>(), c.stop.of};
+    }
+    return std::nullopt;
+  }
+
+  /// Runs one repeat. Nothing comes back if it was interrupted.
+  std::optional<json> run_repeat(std::size_t index, int repeat) {
+    const Case& c = cases_[index];
+    const PlanContestant& contestant = contestant_of(c);
+    const RunMesh& mesh = meshes_[c.mesh];
+    const auto stop = resolve_stop(c);
+    ContestantAnswer answer;
+    if (!stop) {
+      answer.outcome = "error";
+      answer.message = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
+    } else {
+      ContestantTask task;
+      task.method = *registry_.find(contestant.method);
+      task.mesh_in = fs::absolute(mesh.file);
+      task.scratch = fs::absolute(folder_.fresh_scratch());
+      task.stop = *stop;
+      task.options = c.options;
+      task.threads = threads_;
+      task.timeout_s = plan_.run.timeout_s;
+      task.memory_mib = plan_.run.memory_mib;
+      task.stop_flag = options_.stop_flag;
+      answer = run_contestant(task);
+    }
+    if (answer.outcome == "interrupted") {
+      result_.interrupted = true;
+      return std::nullopt;
+    }
+    RepeatFacts facts{plan_, c, contestant, mesh, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
+    json record = build_record(facts, answer, states_[index].records);
+    keep_mesh(c, repeat, answer, record);
+    return record;
+  }
+
+  void keep_mesh(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
+    const fs::path kept = folder_.paths().mesh(c.id);
+    if (repeat == 0 && record.at("output_hash").is_string()) {
+      std::error_code error;
+      fs::create_directories(kept.parent_path(), error);
+      fs::rename(answer.mesh_out, kept, error);
+      if (error) throw InputError(kept.string(), 0, "a file that can be written", error.message());
+    }
+    record["mesh_file"] = fs::exists(kept) ? json(kept.lexically_relative(options_.folder).string()) : json();
+  }
+
+  void summarise() {
+    for (const std::size_t index : selected_) {
+      const Case& c = cases_[index];
+      const PlanContestant& contestant = contestant_of(c);
+      std::string worst;
+      for (const json& record : states_[index].records) {
+        const std::string outcome = record.at("outcome").get<std::string>();
+        if (worst.empty()) worst = outcome;
+        if (outcome == "accepted") continue;
+        worst = outcome;
+        if (result_.failures.count(c.id) == 0) result_.failures[c.id] = outcome + ": " + reason_of(record);
+      }
+      if (worst.empty()) worst = "not run";
+      ++result_.outcomes[contestant.label][worst];
+      if (!contestant.required) continue;
+      result_.required_rejected = result_.required_rejected || worst == "rejected";
+      result_.required_failed = result_.required_failed || (worst != "accepted" && worst != "rejected");
+    }
+    for (const json& record : read_records(folder_.paths().records())) {
+      if (record.value("label", "") != "input" || record.at("outcome") == "accepted") continue;
+      const std::string id = record.at("case").get<std::string>();
+      result_.required_rejected = true;
+      result_.failures[id] = "rejected: " + reason_of(record);
+    }
+  }
+
+  const Plan& plan_;
+  const Registry& registry_;
+  const RunOptions& options_;
+  Progress& progress_;
+  int threads_;
+  RunFolder folder_;
+  std::vector<Case> cases_;
+  std::vector<CaseState> states_;
+  std::vector<std::size_t> selected_;
+  std::vector<RunMesh> meshes_;
+  std::set<std::string> recorded_inputs_;
+  RunResult result_;
+};
+
+void require_available(const Plan& plan, const Registry& registry) {
+  for (const PlanContestant& contestant : plan.contestants) {
+    const std::string why = registry.find(contestant.method)->contestant->unavailable();
+    if (contestant.required && !why.empty()) {
+      throw UnavailableError(contestant.label + " (" + contestant.method + ") is unavailable: " + why);
+    }
+  }
+  const auto shapes = list_shapes();
+  for (const PlanMesh& mesh : plan.meshes) {
+    for (const ShapeInfo& shape : shapes) {
+      if (mesh.shape && mesh.shape->name == shape.name && !shape.unavailable.empty()) {
+        throw UnavailableError("the mesh " + mesh.name + " is unavailable: " + shape.unavailable);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
+                   Progress& progress) {
+  require_available(plan, registry);
+  return Runner(plan, registry, options, progress).run();
+}
+
+}  // namespace palpate::experiments

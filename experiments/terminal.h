@@ -1,0 +1,75 @@
+// What a person sees: colour where it is wanted, tables that line up, a progress bar with the time left.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace palpate::experiments {
+
+/// Whether this stream (1 or 2) takes colour: a terminal, and NO_COLOR not set.
+bool takes_color(int stream);
+
+enum class Color { kGreen, kRed, kYellow, kBold, kDim };
+
+/// The text in a colour if standard output takes one, otherwise as it is.
+std::string colored(const std::string& text, Color color);
+
+/// A table of text: columns padded to their widest cell, numbers to the right if asked.
+class TextTable {
+ public:
+  /// `alignment` has one character a column: 'l' or 'r'.
+  TextTable(std::vector<std::string> header, std::string alignment);
+
+  void add(std::vector<std::string> row);
+
+  /// The whole table, each line ended.
+  std::string text() const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+  std::string alignment_;
+};
+
+/// A number for a person: up to 6 significant digits.
+std::string short_number(double value);
+
+/// Seconds for a person: "0.8 s", "45 s", "3 min 20 s", "2 h 5 min".
+std::string duration_text(double seconds);
+
+/// Progress on standard error: a bar with the time left on a terminal, a line now and then otherwise.
+class Progress {
+ public:
+  explicit Progress(bool quiet = false);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// Starts counting `total` steps.
+  void start(std::size_t total);
+
+  /// Says what is being done now.
+  void show(const std::string& what);
+
+  /// One step is done; `seconds_left` is the estimate for the rest.
+  void step(double seconds_left);
+
+  /// A line of its own that stays.
+  void say(const std::string& line);
+
+ private:
+  void draw();
+  void clear();
+
+  bool quiet_;
+  bool terminal_;
+  bool drawn_ = false;
+  std::size_t done_ = 0;
+  std::size_t total_ = 0;
+  double seconds_left_ = -1.0;
+  std::string what_;
+  std::chrono::steady_clock::time_point last_line_;
+};
+
+}  // namespace palpate::experiments

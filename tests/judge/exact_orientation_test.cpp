@@ -1,0 +1,193 @@
+#include "core/judge/exact_orientation.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cmath>
+#include <limits>
+
+#include "core/base/random.h"
+#include "core/mesh/orientation.h"
+
+namespace palpate::judge {
+namespace {
+
+using Rational =
+    boost::multiprecision::number<boost::multiprecision::cpp_rational_backend, boost::multiprecision::et_off>;
+using Points = std::array<Vec3, 4>;
+
+/// The sign by rational numbers and by the 24 terms of the 4 x 4 determinant of (x, y, z, 1): neither the
+/// arithmetic nor the formula is the judge's.
+int rational_sign(const Points& p) {
+  std::array<std::array<Rational, 4>, 4> m;
+  for (std::size_t i = 0; i < 4; ++i) m[i] = {Rational(p[i].x), Rational(p[i].y), Rational(p[i].z), 1};
+  std::array<std::size_t, 4> order{0, 1, 2, 3};
+  Rational sum = 0;
+  do {
+    int inversions = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = i + 1; j < 4; ++j) inversions += order[i] > order[j] ? 1 : 0;
+    }
+    const Rational term = m[0][order[0]] * m[1][order[1]] * m[2][order[2]] * m[3][order[3]];
+    sum += inversions % 2 == 0 ? term : Rational(-term);
+  } while (std::next_permutation(order.begin(), order.end()));
+  return -sum.sign();  // rows (a, 1) .. (d, 1): minus the determinant of b - a, c - a, d - a
+}
+
+int filtered(const Points& p) {
+  return exact_orientation(p[0], p[1], p[2], p[3]);
+}
+
+int by_integers(const Points& p) {
+  return integer_orientation(p[0], p[1], p[2], p[3]);
+}
+
+std::string show(const Points& p) {
+  std::ostringstream text;
+  text << std::hexfloat;
+  for (const Vec3& v : p) text << "(" << v.x << " " << v.y << " " << v.z << ") ";
+  return text.str();
+}
+
+void expect_right(const Points& p) {
+  const int expected = rational_sign(p);
+  ASSERT_EQ(filtered(p), expected) << show(p);
+  ASSERT_EQ(by_integers(p), expected) << show(p);
+}
+
+/// A whole number in [-range, range].
+double small_integer(SplitMix64& random, std::uint64_t range) {
+  return static_cast<double>(random.below(2 * range + 1)) - static_cast<double>(range);
+}
+
+/// `value` moved by up to two units in the last place.
+double nudged(double value, SplitMix64& random) {
+  const std::uint64_t steps = random.below(5);
+  for (std::uint64_t i = 0; i < steps / 2 + steps % 2; ++i) {
+    value = std::nextafter(value, steps % 2 == 0 ? 1e308 : -1e308);
+  }
+  return value;
+}
+
+Vec3 random_point(SplitMix64& random) {
+  return {random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+}
+
+TEST(ExactOrientation, SmallIntegersAgainstRationals) {
+  constexpr std::uint64_t kSeed = 101;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  int flat = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Points p;
+    for (Vec3& v : p) v = {small_integer(random, 2), small_integer(random, 2), small_integer(random, 2)};
+    expect_right(p);
+    flat += rational_sign(p) == 0 ? 1 : 0;
+  }
+  EXPECT_GT(flat, 100);  // the case that matters does occur
+}
+
+TEST(ExactOrientation, NearlyFlatByUnitsInTheLastPlace) {
+  constexpr std::uint64_t kSeed = 102;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  std::array<int, 3> signs{};
+  for (int i = 0; i < 3000; ++i) {
+    Points p{random_point(random), random_point(random), random_point(random), {}};
+    const double s = 2.0 * random.uniform() - 0.5;
+    const double t = 2.0 * random.uniform() - 0.5;
+    p[3] = p[0] + s * (p[1] - p[0]) + t * (p[2] - p[0]);
+    p[3] = {nudged(p[3].x, random), nudged(p[3].y, random), nudged(p[3].z, random)};
+    expect_right(p);
+    ++signs[static_cast<std::size_t>(filtered(p) + 1)];
+    EXPECT_EQ(filtered(p), orientation(p[0], p[1], p[2], p[3])) << show(p);
+  }
+  EXPECT_GT(signs[0], 1000);
+  EXPECT_GT(signs[2], 1000);
+}
+
+TEST(ExactOrientation, AroundADiagonalPlaneWhereRoundingLies) {
+  // x + y + z = const through points with a common offset: the rounded determinant has the wrong sign here.
+  int rounded_wrong = 0;
+  const Points base{{{0.5, 0.5, 0.5}, {12, 12, 12}, {24, 24, 24}, {1, 2, 4}}};
+  for (int i = 0; i < 16; ++i) {
+    for (int j = 0; j < 16; ++j) {
+      Points p = base;
+      p[0].x += i * 0x1p-53;
+      p[0].y += j * 0x1p-53;
+      p[0].z += (i + j) * 0x1p-54;
+      expect_right(p);
+      const Vec3 u = p[1] - p[0];
+      const Vec3 v = p[2] - p[0];
+      const Vec3 w = p[3] - p[0];
+      const double rounded = dot(cross(u, v), w);
+      rounded_wrong += (rounded > 0.0) - (rounded < 0.0) != filtered(p) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(rounded_wrong, 10);
+}
+
+TEST(ExactOrientation, AllExponentsMixed) {
+  constexpr std::uint64_t kSeed = 103;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  const auto any_double = [&] {
+    const int exponent = static_cast<int>(random.below(2098)) - 1074;
+    const double value = std::scalbn(1.0 + random.uniform(), exponent);
+    return random.below(2) == 0 ? value : -value;
+  };
+  for (int i = 0; i < 400; ++i) {
+    Points p;
+    for (Vec3& v : p) v = {any_double(), any_double(), any_double()};
+    expect_right(p);
+  }
+}
+
+TEST(ExactOrientation, UnderflowCannotMisleadTheFilter) {
+  // Products of u and v underflow to a wrong value, which a huge w then lifts to any size.
+  const double tiny = 0x1p-540;
+  for (const double huge : {1.0, 0x1p290, 0x1p600, 0x1p1000}) {
+    const Points p{
+        {{0, 0, 0}, {1.5 * tiny, 1.25 * tiny, 0}, {1.25 * tiny, 1.0416666 * tiny, 0}, {0, 0, huge}}};
+    expect_right(p);
+    const Points q{{{0, 0, 0}, {tiny, tiny, tiny}, {tiny, 2 * tiny, -tiny}, {3 * huge, -2 * huge, -huge}}};
+    expect_right(q);
+  }
+}
+
+TEST(ExactOrientation, SubnormalAndHugeCoordinates) {
+  const double least = std::numeric_limits<double>::denorm_min();
+  const double most = std::numeric_limits<double>::max();
+  for (const double s :
+       {least, 3 * least, 1e-310, std::numeric_limits<double>::min(), 1e-90, 1e90, 1e308, most}) {
+    const Points p{{{0, 0, 0}, {s, 0, 0}, {0, s, 0}, {0, 0, s}}};
+    EXPECT_EQ(filtered(p), 1) << s;
+    EXPECT_EQ(filtered({p[0], p[2], p[1], p[3]}), -1) << s;
+    const Points spread{
+        {{-s, -s, -s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}}};  // differences overflow at most
+    EXPECT_EQ(filtered(spread), 1) << s;
+    EXPECT_EQ(filtered({p[0], p[1], p[2], {s, s, 0}}), 0) << s;
+    EXPECT_EQ(filtered({p[0], p[1], p[2], {s, s, least}}), 1) << s;
+    EXPECT_EQ(filtered({p[0], p[1], p[2], {s, s, -least}}), -1) << s;
+  }
+}
+
+TEST(ExactOrientation, EvenPermutationsKeepTheSignAndOddOnesTurnIt) {
+  constexpr std::uint64_t kSeed = 104;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  for (int i = 0; i < 200; ++i) {
+    Points p;
+    for (Vec3& v : p) v = random_point(random);
+    p[3] = p[0] + 0.25 * (p[1] - p[0]) + 0.5 * (p[2] - p[0]);
+    const int sign = filtered(p);
+    EXPECT_EQ(filtered({p[1], p[2], p[0], p[3]}), sign);
+    EXPECT_EQ(filtered({p[1], p[0], p[3], p[2]}), sign);
+    EXPECT_EQ(filtered({p[1], p[0], p[2], p[3]}), -sign);
+    EXPECT_EQ(filtered({p[0], p[3], p[2], p[1]}), -sign);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::judge
