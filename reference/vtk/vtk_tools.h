@@ -22,8 +22,9 @@ struct OrganSurface {
   Vec3 centroid;              ///< of the voxels, in the image's coordinates
 };
 
-/// Largest component of a label -> Gaussian-smoothed mask -> the surface at one half -> windowed-sinc smoothing.
-/// Throws: InputError if the image cannot be read, has no such label, or the surface does not come out as one
+/// Largest component of a label -> Gaussian-smoothed mask -> the surface at one half -> windowed-sinc
+/// smoothing. Throws: InputError if the image cannot be read, has no such label, or the surface does not come
+/// out as one
 ///         closed piece.
 OrganSurface extract_organ(const std::filesystem::path& image, const OrganOptions& options);
 
