@@ -18,8 +18,8 @@ std::string shown(const Vec3& p) {
 
 /// A triangle's side, from corner to corner.
 struct Side {
-  Edge edge;      ///< smaller vertex first
-  bool forward;   ///< does the triangle run from the smaller to the larger?
+  Edge edge;     ///< smaller vertex first
+  bool forward;  ///< does the triangle run from the smaller to the larger?
 };
 
 std::vector<Side> sorted_sides(const SurfaceMesh& surface) {
@@ -66,8 +66,8 @@ void check_edges(const SurfaceMesh& surface, const std::string& where) {
   };
   if (crowded.count > 0) {
     throw InputError(where, 0, "a manifold surface",
-                     std::to_string(crowded.count) + " edges with more than two triangles (non-manifold), one at " +
-                         place(crowded));
+                     std::to_string(crowded.count) +
+                         " edges with more than two triangles (non-manifold), one at " + place(crowded));
   }
   if (border.count > 0) {
     throw InputError(where, 0, "a closed surface",
@@ -75,8 +75,8 @@ void check_edges(const SurfaceMesh& surface, const std::string& where) {
   }
   if (turned.count > 0) {
     throw InputError(where, 0, "triangles that all turn the same way",
-                     std::to_string(turned.count) + " edges where two neighbours turn against each other, one at " +
-                         place(turned));
+                     std::to_string(turned.count) +
+                         " edges where two neighbours turn against each other, one at " + place(turned));
   }
 }
 
@@ -93,7 +93,8 @@ void check_vertices(const SurfaceMesh& surface, const std::string& where) {
     std::size_t reached = 0;
     Index at = rows[v].front()[0];
     do {
-      const auto entry = std::find_if(rows[v].begin(), rows[v].end(), [&](const auto& e) { return e[0] == at; });
+      const auto entry =
+          std::find_if(rows[v].begin(), rows[v].end(), [&](const auto& e) { return e[0] == at; });
       require(entry != rows[v].end(), "check_vertices: the edges were not checked");
       at = (*entry)[1];
       ++reached;

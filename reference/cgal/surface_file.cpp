@@ -35,7 +35,8 @@ void check_stl_is_whole(const std::string& where) {
   }
   const std::size_t first = head.find_first_not_of(" \t\r\n");
   if (first == std::string::npos || head.compare(first, 5, "solid") != 0 || head.find('\0') < got) {
-    if (got < head.size()) throw InputError(where, 0, "an STL file", "a broken file of " + std::to_string(size) + " bytes");
+    if (got < head.size())
+      throw InputError(where, 0, "an STL file", "a broken file of " + std::to_string(size) + " bytes");
     throw InputError(where, 0, std::to_string(count) + " triangles, as the STL header says",
                      "a file of " + std::to_string(size) + " bytes");
   }
@@ -73,7 +74,8 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   std::map<std::tuple<double, double, double>, Index> known;
   for (const auto& polygon : polygons) {
     if (polygon.size() != 3) {
-      throw InputError(where, 0, "triangles only", "a polygon of " + std::to_string(polygon.size()) + " corners");
+      throw InputError(where, 0, "triangles only",
+                       "a polygon of " + std::to_string(polygon.size()) + " corners");
     }
     Triangle triangle{};
     for (std::size_t k = 0; k < 3; ++k) {

@@ -85,7 +85,8 @@ Intersections find_self_intersections(const SurfaceMesh& surface) {
   pmp::self_intersections(mesh, std::back_inserter(pairs));
   Intersections result{pairs.size(), {}};
   if (!pairs.empty()) {
-    const Triangle& a = surface.triangles[static_cast<std::size_t>(std::min(pairs[0].first, pairs[0].second))];
+    const Triangle& a =
+        surface.triangles[static_cast<std::size_t>(std::min(pairs[0].first, pairs[0].second))];
     result.place = (1.0 / 3.0) * (surface.points[a[0]] + surface.points[a[1]] + surface.points[a[2]]);
   }
   return result;

@@ -62,7 +62,8 @@ TetMesh collect_tets(const SurfaceMesh& surface) {
     mesh.tets.push_back(tet);
   }
   if (mesh.tets.empty()) throw std::runtime_error("gmsh left no tetrahedra: it could not fill the surface");
-  if (mesh.points.size() < surface.points.size()) throw std::runtime_error("gmsh dropped vertices of the skin");
+  if (mesh.points.size() < surface.points.size())
+    throw std::runtime_error("gmsh dropped vertices of the skin");
   return mesh;
 }
 

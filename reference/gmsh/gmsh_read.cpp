@@ -69,7 +69,8 @@ TetMesh read_msh(const std::filesystem::path& path, std::vector<std::string>& no
     for (std::size_t k = 0; k < 4; ++k) {
       const auto found = index_of.find(corners[i + k]);
       if (found == index_of.end()) {
-        throw InputError(where, 0, "the vertices of each tetrahedron", "a missing node " + std::to_string(corners[i + k]));
+        throw InputError(where, 0, "the vertices of each tetrahedron",
+                         "a missing node " + std::to_string(corners[i + k]));
       }
       tet[k] = found->second;
     }

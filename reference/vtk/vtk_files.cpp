@@ -69,7 +69,8 @@ TetMesh read_grid(const std::filesystem::path& path, std::vector<std::string>& n
     const int kind = grid->GetCellType(i);
     if (kind != VTK_TETRA) {
       const std::string name = vtkCellTypes::GetClassNameFromTypeId(kind);
-      if (!is_left_out(kind)) throw InputError(where, 0, "linear tetrahedra and triangles only", name + " cells");
+      if (!is_left_out(kind))
+        throw InputError(where, 0, "linear tetrahedra and triangles only", name + " cells");
       if (kind != VTK_TRIANGLE) left_out.insert(name);
       continue;
     }
