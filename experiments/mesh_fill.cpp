@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kVerticesPerCube = 0.48;  // inner vertices for each h^3 of volume, as gmsh fills
 constexpr double kLargestVertexCount = 2e7;
-constexpr double kAimedError = 0.005;
+constexpr double kAimedError = 0.003;
 constexpr double kAcceptedError = 0.01;
 constexpr double kSkinError = 0.08;  // close enough to keep the skin and adapt the interior alone
 constexpr int kSkinTries = 6;

@@ -24,7 +24,8 @@ namespace {
 
 constexpr std::uint64_t kDefaultVertices = 1503;
 constexpr std::uint64_t kFewestVertices = 100;
-constexpr double kSkinToInterior = 2.25;  // geodesic surfaces: skin edge over interior edge
+constexpr std::uint64_t kMostVertices = 5'000'000;
+constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
 constexpr double kDefaultJitter = 0.25;   // cells
 
 /// A built surface that is filled: ball, bean.
@@ -55,6 +56,11 @@ constexpr std::array<LatticeShape, 3> kLatticeShapes{{
      [](double n) { return (4 * n + 1) * (n + 1) * (n + 1) + 4 * n * n * n + 18 * n * n; }, 270},
 }};
 
+void check_vertex_count(const std::string& where, std::uint64_t vertices) {
+  if (vertices >= kFewestVertices && vertices <= kMostVertices) return;
+  throw InputError(where, 0, "100 to 5000000 vertices", std::to_string(vertices));
+}
+
 double mean_edge(const SurfaceMesh& surface) {
   double sum = 0.0;
   for (const Triangle& t : surface.triangles) {
@@ -70,28 +76,32 @@ std::string describe(const char* name, const FilledSurface& filled) {
   return text.data();
 }
 
+/// The skin's frequency goes with the interior's size: 6 (362 vertices) at the default count.
 MadeMesh make_filled(const FilledShape& shape, const MeshSize& size) {
-  constexpr int kSample = 6;
+  constexpr double kFrequency = 6.0;
+  constexpr double kInnerVertices = 1141.0;  // 1503 - 362
   constexpr double kMostFrequency = 1000.0;
-  const SurfaceMesh sample = shape.build(kSample);
-  const double sample_edge = mean_edge(sample);
-  const double volume = enclosed_volume(sample);
-  const auto skin = [&](double interior) {
-    const double frequency = std::round(kSample * sample_edge / (kSkinToInterior * interior));
-    return shape.build(static_cast<int>(std::clamp(frequency, 2.0, kMostFrequency)));
+  const auto skin = [&](double frequency) {
+    return shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
   };
   FilledSurface filled;
   if (size.edge_length) {
+    const double volume = enclosed_volume(skin(kFrequency));
     check_interior_size(volume, *size.edge_length);
-    filled = fill_surface(skin(*size.edge_length), *size.edge_length);
+    const double default_size = estimate_interior_size(volume, kInnerVertices);
+    filled = fill_surface(skin(kFrequency * default_size / *size.edge_length), *size.edge_length);
   } else {
     const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
-    if (vertices < kFewestVertices || vertices > 5'000'000) {
-      throw InputError(shape.name, 0, "100 to 5000000 vertices", std::to_string(vertices));
+    check_vertex_count(shape.name, vertices);
+    const double wanted = static_cast<double>(vertices);
+    const SurfaceMesh surface = skin(kFrequency * std::cbrt(wanted / static_cast<double>(kDefaultVertices)));
+    const double inner = wanted - static_cast<double>(surface.points.size());
+    filled = fill_to_vertices(surface, vertices, estimate_interior_size(enclosed_volume(surface), inner));
+    if (!is_close_enough(filled.mesh.points.size(), vertices)) {
+      throw InputError(shape.name, 0, "a number of vertices that it can be made with",
+                       std::to_string(vertices) + " (the nearest found is " +
+                           std::to_string(filled.mesh.points.size()) + ")");
     }
-    const double start = sample_edge / kSkinToInterior *
-                         std::cbrt(static_cast<double>(kDefaultVertices) / static_cast<double>(vertices));
-    filled = fill_with_skin(skin, vertices, start, shape.name);
   }
   MadeMesh made;
   made.notes.push_back(describe(shape.name, filled));
@@ -182,9 +192,7 @@ std::string ending_of(const std::filesystem::path& path) {
 /// Adapts the interior to the count; only a skin that is too fine for it is remeshed.
 FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertices, MadeMesh& made) {
   const double volume = enclosed_volume(surface);
-  if (vertices < kFewestVertices || vertices > 5'000'000) {
-    throw InputError("vertices", 0, "100 to 5000000", std::to_string(vertices));
-  }
+  check_vertex_count("mesh size", vertices);
   const std::size_t skin_count = surface.points.size();
   if (skin_count < vertices) {
     const double start =

@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kDefaultVertices = 1503;  // the thesis's mesh
 constexpr std::uint64_t kFewestVertices = 100;
 constexpr std::uint64_t kMostVertices = 2'000'000;
-constexpr double kSkinToInterior = 2.35;    // gives the thesis's ratio of edges to vertices
+constexpr double kSkinToInterior = 2.45;    // gives the thesis's ratio of edges to vertices
 constexpr double kFirstInteriorSize = 4.0;  // mm, for kidney of 159 ml and 1503 vertices
 constexpr double kFirstVolume = 159.5e3;    // mm^3
 
@@ -142,10 +142,9 @@ MadeMesh make_organ(const std::string& name, const MeshSize& size) {
                                        static_cast<double>(kDefaultVertices) / static_cast<double>(vertices));
     filled = fill_with_skin(skin, vertices, start, name);
   }
-  MadeMesh made{std::move(filled.mesh), {}};
-  FilledSurface shown{std::move(filled.skin), {}, filled.interior_size};
-  shown.mesh = made.mesh;
-  made.notes.push_back(describe(*organ, smooth, shown));
+  MadeMesh made;
+  made.notes.push_back(describe(*organ, smooth, filled));
+  made.mesh = std::move(filled.mesh);
   return made;
 }
 
