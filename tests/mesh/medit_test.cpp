@@ -25,7 +25,6 @@ namespace {
 using test::bytes_of;
 using test::ScratchFolder;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 bool is_same_to_the_bit(const TetMesh& a, const TetMesh& b) {
@@ -117,7 +116,10 @@ TEST(Medit, WordsMayLieAcrossTheBuffer) {
   const std::string bytes = bytes_of(folder / "a.mesh");
   ASSERT_GT(bytes.size(), 1U << 20U);
   for (std::size_t shift = 1; shift <= 40; ++shift) {
-    folder.add("b.mesh", "#" + std::string(shift, '#') + "\n" + bytes);
+    std::string shifted(shift, '#');
+    shifted += "\n";
+    shifted += bytes;
+    folder.add("b.mesh", shifted);
     ASSERT_EQ(read_medit(folder / "b.mesh").mesh, mesh) << shift;
   }
 }
