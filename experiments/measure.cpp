@@ -28,6 +28,8 @@ constexpr std::array kMeasures{
     Measure{"user_s", "s", "lower", "/user_s", "processor time of the process"},
     Measure{"peak_rss_bytes", "bytes", "lower", "/peak_rss_bytes", "largest resident memory of the process"},
     Measure{"tets", "1", "", "/judge/tets", "tetrahedra left"},
+    Measure{"tets_out", "1", "", "/judge/tets", "the same, by the name that adapters use"},
+    Measure{"fusions", "1", "", "/report/fusions", "fusions that the method reports"},
     Measure{"vertices", "1", "", "/judge/vertices", "vertices left"},
     Measure{"edges", "1", "", "/judge/edges", "edges left"},
     Measure{"faces", "1", "", "/judge/faces", "faces left"},

@@ -26,7 +26,8 @@ Response answer(const Request& request) {
   const auto start = std::chrono::steady_clock::now();
   if (request.contest == "mesh" && request.method == "vtk.organ_surface") {
     const OrganSurface organ =
-        extract_organ(request.input, {option<int>(request, "label"), option<double>(request, "smoothing")});
+        extract_organ(request.input, {option<int>(request, "label"), option<double>(request, "smoothing"),
+                                      option<double>(request, "spacing")});
     write_off(request.output, organ.surface);
     response.report = {{"voxel_volume", organ.voxel_volume},
                        {"centroid", {organ.centroid.x, organ.centroid.y, organ.centroid.z}}};

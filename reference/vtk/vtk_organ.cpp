@@ -3,6 +3,7 @@
 #include <vtkIdList.h>
 #include <vtkImageData.h>
 #include <vtkImageGaussianSmooth.h>
+#include <vtkImageResample.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
@@ -125,6 +126,7 @@ OrganSurface extract_organ(const std::filesystem::path& path, const OrganOptions
     throw InputError("label", 0, "1 to 255", std::to_string(options.label));
   }
   if (!(options.smoothing > 0.0)) throw InputError("smoothing", 0, "a positive length", "another number");
+  if (!(options.spacing > 0.1)) throw InputError("spacing", 0, "more than 0.1", "another number");
   OrganSurface organ;
   vtkNew<vtkImageData> field;
   std::array<double, 3> deviation{};
@@ -138,8 +140,11 @@ OrganSurface extract_organ(const std::filesystem::path& path, const OrganOptions
   smooth->SetInputData(field);
   smooth->SetStandardDeviations(deviation[0], deviation[1], deviation[2]);
   smooth->SetRadiusFactors(3.0, 3.0, 3.0);
+  vtkNew<vtkImageResample> resample;  // linear; the smoothed field has no finer detail
+  resample->SetInputConnection(smooth->GetOutputPort());
+  for (int a = 0; a < 3; ++a) resample->SetAxisOutputSpacing(a, options.spacing);
   vtkNew<vtkFlyingEdges3D> contour;
-  contour->SetInputConnection(smooth->GetOutputPort());
+  contour->SetInputConnection(resample->GetOutputPort());
   contour->SetValue(0, 0.5 * static_cast<double>(kInside));
   contour->ComputeNormalsOff();
   contour->ComputeScalarsOff();

@@ -13,6 +13,7 @@ namespace palpate::reference {
 struct OrganOptions {
   int label = 0;
   double smoothing = 1.0;  ///< standard deviation of the Gaussian that smooths the mask
+  double spacing = 1.0;    ///< of the grid that the smoothed mask is sampled on
 };
 
 /// A smooth closed surface and what the voxels say.
@@ -22,9 +23,9 @@ struct OrganSurface {
   Vec3 centroid;              ///< of the voxels, in the image's coordinates
 };
 
-/// Largest component of a label -> Gaussian-smoothed mask -> the surface at one half -> windowed-sinc
-/// smoothing. Throws: InputError if the image cannot be read, has no such label, or the surface does not come
-/// out as one
+/// Largest component of a label -> Gaussian-smoothed mask -> coarser grid -> the surface at one half ->
+/// windowed-sinc smoothing. Throws: InputError if the image cannot be read, has no such label, or the surface
+/// does not come out as one
 ///         closed piece.
 OrganSurface extract_organ(const std::filesystem::path& image, const OrganOptions& options);
 
