@@ -53,7 +53,7 @@ def make_report(folder, with_charts):
     remove_old(run.folder / "tables", names)
     print_summary(run, claim, verdicts)
     for note in run.notes:
-        print(f"note: {note}", file=sys.stderr)
+        print(f"\nnote: {note}")
     if with_charts:
         try:
             import charts
@@ -63,7 +63,7 @@ def make_report(folder, with_charts):
         drawn = charts.draw_charts(run, claim, run.folder / "charts")
         remove_old(run.folder / "charts", set(drawn))
         if not drawn:
-            print("note: no accepted answers: no charts", file=sys.stderr)
+            print("\nnote: no accepted answers: no charts")
     return 0
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 INPUT_LABEL = "input"
 BUCKETS = 10
+PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure")  # what of the plan the provenance repeats
 
 
 class BadRun(Exception):
@@ -184,7 +185,8 @@ def read_run(folder):
     if not provenance:
         notes.append("provenance.json is missing: the plan's claim and its order are not known")
     plan_data = provenance.get("plan_data")
-    plan_data = plan_data if isinstance(plan_data, dict) else {}
+    if not isinstance(plan_data, dict):
+        plan_data = {key: provenance[key] for key in PLAN_KEYS if key in provenance}
     groups, inputs = {}, {}
     for record in lines:
         mesh = mesh_name(record)

@@ -130,6 +130,11 @@ class Verdict(ReportTest):
         self.assertAlmostEqual(float(rows[0]["difference"]), -5.0, 6)
         self.assertEqual(rows[0]["spread_n"], "12")
 
+    def test_a_claim_that_the_provenance_holds_itself(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(), {})
+        (self.folder / "provenance.json").write_text(json.dumps(synthetic.PLAN), encoding="utf-8")
+        self.assertIn("Verdict: the claim does not reproduce.", self.report("--no-charts")[1])
+
     def test_for_the_claim(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(better=80, than=60, spread=(55, 65)))
         self.assertIn("Verdict: the claim reproduces.", self.report("--no-charts")[1])
@@ -207,9 +212,9 @@ class Charts(ReportTest):
 class BrokenRuns(ReportTest):
     def test_no_accepted_answer_at_all(self):
         synthetic.write_run(self.folder, [synthetic.record("kidney", "hierarchical", None, outcome="crashed")])
-        code, out, err = self.report()
+        code, out, _ = self.report()
         self.assertEqual(code, 0)
-        self.assertIn("no accepted answers", err)
+        self.assertIn("no accepted answers: no charts", out)
         self.assertIn("The claim cannot be decided", out)
 
     def test_no_records_at_all(self):
@@ -238,9 +243,9 @@ class BrokenRuns(ReportTest):
         synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70, repeat=i) for i in range(3)], {})
         path = self.folder / "records.jsonl"
         path.write_text(path.read_text(encoding="utf-8")[:-30], encoding="utf-8")
-        code, _, err = self.report("--no-charts")
+        code, out, _ = self.report("--no-charts")
         self.assertEqual(code, 0)
-        self.assertIn("cut off", err)
+        self.assertIn("cut off", out)
         self.assertEqual(self.table("timing.csv")[0]["n"], "2")
 
     def test_a_folder_that_cannot_be_written(self):
