@@ -36,7 +36,7 @@ std::string refusal_of(const SurfaceMesh& surface) {
   const test::ScratchFolder folder;
   const auto path = folder.path() / "surface.off";
   write_off(path, surface);
-  const std::string message = refusal(path);
+  std::string message = refusal(path);
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   return message;
 }
