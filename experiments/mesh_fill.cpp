@@ -17,11 +17,15 @@ namespace {
 
 constexpr double kVerticesPerCube = 0.48;  // inner vertices for each h^3 of volume, as gmsh fills
 constexpr double kLargestVertexCount = 2e7;
-constexpr double kAimedError = 0.003;
 constexpr double kAcceptedError = 0.01;
 constexpr double kSkinError = 0.08;  // close enough to keep the skin and adapt the interior alone
 constexpr int kSkinTries = 6;
 constexpr int kInteriorTries = 14;
+
+/// Large meshes take a second or more a try, so they are aimed less finely.
+double aimed_error(std::uint64_t vertices) {
+  return vertices <= 3000 ? 0.003 : 0.008;
+}
 
 double relative_error(const FilledSurface& filled, std::uint64_t vertices) {
   return static_cast<double>(filled.mesh.points.size()) / static_cast<double>(vertices) - 1.0;
@@ -120,7 +124,7 @@ FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, 
     const double error = relative_error(filled, vertices);
     const double inner = std::max(1.0, static_cast<double>(filled.mesh.points.size()) - skin_count);
     if (is_better(filled, best, vertices)) best = std::move(filled);
-    if (std::fabs(error) <= kAimedError) break;
+    if (std::fabs(error) <= aimed_error(vertices)) break;
     (error > 0.0 ? too_fine : too_coarse) = size;
     double next = size * std::clamp(std::cbrt(inner / wanted), 0.5, 2.0);
     const bool has_bracket = too_fine > 0.0 && too_coarse > 0.0;
@@ -144,7 +148,8 @@ FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices,
     if (std::fabs(error) <= kSkinError) break;
     size *= std::clamp(std::cbrt(1.0 + error), 0.3, 3.0);
   }
-  if (std::fabs(relative_error(best, vertices)) > kAimedError && best.skin.points.size() < vertices) {
+  if (std::fabs(relative_error(best, vertices)) > aimed_error(vertices) &&
+      best.skin.points.size() < vertices) {
     FilledSurface closer = fill_to_vertices(best.skin, vertices, best.interior_size);
     if (is_better(closer, best, vertices)) best = std::move(closer);
   }

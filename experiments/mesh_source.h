@@ -14,16 +14,16 @@ namespace palpate::experiments {
 
 /// How fine a made mesh is to be; at most one of the two. Without either, a shape takes its own default.
 struct MeshSize {
-  std::optional<std::uint64_t> vertices;
-  std::optional<double> edge_length;  ///< of the interior, in the shape's own unit
+  std::optional<std::uint64_t> vertices{};
+  std::optional<double> edge_length{};  ///< of the interior, in the shape's own unit
 };
 
 /// A shape by name, as in `palpate make` and in plans.
 struct ShapeRequest {
   std::string name;
-  MeshSize size;
-  std::uint64_t seed = 0;        ///< used by the shapes that have random parts
-  std::optional<double> jitter;  ///< cube only: largest move of an inner vertex, in cells
+  MeshSize size{};
+  std::uint64_t seed = 0;          ///< used by the shapes that have random parts
+  std::optional<double> jitter{};  ///< cube only: largest move of an inner vertex, in cells
 };
 
 /// One line of `palpate list meshes`.

@@ -51,7 +51,7 @@ std::string first_line(const std::filesystem::path& path) {
 /// The unpacked image, fetched on first use.
 std::filesystem::path organ_image() {
   const std::filesystem::path folder = organ_data_folder();
-  const std::filesystem::path image = folder / "liver.inr";
+  std::filesystem::path image = folder / "liver.inr";
   if (std::filesystem::exists(image)) return image;
   const ScratchFolder scratch;
   ProcessSpec spec;

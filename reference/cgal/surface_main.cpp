@@ -1,6 +1,7 @@
 // The CGAL surface program: reads and judges ("convert"), and remeshes ("mesh") closed surfaces.
 // Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
 #include <chrono>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/mesh/off.h"
@@ -21,14 +22,18 @@ Response answer(const Request& request) {
     if (!request.options.contains("edge_length") || !request.options["edge_length"].is_number()) {
       throw InputError("request", 0, "the option edge_length", "none");
     }
-    surface = remesh_surface(read_off(request.input), request.options["edge_length"].get<double>());
+    RemeshedSurface remeshed =
+        remesh_surface(read_off(request.input), request.options["edge_length"].get<double>());
+    surface = std::move(remeshed.surface);
+    response.report["edge_length"] = remeshed.edge_length;
   } else {
     throw InputError("request", 0, "convert cgal.read_surface or mesh cgal.remesh_surface",
                      request.contest + " " + request.method);
   }
   response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_off(request.output, surface);
-  response.report = {{"vertices", surface.points.size()}, {"triangles", surface.triangles.size()}};
+  response.report["vertices"] = surface.points.size();
+  response.report["triangles"] = surface.triangles.size();
   return response;
 }
 

@@ -96,16 +96,21 @@ bool is_nested_well(const SurfaceMesh& surface) {
   return pmp::does_bound_a_volume(to_cgal(surface));
 }
 
-SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length) {
+RemeshedSurface remesh_surface(const SurfaceMesh& surface, double edge_length) {
   if (!(edge_length > 0.0) || !std::isfinite(edge_length)) {
     throw InputError("edge_length", 0, "a positive length", "another number");
   }
-  for (const unsigned sweeps : {10U, 12U, 15U, 8U, 20U}) {
-    Mesh mesh = to_cgal(surface);
-    pmp::isotropic_remeshing(mesh.faces(), edge_length, mesh,
-                             pmp::parameters::number_of_iterations(sweeps).number_of_relaxation_steps(3));
-    mesh.collect_garbage();
-    if (mesh.number_of_faces() > 3 && is_sound(mesh)) return from_cgal(mesh);
+  constexpr double kShorten = 0.9;
+  constexpr int kLengths = 8;  // down to 0.48 of the wanted length
+  double length = edge_length;
+  for (int i = 0; i < kLengths; ++i, length *= kShorten) {
+    for (const unsigned sweeps : {10U, 15U}) {
+      Mesh mesh = to_cgal(surface);
+      pmp::isotropic_remeshing(mesh.faces(), length, mesh,
+                               pmp::parameters::number_of_iterations(sweeps).number_of_relaxation_steps(3));
+      mesh.collect_garbage();
+      if (mesh.number_of_faces() > 3 && is_sound(mesh)) return {from_cgal(mesh), length};
+    }
   }
   throw std::runtime_error("remeshing the surface to edges of " + std::to_string(edge_length) +
                            " left flipped or intersecting triangles");

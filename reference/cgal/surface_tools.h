@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include "core/mesh/tet_mesh.h"
@@ -34,9 +33,16 @@ Intersections find_self_intersections(const SurfaceMesh& surface);
 /// Requires: a closed manifold surface without self-intersection.
 bool is_nested_well(const SurfaceMesh& surface);
 
+/// A remeshed surface, and the edge length that it took.
+struct RemeshedSurface {
+  SurfaceMesh surface;
+  double edge_length = 0.0;
+};
+
 /// Isotropic remeshing to edges of about `edge_length`, projected onto the input.
-/// Tries several numbers of sweeps, and takes the first result that neither intersects itself nor has a
-/// folded edge. Throws: std::runtime_error if none is sound.
-SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length);
+/// Takes the first result that neither intersects itself nor has a folded edge, and tries shorter edges, down
+/// to half the wanted, where thin parts cannot have the wanted ones.
+/// Throws: std::runtime_error if none is sound.
+RemeshedSurface remesh_surface(const SurfaceMesh& surface, double edge_length);
 
 }  // namespace palpate::reference

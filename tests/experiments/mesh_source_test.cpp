@@ -1,0 +1,181 @@
+// Made meshes: real organs, filled shapes, lattices and the cache, through the real gmsh, CGAL and VTK.
+#include "experiments/mesh_source.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/orientation.h"
+#include "core/mesh/topology.h"
+#include "experiments/mesh_cache.h"
+#include "experiments/organ_source.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace {
+
+std::int64_t euler(const TetMesh& mesh) {
+  return static_cast<std::int64_t>(mesh.points.size()) - static_cast<std::int64_t>(build_edges(mesh).size()) +
+         static_cast<std::int64_t>(build_faces(mesh).size()) - static_cast<std::int64_t>(mesh.tets.size());
+}
+
+bool all_positive(const TetMesh& mesh) {
+  const auto& p = mesh.points;
+  for (const Tet& t : mesh.tets) {
+    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) <= 0) return false;
+  }
+  return true;
+}
+
+/// Points PALPATE_CACHE elsewhere for one test, and back.
+class MovedCache {
+ public:
+  explicit MovedCache(const std::filesystem::path& folder) {
+    const char* before = std::getenv("PALPATE_CACHE");
+    had_ = before != nullptr;
+    if (had_) before_ = before;
+    ::setenv("PALPATE_CACHE", folder.c_str(), 1);
+  }
+  ~MovedCache() {
+    if (had_) {
+      ::setenv("PALPATE_CACHE", before_.c_str(), 1);
+    } else {
+      ::unsetenv("PALPATE_CACHE");
+    }
+  }
+  MovedCache(const MovedCache&) = delete;
+  MovedCache& operator=(const MovedCache&) = delete;
+
+ private:
+  bool had_ = false;
+  std::string before_;
+};
+
+// The image's facts: 159 ml of voxels (627 thousand of 0.617 x 0.617 x 1.333 mm); the thesis's counts.
+TEST(Kidney, HasTheThesissCountsAndTheVoxelsVolume) {
+  const MadeMesh kidney = make_organ("kidney", {});
+  constexpr double kVoxelVolume = 159554.0;
+  EXPECT_NEAR(static_cast<double>(kidney.mesh.points.size()), 1503.0, 15.03);
+  EXPECT_NEAR(static_cast<double>(build_edges(kidney.mesh).size()), 9998.0, 99.98);
+  EXPECT_NEAR(total_volume(kidney.mesh), kVoxelVolume, 0.03 * kVoxelVolume);
+  EXPECT_EQ(euler(kidney.mesh), 1);
+  EXPECT_EQ(build_boundary(kidney.mesh).size() % 2, 0U);
+  EXPECT_TRUE(all_positive(kidney.mesh));
+  ASSERT_EQ(kidney.notes.size(), 1U);
+  EXPECT_NE(kidney.notes[0].find("scaled to the voxels' volume"), std::string::npos);
+  // A second run, without the cache, gives the same bits.
+  EXPECT_EQ(make_organ("kidney", {}).mesh, kidney.mesh);
+}
+
+TEST(Kidney, TakesAnotherSize) {
+  const MadeMesh coarse = make_shape({.name = "kidney", .size = {.vertices = {}, .edge_length = 5.5}});
+  EXPECT_EQ(euler(coarse.mesh), 1);
+  EXPECT_LT(coarse.mesh.points.size(), 1000U);
+  EXPECT_NEAR(total_volume(coarse.mesh), 159554.0, 0.03 * 159554.0);
+}
+
+TEST(Liver, IsABallOfItsVoxelsVolume) {
+  const MadeMesh liver = make_shape({.name = "liver"});
+  EXPECT_NEAR(static_cast<double>(liver.mesh.points.size()), 1503.0, 15.03);
+  EXPECT_EQ(euler(liver.mesh), 1);
+  EXPECT_TRUE(all_positive(liver.mesh));
+  EXPECT_NEAR(total_volume(liver.mesh), 1.6052e6, 0.03 * 1.6052e6);
+}
+
+TEST(Bean, HasACoarseSkinAndAFinerInterior) {
+  const MadeMesh bean = make_shape({.name = "bean"});
+  EXPECT_NEAR(static_cast<double>(bean.mesh.points.size()), 1503.0, 15.03);
+  EXPECT_NEAR(static_cast<double>(build_edges(bean.mesh).size()), 9998.0, 99.98);
+  const auto flags = build_boundary_vertex_flags(bean.mesh);
+  EXPECT_EQ(std::count(flags.begin(), flags.end(), 1), 362);
+  EXPECT_EQ(euler(bean.mesh), 1);
+  EXPECT_TRUE(all_positive(bean.mesh));
+}
+
+TEST(Ball, HitsTheWantedCount) {
+  for (const std::uint64_t wanted : {300U, 4000U}) {
+    const MadeMesh ball = make_shape({.name = "ball", .size = {.vertices = wanted, .edge_length = {}}});
+    EXPECT_NEAR(static_cast<double>(ball.mesh.points.size()), static_cast<double>(wanted),
+                0.01 * static_cast<double>(wanted));
+    EXPECT_EQ(euler(ball.mesh), 1);
+    EXPECT_LT(total_volume(ball.mesh), 4.0 / 3.0 * M_PI);  // inscribed
+  }
+}
+
+TEST(Lattices, TakeTheNearestNumberOfCells) {
+  for (const char* name : {"cube", "bar", "bcc_bar"}) {
+    const std::size_t found = make_shape({.name = name}).mesh.points.size();
+    // A request for the very count found gives it back.
+    EXPECT_EQ(make_shape({.name = name, .size = {.vertices = found, .edge_length = {}}}).mesh.points.size(),
+              found);
+    EXPECT_GT(found, 1000U);
+    EXPECT_LT(found, 2200U);
+  }
+  EXPECT_EQ(make_shape({.name = "cube", .size = {.vertices = {}, .edge_length = 0.25}}).mesh.points.size(),
+            125U);
+}
+
+TEST(MakeShape, RefusesWhatItCannotMake) {
+  const auto message = [](const ShapeRequest& request) -> std::string {
+    try {
+      make_shape(request);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message({.name = "kideny"}).find("did you mean kidney?"), std::string::npos);
+  EXPECT_NE(message({.name = "ball", .size = {.vertices = 1000, .edge_length = 0.1}}).find("both"),
+            std::string::npos);
+  EXPECT_NE(message({.name = "ball", .size = {.vertices = 5, .edge_length = {}}}), "");
+  EXPECT_NE(message({.name = "ball", .size = {.vertices = {}, .edge_length = 1e-5}}).find("20 million"),
+            std::string::npos);
+  EXPECT_NE(message({.name = "kidney", .size = {.vertices = {}, .edge_length = -1.0}}), "");
+  EXPECT_NE(message({.name = "kidney", .size = {.vertices = {}, .edge_length = std::nan("")}}), "");
+  EXPECT_NE(message({.name = "bar", .jitter = 0.1}).find("no jitter"), std::string::npos);
+}
+
+TEST(ListShapes, NamesEveryShapeThatIsMade) {
+  std::vector<std::string> names;
+  for (const ShapeInfo& shape : list_shapes()) {
+    names.push_back(shape.name);
+    EXPECT_EQ(shape.unavailable, "") << shape.name;
+    EXPECT_NE(shape.summary, "");
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "bean", "ball", "bar", "cube", "bcc_bar"}));
+}
+
+TEST(MeshCache, KeepsAMeshAndMakesADamagedOneAgain) {
+  const test::ScratchFolder folder;
+  const MovedCache moved(folder.path());
+  int made = 0;
+  const auto make = [&] {
+    ++made;
+    return MadeMesh{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}}, {"note"}};
+  };
+  const MadeMesh first = make_cached("a", make);
+  const MadeMesh again = make_cached("a", make);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(again.mesh, first.mesh);
+  EXPECT_EQ(again.notes, first.notes);
+  make_cached("b", make);
+  EXPECT_EQ(made, 2);
+  for (const auto& entry : std::filesystem::directory_iterator(cache_root() / "mesh_cache")) {
+    if (entry.path().extension() != ".mesh") continue;
+    std::fstream file(entry.path(), std::ios::in | std::ios::out);
+    file.seekp(60);
+    file << '7';
+  }
+  EXPECT_EQ(make_cached("a", make).mesh, first.mesh);
+  EXPECT_EQ(made, 3);
+  make_cached("a", make);
+  EXPECT_EQ(made, 3);
+}
+
+}  // namespace
+}  // namespace palpate::experiments
