@@ -36,18 +36,19 @@ void check_mesh(const palpate::TetMesh& mesh) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-identifier-naming): the name that libFuzzer calls
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::filesystem::path kPath = scratch_file();
-  std::ofstream(kPath, std::ios::binary)
+  static const std::filesystem::path path = scratch_file();
+  std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   palpate::TetMesh mesh;
   try {
-    mesh = palpate::read_medit(kPath).mesh;
+    mesh = palpate::read_medit(path).mesh;
   } catch (const palpate::InputError&) {
     return 0;
   }
   check_mesh(mesh);
-  palpate::write_medit(kPath, mesh);
-  check(palpate::read_medit(kPath).mesh == mesh);
+  palpate::write_medit(path, mesh);
+  check(palpate::read_medit(path).mesh == mesh);
   return 0;
 }

@@ -161,14 +161,15 @@ TEST(ExactOrientation, AllExponentsMixed) {
 }
 
 TEST(ExactOrientation, UnderflowCannotMisleadTheFilter) {
-  // Products of u and v underflow to a wrong value, which a huge w then lifts to any size.
+  // With h = 2^-1074 the minors 0.51 h and -1.49 h round to h and -h. Times 1.2 w and w they sum to -0.878 h
+  // w, but to 0.2 h w as computed: the wrong sign, by far more than any bound on rounding alone.
   const double tiny = 0x1p-540;
-  for (const double huge : {1.0, 0x1p290, 0x1p600, 0x1p1000}) {
-    const Points p{
-        {{0, 0, 0}, {1.5 * tiny, 1.25 * tiny, 0}, {1.25 * tiny, 1.0416666 * tiny, 0}, {0, 0, huge}}};
+  for (const double w : {0x1p10, 0x1p200, 0x1p299, 0x1p600, 0x1p1000}) {
+    const Points p{{{0, 0, 0}, {1.49 * tiny, 0.51 * tiny, 0}, {0, 0, 0x1p-534}, {1.2 * w, w, 0}}};
+    const double rounded = dot(cross(p[1], p[2]), p[3]);
+    EXPECT_GT(rounded, 0.0);
+    EXPECT_EQ(filtered(p), -1);
     expect_right(p);
-    const Points q{{{0, 0, 0}, {tiny, tiny, tiny}, {tiny, 2 * tiny, -tiny}, {3 * huge, -2 * huge, -huge}}};
-    expect_right(q);
   }
 }
 

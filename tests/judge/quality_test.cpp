@@ -282,6 +282,17 @@ TEST(Quality, HistogramAndPercentagesFollowFromTheQualities) {
   EXPECT_NEAR(q.p1_dihedral_deg, dihedrals[7], 1e-12);  // ceil(7.5) = 8th
 }
 
+TEST(Quality, FirstPercentileIsTheNearestRank) {
+  TetMesh mesh = make_corner_tet();
+  std::swap(mesh.tets[0][0], mesh.tets[0][1]);  // inverted: counts with an angle of 0
+  while (mesh.tets.size() < 100) mesh = join_meshes(mesh, make_corner_tet());
+  EXPECT_EQ(measure_quality(mesh).p1_dihedral_deg, 0.0);  // rank 1 of 100
+  mesh = join_meshes(mesh, make_corner_tet());
+  EXPECT_NEAR(measure_quality(mesh).p1_dihedral_deg, std::acos(1.0 / std::sqrt(3.0)) / kDegree,
+              1e-12);  // 2 of 101
+  EXPECT_EQ(measure_quality(mesh).min_dihedral_deg, 0.0);
+}
+
 TEST(Quality, InvariantUnderRotationOrderAndScale) {
   const TetMesh mesh = shaken_block(8);
   const Quality q = measure_quality(mesh);

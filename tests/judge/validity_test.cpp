@@ -170,13 +170,30 @@ TetMesh make_cone(const std::vector<Triangle>& triangles, Index apex) {
   return mesh;
 }
 
-TEST(Validity, CatchesAVertexWhoseLinkIsATorus) {
-  // The torus of seven vertices (Moebius 1861): its cone has manifold faces and edges, and a bad apex.
+/// The torus of seven vertices (Moebius 1861).
+std::vector<Triangle> make_seven_vertex_torus() {
   std::vector<Triangle> torus;
   for (Index i = 0; i < 7; ++i) {
     torus.push_back({i, (i + 1) % 7, (i + 3) % 7});
     torus.push_back({i, (i + 3) % 7, (i + 2) % 7});
   }
+  return torus;
+}
+
+TEST(Validity, CatchesAVertexWhoseLinkIsASphereAndATorus) {
+  // The Euler characteristics add up to a sphere's: only connectedness tells.
+  std::vector<Triangle> surfaces = make_seven_vertex_torus();
+  for (const Triangle& t : {Triangle{7, 8, 9}, Triangle{7, 10, 8}, Triangle{7, 9, 10}, Triangle{8, 10, 9}}) {
+    surfaces.push_back(t);
+  }
+  const Validity found = check_validity(make_cone(surfaces, 11));
+  EXPECT_EQ(found.nonmanifold_edges, 0U);
+  EXPECT_EQ(found.nonmanifold_vertices, 1U);
+}
+
+TEST(Validity, CatchesAVertexWhoseLinkIsATorus) {
+  // Its cone has manifold faces and edges, and a bad apex.
+  const std::vector<Triangle> torus = make_seven_vertex_torus();
   const Validity found = check_validity(make_cone(torus, 7));
   EXPECT_EQ(found.nonmanifold_faces, 0U);
   EXPECT_EQ(found.nonmanifold_edges, 0U);

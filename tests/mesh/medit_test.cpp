@@ -25,7 +25,6 @@ namespace {
 using test::bytes_of;
 using test::ScratchFolder;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 bool is_same_to_the_bit(const TetMesh& a, const TetMesh& b) {
@@ -117,7 +116,10 @@ TEST(Medit, WordsMayLieAcrossTheBuffer) {
   const std::string bytes = bytes_of(folder / "a.mesh");
   ASSERT_GT(bytes.size(), 1U << 20U);
   for (std::size_t shift = 1; shift <= 40; ++shift) {
-    folder.add("b.mesh", "#" + std::string(shift, '#') + "\n" + bytes);
+    std::string shifted(shift, '#');
+    shifted += "\n";
+    shifted += bytes;
+    folder.add("b.mesh", shifted);
     ASSERT_EQ(read_medit(folder / "b.mesh").mesh, mesh) << shift;
   }
 }
@@ -127,8 +129,12 @@ TEST(Medit, LongCommentsAndBlanksKeepTheLineCount) {
   for (const std::size_t size : {(1U << 20U) - 1U, 1U << 20U, (1U << 20U) + 1U, 3U << 20U}) {
     const std::string comment = "# " + std::string(size, 'c') + "\n\n";
     const std::string blanks = std::string(size, ' ') + std::string(size, '\n');
-    const std::string header = "MeshVersionFormatted 2 Dimension 3\n";
-    const std::string path = folder.add("a.mesh", comment + header + blanks + comment + "Vertices\nx\n");
+    std::string bytes = comment;
+    for (const std::string& part : {std::string("MeshVersionFormatted 2 Dimension 3\n"), blanks, comment}) {
+      bytes += part;
+    }
+    bytes += "Vertices\nx\n";
+    const std::string path = folder.add("a.mesh", bytes);
     const std::size_t line = 2 + 1 + size + 2 + 2;
     try {
       read_medit(path);

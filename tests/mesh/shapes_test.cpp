@@ -125,7 +125,7 @@ TEST(BccBar, HasItsClosedForms) {
     const TetMesh mesh = build_bcc_bar(static_cast<int>(n));
     EXPECT_EQ(mesh.tets.size(), 48 * n * n * n + 36 * n * n);
     EXPECT_EQ(mesh.points.size(), (4 * n + 1) * (n + 1) * (n + 1) + 4 * n * n * n + 18 * n * n);
-    EXPECT_EQ(build_boundary(mesh).size(), 4 * 18 * n * n);
+    EXPECT_EQ(build_boundary(mesh).size(), 72 * n * n);
     EXPECT_EQ(bounding_box(mesh.points).high, (Vec3{4, 1, 1}));
     EXPECT_EQ(bounding_box(mesh.points).low, (Vec3{0, 0, 0}));
     EXPECT_EQ(duplicate_points(mesh.points), 0U);
