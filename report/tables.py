@@ -216,19 +216,20 @@ def quality_summary(run):
         if mesh in run.inputs:
             record = run.inputs[mesh]
             get = lambda name: figure(record, "judge", name)
-            rows.append([mesh, "input", decimals(get("tets"), 0), decimals(get("percent_above_0_5"), 1),
+            rows.append([mesh, "input", "", decimals(get("tets"), 0), decimals(get("percent_above_0_5"), 1),
                          decimals(get("percent_above_0_6"), 1), decimals(get("mean_quality"), 3),
                          decimals(get("min_dihedral_deg"), 1), decimals(get("p1_dihedral_deg"), 1), ""])
         for group in run.of_mesh(mesh):
             outcome = outcome_text(group)
-            rows.append([mesh, group.name, with_range(group.figures("judge", "tets"), 0),
+            rows.append([mesh, group.name, with_range(group.figures("report", "fusions"), 0),
+                         with_range(group.figures("judge", "tets"), 0),
                          with_range(group.figures("judge", "percent_above_0_5"), 1),
                          with_range(group.figures("judge", "percent_above_0_6"), 1),
                          with_range(group.figures("judge", "mean_quality"), 3),
                          with_range(group.figures("judge", "min_dihedral_deg"), 1),
                          with_range(group.figures("judge", "p1_dihedral_deg"), 1),
                          "" if outcome == "accepted" else outcome])
-    header = ["mesh", "label", "tets", "% above 0.5", "% above 0.6", "mean", "min angle", "p1 angle", "outcome"]
+    header = ["mesh", "label", "fusions", "tets", "% above 0.5", "% above 0.6", "mean", "min angle", "p1 angle", "outcome"]
     return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no records"
 
 

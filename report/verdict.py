@@ -65,6 +65,8 @@ class MeshVerdict:
     spread: list
     verdict: str
     reason: str
+    better_tets: Optional[float] = None
+    than_tets: Optional[float] = None
 
     @property
     def difference(self):
@@ -120,7 +122,9 @@ def judge_mesh(run, claim, mesh, sweep):
         why = why if why != "accepted" else f"without {claim.measure}"
         return MeshVerdict(mesh, sweep, input_value, better, than, spread, UNDECIDED,
                            f"no accepted answer of {label} ({why})")
-    return MeshVerdict(mesh, sweep, input_value, better, than, spread, decide(claim, better, than, spread), "")
+    better_tets, than_tets = (median(groups[label].figures("judge", "tets")) for label in (claim.better, claim.than))
+    return MeshVerdict(mesh, sweep, input_value, better, than, spread, decide(claim, better, than, spread), "",
+                       better_tets, than_tets)
 
 
 def judge_run(run, claim):
@@ -162,7 +166,8 @@ def mesh_sentence(claim, verdict):
     name = f"{verdict.mesh} ({verdict.sweep})" if verdict.sweep else verdict.mesh
     if verdict.verdict == UNDECIDED:
         return f"{name}: {UNDECIDED}: {verdict.reason}."
-    text = (f"{name}: {claim.better} {verdict.better:.2f}, {claim.than} {verdict.than:.2f}: "
+    left = ["" if tets is None else f" ({tets:.0f} tets)" for tets in (verdict.better_tets, verdict.than_tets)]
+    text = (f"{name}: {claim.better} {verdict.better:.2f}{left[0]}, {claim.than} {verdict.than:.2f}{left[1]}: "
             f"{signed(verdict.difference, claim.unit)}")
     if claim.spread:
         text += f"; {claim.spread} {spread_text(verdict.spread)}"
@@ -203,14 +208,14 @@ def verdict_text(claim, verdicts):
 
 def write_verdict(claim, verdicts, folder):
     """Writes verdict.csv and verdict.txt."""
-    header = ["mesh", "sweep", "measure", "input", "better_label", "better", "than_label", "than", "difference",
+    header = ["mesh", "sweep", "measure", "input", "better_label", "better", "than_label", "than", "better_tets", "than_tets", "difference",
               "spread_label", "spread_n", "spread_mean", "spread_sd", "spread_min", "spread_max", "published_better",
               "published_than", "published_difference", "verdict", "reason"]
     rows = []
     for verdict in verdicts:
         spread = verdict.spread
         rows.append([verdict.mesh, verdict.sweep, claim.measure, verdict.input_value, claim.better, verdict.better,
-                     claim.than, verdict.than, verdict.difference, claim.spread, len(spread),
+                     claim.than, verdict.than, verdict.better_tets, verdict.than_tets, verdict.difference, claim.spread, len(spread),
                      statistics.fmean(spread) if spread else None, statistics.stdev(spread) if len(spread) > 1 else None,
                      min(spread, default=None), max(spread, default=None), claim.published_better, claim.published_than,
                      claim.published_difference, verdict.verdict, verdict.reason])

@@ -120,7 +120,7 @@ class Verdict(ReportTest):
     def test_against_the_claim(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(better=75, than=80))
         _, out, _ = self.report("--no-charts")
-        self.assertIn("kidney: hierarchical 75.00, sequential 80.00: -5.00 points", out)
+        self.assertIn("kidney: hierarchical 75.00 (6300 tets), sequential 80.00 (6300 tets): -5.00 points", out)
         self.assertIn("63.33 against 45.71 (+17.62 points)", out)
         self.assertIn("Verdict: the claim does not reproduce.", out)
         self.assertEqual((self.folder / "tables" / "verdict.txt").read_text(encoding="utf-8").strip(),
