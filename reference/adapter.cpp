@@ -1,10 +1,9 @@
 #include "reference/adapter.h"
 
-#include <cstdint>
+#include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iostream>
-#include <string>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -55,22 +54,6 @@ void write_json(const std::filesystem::path& path, const json& value) {
   write_file_atomically(path, value.dump(2) + "\n");
 }
 
-/// Peak resident memory of this process since it was started, from /proc; 0 where that cannot be read.
-///
-/// The kernel's own accounting of children (ru_maxrss) starts from the size of the process that forked them,
-/// so a small program looks as large as its runner; VmHWM starts anew with the program.
-std::uint64_t peak_resident_bytes() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word) {
-    if (word != "VmHWM:") continue;
-    std::uint64_t kibibytes = 0;
-    status >> kibibytes;
-    return kibibytes * 1024;
-  }
-  return 0;
-}
-
 int write_failure(const std::filesystem::path& path, const char* status, const std::string& message,
                   int code) {
   std::cerr << message << '\n';
@@ -96,7 +79,6 @@ int run_adapter(int argc, char** argv, const std::function<Response(const Reques
     write_json(response_path, {{"schema", "palpate/response/1"},
                                {"status", "ok"},
                                {"kernel_s", response.kernel_s},
-                               {"peak_rss_bytes", peak_resident_bytes()},
                                {"report", response.report},
                                {"notes", response.notes}});
     return 0;

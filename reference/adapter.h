@@ -26,8 +26,7 @@ struct Request {
 
 /// What an adapter answers: its own kernel time, and the report of its method.
 ///
-///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "peak_rss_bytes": 5242880,
-///    "report": {...}, "notes": [...]}
+///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...]}
 /// or {"schema": ..., "status": "bad_input" | "error", "message": "one line"}
 struct Response {
   double kernel_s = 0.0;
