@@ -1,0 +1,56 @@
+// Filling surfaces with tets to a wanted number of vertices.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/tet_mesh.h"
+
+namespace palpate::experiments {
+
+/// A skin and its filling.
+struct FilledSurface {
+  SurfaceMesh skin;
+  TetMesh mesh;
+  double interior_size = 0.0;
+};
+
+/// Fills a closed surface by gmsh in a child process. The skin is kept to the bit, every tet has a positive
+/// volume, and the mesh is as much a ball as the surface is a sphere (V - E + F - T is half the surface's
+/// Euler characteristic). Throws: UnavailableError if gmsh fails, hangs, or breaks one of these.
+FilledSurface fill_surface(const SurfaceMesh& skin, double interior_size);
+
+/// Remeshes a closed surface by CGAL to edges of about `edge_length`.
+SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length);
+
+/// Vertices that a filling of this volume takes, roughly: a first guess, and a bound against absurd sizes.
+double estimate_interior_vertices(double volume, double interior_size);
+
+/// The interior size that estimate_interior_vertices() turns into `vertices`.
+double estimate_interior_size(double volume, double vertices);
+
+/// Throws: InputError if filling `volume` with edges of `interior_size` takes more than 20 million vertices.
+void check_interior_size(double volume, double interior_size);
+
+/// Looks for the interior size at which the filled skin has `vertices` vertices within 0.3%.
+///
+/// Starts from `start` and goes by the power law V ~ h^-3 inside a bracket; at most 14 fillings. The closest
+/// is returned, so it may be further off. Deterministic. Requires: vertices > skin.points.size().
+FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, double start);
+
+/// Is `found` within 1% of `wanted` (or one vertex)?
+bool is_close_enough(std::uint64_t found, std::uint64_t wanted);
+
+/// A skin for a given interior size.
+using SkinMaker = std::function<SurfaceMesh(double interior_size)>;
+
+/// Looks for skin and interior size together: first both, at the maker's own ratio, until the count is within
+/// 8%, then the interior alone by fill_to_vertices().
+/// Throws: InputError if no size tried comes within 1% of `vertices`.
+FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices, double start,
+                             const std::string& name);
+
+}  // namespace palpate::experiments

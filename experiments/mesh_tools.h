@@ -1,0 +1,56 @@
+// The mesh programs (CGAL, gmsh, VTK) as functions: request file, child process, response file.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace palpate::experiments {
+
+/// A private folder for files between programs; removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  std::filesystem::path file(const std::string& name) const { return path_ / name; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// A mesh program, and the Debian package that it is built with.
+struct MeshTool {
+  const char* program;
+  const char* package;
+};
+
+inline constexpr MeshTool kGmshTool{"palpate_gmsh", "libgmsh-dev"};
+inline constexpr MeshTool kSurfaceTool{"palpate_cgal_surface", "libcgal-dev"};
+inline constexpr MeshTool kVtkTool{"palpate_vtk", "libvtk9-dev"};
+
+/// One call of a mesh program.
+struct ToolCall {
+  std::string contest;  ///< "mesh" or "convert"
+  std::string method;
+  std::filesystem::path input;
+  std::filesystem::path output;
+  nlohmann::json options = nlohmann::json::object();
+  double timeout_s = 300.0;
+};
+
+/// Where a tool's program is. It need not exist.
+std::filesystem::path tool_path(const MeshTool& tool);
+
+/// Empty, or why the tool cannot run here.
+std::string why_unavailable(const MeshTool& tool);
+
+/// Calls a mesh program and returns its whole response.
+/// Throws: InputError with the program's own line if it refuses its input; UnavailableError if it is not
+/// built,
+///         crashes, fails, hangs, or answers without leaving the output file.
+nlohmann::json run_tool(const MeshTool& tool, const ToolCall& call);
+
+}  // namespace palpate::experiments

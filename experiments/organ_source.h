@@ -1,0 +1,20 @@
+// The real organs: from a segmented CT to a filled surface.
+#pragma once
+
+#include "experiments/mesh_source.h"
+
+namespace palpate::experiments {
+
+/// Is it the name of a real organ?
+bool is_organ(const std::string& name);
+
+/// The folder `organ_data` below the build folder, or below PALPATE_CACHE.
+std::filesystem::path organ_data_folder();
+
+/// Makes "kidney" or "liver", in mm, the voxels' centroid at the origin, axes as in the image.
+///
+/// Label -> smooth surface (VTK) -> coarse skin (CGAL) -> scaled about its centroid to the voxels' volume ->
+/// tets (gmsh), the interior finer than the skin. Throws: as make_shape().
+MadeMesh make_organ(const std::string& name, const MeshSize& size);
+
+}  // namespace palpate::experiments

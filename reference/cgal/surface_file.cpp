@@ -1,0 +1,98 @@
+// Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
+#include <CGAL/IO/polygon_soup_io.h>
+#include <CGAL/Simple_cartesian.h>
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <tuple>
+#include <vector>
+
+#include "core/base/error.h"
+#include "reference/cgal/surface_tools.h"
+
+namespace palpate::reference {
+namespace {
+
+using Point = CGAL::Simple_cartesian<double>::Point_3;
+using Polygons = std::vector<std::vector<std::size_t>>;
+
+constexpr std::size_t kStlHeader = 80;
+constexpr std::size_t kStlTriangle = 50;
+
+/// A binary STL file must be as long as its count says; an ASCII one must be ended by endsolid.
+void check_stl_is_whole(const std::string& where) {
+  std::ifstream file(where, std::ios::binary);
+  std::string head(kStlHeader + 4, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  const auto got = static_cast<std::size_t>(file.gcount());
+  const std::uintmax_t size = std::filesystem::file_size(where);
+  std::uint32_t count = 0;
+  if (got == head.size()) {
+    std::memcpy(&count, head.data() + kStlHeader, sizeof count);
+    if (size == kStlHeader + 4 + std::uintmax_t{count} * kStlTriangle) return;
+  }
+  const std::size_t first = head.find_first_not_of(" \t\r\n");
+  if (first == std::string::npos || head.compare(first, 5, "solid") != 0 || head.find('\0') < got) {
+    if (got < head.size())
+      throw InputError(where, 0, "an STL file", "a broken file of " + std::to_string(size) + " bytes");
+    throw InputError(where, 0, std::to_string(count) + " triangles, as the STL header says",
+                     "a file of " + std::to_string(size) + " bytes");
+  }
+  constexpr std::streamoff kTail = 4096;
+  file.clear();
+  file.seekg(size > static_cast<std::uintmax_t>(kTail) ? static_cast<std::streamoff>(size) - kTail : 0);
+  const std::string tail{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (tail.find("endsolid") == std::string::npos) {
+    throw InputError(where, 0, "endsolid at the end", "a truncated file");
+  }
+}
+
+bool read_soup(const std::string& where, std::vector<Point>& points, Polygons& polygons) {
+  try {
+    return CGAL::IO::read_polygon_soup(where, points, polygons);
+  } catch (const std::exception&) {  // counts that the file claims and memory cannot hold
+    return false;
+  }
+}
+
+}  // namespace
+
+SurfaceMesh read_surface(const std::filesystem::path& path) {
+  const std::string where = path.string();
+  if (!std::filesystem::is_regular_file(path)) throw InputError(where, 0, "a readable file", "none");
+  if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
+  if (path.extension() == ".stl") check_stl_is_whole(where);
+  std::vector<Point> points;
+  Polygons polygons;
+  if (!read_soup(where, points, polygons)) {
+    throw InputError(where, 0, "a whole " + path.extension().string() + " file", "a broken or truncated one");
+  }
+  if (polygons.empty()) throw InputError(where, 0, "triangles", "none");
+  SurfaceMesh surface;
+  std::map<std::tuple<double, double, double>, Index> known;
+  for (const auto& polygon : polygons) {
+    if (polygon.size() != 3) {
+      throw InputError(where, 0, "triangles only",
+                       "a polygon of " + std::to_string(polygon.size()) + " corners");
+    }
+    Triangle triangle{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (polygon[k] >= points.size()) {
+        throw InputError(where, 0, "vertices of the file", "vertex " + std::to_string(polygon[k]));
+      }
+      const Point& p = points[polygon[k]];
+      const Vec3 v{p.x(), p.y(), p.z()};
+      if (!is_finite(v)) throw InputError(where, 0, "finite coordinates", "NaN or infinity");
+      const auto [entry, is_new] =
+          known.try_emplace({v.x, v.y, v.z}, static_cast<Index>(surface.points.size()));
+      if (is_new) surface.points.push_back(v);
+      triangle[k] = entry->second;
+    }
+    surface.triangles.push_back(triangle);
+  }
+  return surface;
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,40 @@
+// The CGAL surface program: reads and judges ("convert"), and remeshes ("mesh") closed surfaces.
+// Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/off.h"
+#include "reference/adapter.h"
+#include "reference/cgal/surface_tools.h"
+
+namespace palpate::reference {
+namespace {
+
+Response answer(const Request& request) {
+  Response response;
+  SurfaceMesh surface;
+  const auto start = std::chrono::steady_clock::now();
+  if (request.contest == "convert" && request.method == "cgal.read_surface") {
+    surface = read_surface(request.input);
+    check_closed_surface(surface, request.input.string());
+  } else if (request.contest == "mesh" && request.method == "cgal.remesh_surface") {
+    if (!request.options.contains("edge_length") || !request.options["edge_length"].is_number()) {
+      throw InputError("request", 0, "the option edge_length", "none");
+    }
+    surface = remesh_surface(read_off(request.input), request.options["edge_length"].get<double>());
+  } else {
+    throw InputError("request", 0, "convert cgal.read_surface or mesh cgal.remesh_surface",
+                     request.contest + " " + request.method);
+  }
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_off(request.output, surface);
+  response.report = {{"vertices", surface.points.size()}, {"triangles", surface.triangles.size()}};
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}

@@ -1,0 +1,120 @@
+// Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
+#include <gmsh.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+
+#include "core/base/error.h"
+#include "core/mesh/orientation.h"
+#include "core/mesh/topology.h"
+#include "reference/gmsh/gmsh_tools.h"
+
+namespace palpate::reference {
+namespace {
+
+constexpr int kTriangleType = 2;
+constexpr int kTetType = 4;
+
+/// Hands the surface to gmsh as one discrete patch; node tag = vertex + 1.
+void add_discrete_surface(const SurfaceMesh& surface) {
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates;
+  for (const Vec3& p : surface.points) {
+    tags.push_back(tags.size() + 1);
+    coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
+  }
+  std::vector<std::size_t> corners;
+  for (const Triangle& t : surface.triangles) {
+    for (const Index v : t) corners.push_back(std::size_t{v} + 1);
+  }
+  const int patch = gmsh::model::addDiscreteEntity(2);
+  gmsh::model::mesh::addNodes(2, patch, tags, coordinates);
+  gmsh::model::mesh::addElementsByType(patch, kTriangleType, {}, corners);
+  const int loop = gmsh::model::geo::addSurfaceLoop({patch});
+  gmsh::model::geo::addVolume({loop});
+  gmsh::model::geo::synchronize();
+}
+
+TetMesh collect_tets(const SurfaceMesh& surface) {
+  std::vector<std::size_t> tags;
+  std::vector<double> coordinates;
+  std::vector<double> parameters;
+  gmsh::model::mesh::getNodes(tags, coordinates, parameters);
+  std::vector<std::size_t> order(tags.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return tags[a] < tags[b]; });
+  TetMesh mesh;
+  std::unordered_map<std::size_t, Index> index_of;
+  for (const std::size_t i : order) {
+    index_of[tags[i]] = static_cast<Index>(mesh.points.size());
+    mesh.points.push_back({coordinates[3 * i], coordinates[3 * i + 1], coordinates[3 * i + 2]});
+  }
+  std::vector<std::size_t> element_tags;
+  std::vector<std::size_t> corners;
+  gmsh::model::mesh::getElementsByType(kTetType, element_tags, corners);
+  for (std::size_t i = 0; i + 3 < corners.size(); i += 4) {
+    Tet tet{};
+    for (std::size_t k = 0; k < 4; ++k) tet[k] = index_of.at(corners[i + k]);
+    const auto& p = mesh.points;
+    if (orientation(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) < 0) std::swap(tet[2], tet[3]);
+    mesh.tets.push_back(tet);
+  }
+  if (mesh.tets.empty()) throw std::runtime_error("gmsh left no tetrahedra: it could not fill the surface");
+  if (mesh.points.size() < surface.points.size())
+    throw std::runtime_error("gmsh dropped vertices of the skin");
+  return mesh;
+}
+
+std::vector<Triangle> sorted_corners(std::vector<Triangle> triangles) {
+  for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+  std::sort(triangles.begin(), triangles.end());
+  return triangles;
+}
+
+void check_filled(const SurfaceMesh& surface, const TetMesh& mesh) {
+  if (!std::equal(surface.points.begin(), surface.points.end(), mesh.points.begin())) {
+    throw std::runtime_error("gmsh moved vertices of the skin");
+  }
+  const auto& p = mesh.points;
+  for (const Tet& t : mesh.tets) {
+    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) <= 0) {
+      throw std::runtime_error("gmsh left a tetrahedron without volume");
+    }
+  }
+  if (sorted_corners(build_boundary(mesh)) != sorted_corners(surface.triangles)) {
+    throw std::runtime_error("gmsh changed the triangles of the skin");
+  }
+}
+
+}  // namespace
+
+TetMesh fill_surface(const SurfaceMesh& surface, double interior_size) {
+  if (!(interior_size > 0.0)) throw InputError("interior_size", 0, "a positive length", "another number");
+  gmsh::model::add("fill");
+  add_discrete_surface(surface);
+  gmsh::option::setNumber("Mesh.Algorithm3D", 1);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthExtendFromBoundary", 0);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMin", interior_size);
+  gmsh::option::setNumber("Mesh.CharacteristicLengthMax", interior_size);
+  gmsh::logger::start();
+  std::string failure;
+  try {
+    gmsh::model::mesh::generate(3);
+  } catch (...) {  // 4.8 throws integers, strings or exceptions; the log says what went wrong
+    failure = "generate() threw";
+  }
+  std::vector<std::string> log;
+  gmsh::logger::get(log);
+  gmsh::logger::stop();
+  for (const std::string& line : log) {
+    if (line.rfind("Error", 0) == 0) failure = line;
+  }
+  if (!failure.empty()) throw std::runtime_error("gmsh could not fill the surface: " + failure);
+  TetMesh mesh = collect_tets(surface);
+  check_filled(surface, mesh);
+  return mesh;
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,54 @@
+// The gmsh program: fills surfaces ("mesh") and reads .msh files ("convert").
+// Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
+#include <gmsh.h>
+
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/off.h"
+#include "reference/adapter.h"
+#include "reference/gmsh/gmsh_tools.h"
+
+namespace palpate::reference {
+
+GmshSession::GmshSession() {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("General.NumThreads", 1);
+}
+
+GmshSession::~GmshSession() {
+  gmsh::finalize();
+}
+
+namespace {
+
+Response answer(const Request& request) {
+  const GmshSession session;
+  Response response;
+  TetMesh mesh;
+  const auto start = std::chrono::steady_clock::now();
+  if (request.contest == "mesh" && request.method == "gmsh.delaunay") {
+    if (!request.options.contains("interior_size") || !request.options["interior_size"].is_number()) {
+      throw InputError("request", 0, "the option interior_size", "none");
+    }
+    mesh = fill_surface(read_off(request.input), request.options["interior_size"].get<double>());
+  } else if (request.contest == "convert" && request.method == "gmsh.read") {
+    mesh = read_msh(request.input, response.notes);
+  } else {
+    throw InputError("request", 0, "mesh gmsh.delaunay or convert gmsh.read",
+                     request.contest + " " + request.method);
+  }
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_medit(request.output, mesh);
+  response.report = {{"vertices", mesh.points.size()}, {"tets", mesh.tets.size()}};
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}

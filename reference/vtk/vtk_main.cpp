@@ -1,0 +1,51 @@
+// The VTK program: organ surfaces out of labelled images ("mesh") and .vtk / .vtu files ("convert").
+#include <vtkObject.h>
+
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/off.h"
+#include "reference/adapter.h"
+#include "reference/vtk/vtk_tools.h"
+
+namespace palpate::reference {
+namespace {
+
+template <typename T>
+T option(const Request& request, const char* key) {
+  if (!request.options.contains(key) || !request.options[key].is_number()) {
+    throw InputError("request", 0, std::string("the option ") + key, "none");
+  }
+  return request.options[key].get<T>();
+}
+
+Response answer(const Request& request) {
+  vtkObject::GlobalWarningDisplayOff();
+  Response response;
+  const auto start = std::chrono::steady_clock::now();
+  if (request.contest == "mesh" && request.method == "vtk.organ_surface") {
+    const OrganSurface organ =
+        extract_organ(request.input, {option<int>(request, "label"), option<double>(request, "smoothing"),
+                                      option<double>(request, "spacing")});
+    write_off(request.output, organ.surface);
+    response.report = {{"voxel_volume", organ.voxel_volume},
+                       {"centroid", {organ.centroid.x, organ.centroid.y, organ.centroid.z}}};
+  } else if (request.contest == "convert" && request.method == "vtk.read") {
+    write_medit(request.output, read_grid(request.input, response.notes));
+  } else if (request.contest == "convert" && request.method == "vtk.write") {
+    write_vtu(request.output, read_medit(request.input, ReadOrientation::kKeep).mesh);
+  } else {
+    throw InputError("request", 0, "mesh vtk.organ_surface, convert vtk.read or convert vtk.write",
+                     request.contest + " " + request.method);
+  }
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}
