@@ -165,9 +165,9 @@ class LinkChecks {
       });
     }
     if (face.size() != 2) return;
-    const int a = signs_[face[0].tet];
-    const int b = signs_[face[1].tet];
-    if (a * b == 0 || (face[0].upward == (a > 0)) != (face[1].upward == (b > 0))) return;
+    const std::int8_t a = signs_[face[0].tet];
+    const std::int8_t b = signs_[face[1].tet];
+    if (a == 0 || b == 0 || (face[0].upward == (a > 0)) != (face[1].upward == (b > 0))) return;
     add_finding(result_.folded_faces, result_.findings, [&] {
       return "face" + numbers(vertices) + ": folded, " + tets_of(face) + " lie on the same side of it";
     });

@@ -348,12 +348,12 @@ MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientat
         reader.name(), 0, "tetrahedra",
         sections.triangles > 0 ? "none, only " + std::to_string(sections.triangles) + " triangles" : "none");
   }
-  check_extent(reader, mesh);
   if (orientation == ReadOrientation::kRestore) {
     const std::size_t isolated = remove_isolated_vertices(mesh);
     if (isolated > 0) {
       file.notes.push_back(std::to_string(isolated) + " vertices that no tetrahedron uses were left out");
     }
+    check_extent(reader, mesh);
     restore_orientation(reader, file);
   }
   return file;

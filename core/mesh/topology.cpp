@@ -147,20 +147,28 @@ std::vector<Edge> build_edges(const TetMesh& mesh) {
   for (const Tet& tet : mesh.tets) {
     for (const auto& [i, j] : kTetEdges) others[next[std::min(tet[i], tet[j])]++] = std::max(tet[i], tet[j]);
   }
+  // From here on, next[v] is the end of the different neighbours in row v.
+  std::size_t count = 0;
+  const auto at = [&](std::uint64_t i) { return others.begin() + static_cast<std::ptrdiff_t>(i); };
+  for (std::size_t v = 0; v < next.size(); ++v) {
+    std::sort(at(offsets[v]), at(offsets[v + 1]));
+    next[v] = static_cast<std::uint64_t>(std::unique(at(offsets[v]), at(offsets[v + 1])) - others.begin());
+    count += next[v] - offsets[v];
+  }
   std::vector<Edge> edges;
-  for (Index v = 0; v + 1 < offsets.size(); ++v) {
-    const auto first = others.begin() + static_cast<std::ptrdiff_t>(offsets[v]);
-    const auto last = others.begin() + static_cast<std::ptrdiff_t>(offsets[v + 1]);
-    std::sort(first, last);
-    const auto end = std::unique(first, last);
-    for (auto it = first; it != end; ++it) edges.push_back({v, *it});
+  edges.reserve(count);
+  for (Index v = 0; v < next.size(); ++v) {
+    for (std::uint64_t i = offsets[v]; i < next[v]; ++i) edges.push_back({v, others[i]});
   }
   return edges;
 }
 
 std::vector<Face> build_faces(const TetMesh& mesh) {
   const HalfFaceRows rows = build_half_faces(mesh);
+  std::size_t face_count = 0;
+  for_each_face(rows, [&](Index, std::uint64_t, std::uint64_t) { ++face_count; });
   std::vector<Face> faces;
+  faces.reserve(face_count);
   for_each_face(rows, [&](Index v, std::uint64_t first, std::uint64_t count) {
     const HalfFace& half = rows.faces[first];
     const Triangle vertices{v, half.middle, half.largest};

@@ -135,7 +135,7 @@ TEST(AtomicFile, RefusesAFileNameThatIsTooLong) {
 
 TEST(AtomicFile, AFullDiskWhileWritingLeavesNothing) {
   const ScratchFolder folder;
-  const FileSizeLimit limit(64 * 1024);
+  const FileSizeLimit limit(65536);
   EXPECT_THAT(message_of([&] { write_file_atomically(folder / "out", std::string(1 << 20, 'x')); }),
               AllOf(HasSubstr((folder / "out").string()), HasSubstr("expected room on the disk")));
   EXPECT_EQ(folder.count(), 0U);

@@ -158,6 +158,74 @@ TEST(Validity, CatchesPointsThatAreNotFinite) {
   expect_counts(mesh, expected);
 }
 
+/// The tets that join each triangle to one more vertex, numbered `apex`. Points lie on a curve in general
+/// position; only the topology matters.
+TetMesh make_cone(const std::vector<Triangle>& triangles, Index apex) {
+  TetMesh mesh;
+  for (Index v = 0; v <= apex; ++v) {
+    const double t = v + 1.0;
+    mesh.points.push_back({t, t * t, t * t * t});
+  }
+  for (const Triangle& t : triangles) mesh.tets.push_back({t[0], t[1], t[2], apex});
+  return mesh;
+}
+
+TEST(Validity, CatchesAVertexWhoseLinkIsATorus) {
+  // The torus of seven vertices (Moebius 1861): its cone has manifold faces and edges, and a bad apex.
+  std::vector<Triangle> torus;
+  for (Index i = 0; i < 7; ++i) {
+    torus.push_back({i, (i + 1) % 7, (i + 3) % 7});
+    torus.push_back({i, (i + 3) % 7, (i + 2) % 7});
+  }
+  const Validity found = check_validity(make_cone(torus, 7));
+  EXPECT_EQ(found.nonmanifold_faces, 0U);
+  EXPECT_EQ(found.nonmanifold_edges, 0U);
+  EXPECT_EQ(found.nonmanifold_vertices, 1U);
+  EXPECT_THAT(found.findings, Contains(HasSubstr("vertex 8: its link")));
+}
+
+TEST(Validity, CatchesVerticesWhoseLinksAreProjectivePlanesAndMoebiusBands) {
+  // Closed with Euler characteristic 1, and open with 0: neither may pass for a disc.
+  const std::vector<Triangle> projective_plane{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1},
+                                               {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
+  EXPECT_EQ(check_validity(make_cone(projective_plane, 6)).nonmanifold_vertices, 1U);
+  EXPECT_EQ(check_validity(make_cone(projective_plane, 6)).nonmanifold_edges, 0U);
+  std::vector<Triangle> band;
+  for (Index i = 0; i < 5; ++i) band.push_back({i, (i + 1) % 5, (i + 2) % 5});
+  EXPECT_EQ(check_validity(make_cone(band, 5)).nonmanifold_vertices, 1U);
+}
+
+TEST(Validity, CatchesAVertexWhoseLinkIsAnAnnulus) {
+  std::vector<Triangle> annulus;
+  for (Index i = 0; i < 4; ++i) {
+    annulus.push_back({i, (i + 1) % 4, i + 4});
+    annulus.push_back({(i + 1) % 4, (i + 1) % 4 + 4, i + 4});
+  }
+  const Validity found = check_validity(make_cone(annulus, 8));
+  EXPECT_EQ(found.nonmanifold_edges, 0U);
+  EXPECT_EQ(found.nonmanifold_vertices, 1U);
+}
+
+TEST(Validity, AVertexOfManyTetsIsNoTrouble) {
+  // A double fan: 20,000 tets around one axis, closed into a ring.
+  constexpr Index kSpokes = 10000;
+  TetMesh mesh;
+  mesh.points = {{0, 0, 1}, {0, 0, -1}};
+  for (Index i = 0; i < kSpokes; ++i) {
+    const double angle = 2.0 * 3.14159265358979323846 * i / kSpokes;
+    mesh.points.push_back({std::cos(angle), std::sin(angle), 0});
+  }
+  for (Index i = 0; i < kSpokes; ++i) mesh.tets.push_back({0, 1, 2 + (i + 1) % kSpokes, 2 + i});
+  expect_counts(mesh, {});
+  mesh.tets.pop_back();  // an open fan
+  expect_counts(mesh, {});
+  mesh.tets.erase(mesh.tets.begin() + kSpokes / 2);  // two fans at one axis
+  Validity expected;
+  expected.nonmanifold_edges = 1;
+  expected.nonmanifold_vertices = 2;
+  expect_counts(mesh, expected);
+}
+
 TEST(Validity, NamesTheFirstThreeOfAKind) {
   TetMesh mesh = make_kuhn_block(2, 2, 2);
   for (std::size_t i = 10; i < 20; ++i) std::swap(mesh.tets[i][2], mesh.tets[i][3]);

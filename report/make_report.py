@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Tables, charts and verdict of a run, from its folder alone.
+
+    make_report.py RUN_DIR [--no-charts]
+
+Writes RUN_DIR/tables/*.csv and RUN_DIR/charts/*.svg|png, and prints a summary. Exit codes: 0 done; 2 the folder is no run
+folder or a record is broken; 3 matplotlib is missing or a file could not be written.
+"""
+
+import argparse
+import sys
+
+import records
+import tables
+import verdict
+
+
+def print_summary(run, claim, verdicts):
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print("Quality: median over seeds [least, greatest]\n")
+    print(tables.quality_summary(run))
+    print("\nTime of accepted answers: median and range over repeats\n")
+    print(tables.timing_summary(run))
+    if claim:
+        variants = verdict.variant_summary(run, claim)
+        if variants:
+            print(f"\n{claim.measure}: change against {claim.better}, largest first\n")
+            print(variants)
+        print()
+        print(verdict.verdict_text(claim, verdicts))
+
+
+def remove_old(folder, names):
+    """Takes away what an earlier report left and this one does not write."""
+    for path in folder.glob("*"):
+        if path.is_file() and path.name not in names:
+            path.unlink()
+
+
+def make_report(folder, with_charts):
+    """Does all of it; returns the exit code."""
+    run = records.read_run(folder)
+    claim = verdict.read_claim(run.plan_data)
+    verdicts = verdict.judge_run(run, claim) if claim else []
+    written = tables.write_tables(run, run.folder / "tables")
+    names = {path.name for path in written}
+    if claim:
+        verdict.write_verdict(claim, verdicts, run.folder / "tables")
+        names |= {"verdict.csv", "verdict.txt"}
+        if verdict.write_variants(run, claim, run.folder / "tables"):
+            names.add("variants.csv")
+    remove_old(run.folder / "tables", names)
+    print_summary(run, claim, verdicts)
+    for note in run.notes:
+        print(f"note: {note}", file=sys.stderr)
+    if with_charts:
+        try:
+            import charts
+        except ImportError as error:
+            print(f"report: no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
+            return 3
+        drawn = charts.draw_charts(run, claim, run.folder / "charts")
+        remove_old(run.folder / "charts", set(drawn))
+        if not drawn:
+            print("note: no accepted answers: no charts", file=sys.stderr)
+    return 0
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="make_report.py", description="Tables, charts and verdict of a run.")
+    parser.add_argument("run_dir", metavar="RUN_DIR")
+    parser.add_argument("--no-charts", action="store_true", help="tables and summary only")
+    options = parser.parse_args(arguments)
+    try:
+        return make_report(options.run_dir, not options.no_charts)
+    except records.BadRun as error:
+        print(f"report: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"report: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())

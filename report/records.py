@@ -1,0 +1,225 @@
+"""Reads a run folder: records.jsonl and provenance.json, as the runner left them. Nothing else is read.
+
+A record is one repeat of one case. Records of the same mesh, label and sweep point form a group; within it, a case is a
+seed, and a case's repeats differ in their times alone.
+"""
+
+import json
+import math
+import pathlib
+import statistics
+from dataclasses import dataclass, field
+
+INPUT_LABEL = "input"
+BUCKETS = 10
+
+
+class BadRun(Exception):
+    """The folder is no run folder, or a file in it is not what it has to be: one line, with the place."""
+
+
+@dataclass
+class Group:
+    """All records of one mesh, label and sweep point, in the order of the file."""
+
+    mesh: str
+    label: str
+    sweep: str
+    contestant: str
+    records: list = field(default_factory=list)
+
+    def accepted(self):
+        """Accepted answers, warm-up left out."""
+        return [record for record in self.records if record.get("outcome") == "accepted" and not record.get("warmup")]
+
+    def cases(self):
+        """The first accepted answer of each seed: what is judged is the same in every repeat."""
+        first = {}
+        for record in self.accepted():
+            first.setdefault(json.dumps(record.get("seed")), record)
+        return list(first.values())
+
+    def figures(self, *keys):
+        """A figure of each accepted case, by its path; cases that lack it are left out."""
+        return present(figure(record, *keys) for record in self.cases())
+
+    def outcomes(self):
+        """How often each outcome occurred, warm-up left out."""
+        counts = {}
+        for record in self.records:
+            if not record.get("warmup"):
+                outcome = str(record.get("outcome"))
+                counts[outcome] = counts.get(outcome, 0) + 1
+        return counts
+
+    @property
+    def name(self):
+        return f"{self.label} ({self.sweep})" if self.sweep else self.label
+
+
+@dataclass
+class Run:
+    folder: pathlib.Path
+    plan: str
+    plan_data: dict
+    provenance: dict
+    groups: list
+    inputs: dict
+    notes: list
+
+    def meshes(self):
+        """Names of the meshes, in the order of the plan, else of the file."""
+        return list(dict.fromkeys([*self.inputs, *(group.mesh for group in self.groups)]))
+
+    def of_mesh(self, mesh):
+        return [group for group in self.groups if group.mesh == mesh]
+
+    def find(self, mesh, label):
+        """The groups of a label on a mesh, one for each point of the sweep."""
+        return [group for group in self.of_mesh(mesh) if group.label == label]
+
+    def group_names(self):
+        """Labels with their sweep points, in order, over all meshes."""
+        return list(dict.fromkeys(group.name for group in self.groups))
+
+
+def figure(record, *keys):
+    """A number in a record by its path, or None if it is absent, null or no finite number."""
+    value = record
+    for key in keys:
+        if not isinstance(value, dict):
+            return None
+        value = value.get(key)
+    if isinstance(value, bool):
+        return float(value)
+    return value if isinstance(value, (int, float)) and math.isfinite(value) else None
+
+
+def histogram(record):
+    """The ten buckets of a judged mesh, or None."""
+    judge = record.get("judge")
+    buckets = judge.get("histogram") if isinstance(judge, dict) else None
+    if isinstance(buckets, list) and len(buckets) == BUCKETS and all(isinstance(n, (int, float)) for n in buckets):
+        return buckets
+    return None
+
+
+def present(values):
+    return [value for value in values if value is not None]
+
+
+def quantile(values, share):
+    """The quantile of the sorted values at `share` in [0, 1], linear between neighbours."""
+    ordered = sorted(values)
+    place = share * (len(ordered) - 1)
+    low = math.floor(place)
+    high = min(low + 1, len(ordered) - 1)
+    return ordered[low] + (place - low) * (ordered[high] - ordered[low])
+
+
+def median(values):
+    """The median, or None of nothing."""
+    return statistics.median(values) if values else None
+
+
+def read_json(path):
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:
+        raise BadRun(f"{path}: expected JSON, found {error}") from error
+    if not isinstance(data, dict):
+        raise BadRun(f"{path}: expected one JSON object")
+    return data
+
+
+def read_lines(path, notes):
+    """The records of a file. A last line that was cut off by a kill is left out, and noted."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except OSError as error:
+        raise BadRun(f"{path}: cannot be read ({error.strerror}); is this a run folder?") from error
+    except UnicodeDecodeError as error:
+        raise BadRun(f"{path}: expected UTF-8 text") from error
+    lines = text.split("\n")
+    found = []
+    for number, line in enumerate(lines, start=1):
+        if not line.strip():
+            continue
+        try:
+            record = json.loads(line)
+        except ValueError as error:
+            if number == len(lines):
+                notes.append("the last record was cut off and is left out: resume the run")
+                continue
+            raise BadRun(f"{path}:{number}: expected a JSON object, found {error}") from error
+        if not isinstance(record, dict) or not isinstance(record.get("label"), str):
+            raise BadRun(f"{path}:{number}: expected a record with a label")
+        found.append(record)
+    return found
+
+
+def mesh_name(record):
+    mesh = record.get("mesh")
+    name = mesh.get("name") if isinstance(mesh, dict) else mesh
+    return str(name)
+
+
+def sweep_text(record):
+    sweep = record.get("sweep")
+    if not isinstance(sweep, dict) or not sweep:
+        return ""
+    return ", ".join(f"{key} {value}" for key, value in sweep.items())
+
+
+def read_run(folder):
+    """Reads a run folder. Throws BadRun."""
+    folder = pathlib.Path(folder)
+    if not folder.is_dir():
+        raise BadRun(f"{folder}: no such run folder")
+    notes = []
+    lines = read_lines(folder / "records.jsonl", notes)
+    provenance = read_json(folder / "provenance.json") if (folder / "provenance.json").exists() else {}
+    if not provenance:
+        notes.append("provenance.json is missing: the plan's claim and its order are not known")
+    plan_data = provenance.get("plan_data")
+    plan_data = plan_data if isinstance(plan_data, dict) else {}
+    groups, inputs = {}, {}
+    for record in lines:
+        mesh = mesh_name(record)
+        if record["label"] == INPUT_LABEL:
+            inputs.setdefault(mesh, record)
+            continue
+        key = (mesh, record["label"], sweep_text(record))
+        if key not in groups:
+            groups[key] = Group(*key, contestant=str(record.get("contestant", "")))
+        groups[key].records.append(record)
+    ordered = sort_as_planned(list(groups.values()), plan_data)
+    plan = str(lines[0].get("plan", folder.name)) if lines else folder.name
+    return Run(folder, plan, plan_data, provenance, ordered, inputs, notes)
+
+
+def sort_as_planned(groups, plan_data):
+    """Groups in the plan's order of meshes and labels; what it does not name keeps its place at the end."""
+
+    def places(key, *names):
+        entries = plan_data.get(key)
+        entries = entries if isinstance(entries, list) else []
+        order = {}
+        for entry in entries:
+            for name in names:
+                if isinstance(entry, dict) and isinstance(entry.get(name), str):
+                    order.setdefault(entry[name], len(order))
+                    break
+            else:
+                if isinstance(entry, str):
+                    order.setdefault(entry, len(order))
+        return order
+
+    meshes = places("meshes", "name")
+    labels = places("contestants", "label", "name", "method")
+    for group in groups:
+        meshes.setdefault(group.mesh, len(meshes))
+        labels.setdefault(group.label, len(labels))
+    return sorted(groups, key=lambda group: (meshes[group.mesh], labels[group.label]))

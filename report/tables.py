@@ -1,0 +1,262 @@
+"""Tables of a run: CSV files for other programs, and aligned text for people.
+
+Only accepted answers are compared. What was not accepted is listed with its outcome and has empty figures.
+"""
+
+import csv
+import io
+import json
+import os
+import random
+import statistics
+
+from records import BUCKETS, figure, histogram, median, present, quantile
+
+QUALITY_FIGURES = [
+    "percent_above_0_5", "percent_above_0_6", "mean_quality", "min_quality", "min_dihedral_deg", "p1_dihedral_deg",
+    "percent_above_0_5_input_ideal", "percent_above_0_6_input_ideal", "mean_quality_input_ideal",
+]
+VALIDITY_FIGURES = [
+    "inverted_tets", "flat_tets", "duplicate_tets", "nonmanifold_faces", "folded_faces", "nonmanifold_edges",
+    "nonmanifold_vertices", "isolated_vertices", "euler", "euler_unchanged", "components_unchanged",
+    "boundary_changed_faces", "volume_drift_relative",
+]
+BOOTSTRAP_DRAWS = 2000
+
+
+def write_atomically(path, text):
+    """Writes beside the file, then renames: a reader sees the old text or the new one."""
+    beside = path.with_name(path.name + ".part")
+    with open(beside, "w", encoding="utf-8", newline="") as stream:
+        stream.write(text)
+        stream.flush()
+        os.fsync(stream.fileno())
+    os.replace(beside, path)
+
+
+def write_csv(path, header, rows):
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for row in rows:
+        writer.writerow(["" if cell is None else cell for cell in row])
+    write_atomically(path, text.getvalue())
+
+
+def median_interval(values, draws=BOOTSTRAP_DRAWS):
+    """The 95% percentile bootstrap interval of the median, from a fixed seed; None for fewer than 5 values."""
+    if len(values) < 5:
+        return None, None
+    generator = random.Random(20080501)
+    medians = sorted(statistics.median(generator.choices(values, k=len(values))) for _ in range(draws))
+    return quantile(medians, 0.025), quantile(medians, 0.975)
+
+
+def histogram_rows(run):
+    """One row a mesh, label, seed and bucket, with the share of all tets."""
+    for mesh in run.meshes():
+        subjects = [("input", "", run.inputs[mesh])] if mesh in run.inputs else []
+        subjects += [(group.label, group.sweep, case) for group in run.of_mesh(mesh) for case in group.cases()]
+        for label, sweep, record in subjects:
+            buckets = histogram(record)
+            if not buckets or not sum(buckets):
+                continue
+            for bucket, tets in enumerate(buckets):
+                yield [mesh, label, sweep, record.get("seed"), bucket / BUCKETS, (bucket + 1) / BUCKETS, tets,
+                       100.0 * tets / sum(buckets)]
+
+
+def quality_rows(run):
+    for mesh in run.meshes():
+        if mesh in run.inputs:
+            record = run.inputs[mesh]
+            figures = [figure(record, "judge", name) for name in QUALITY_FIGURES]
+            spread = [cell for value in figures for cell in (value, value, value)]
+            yield [mesh, "input", "", "", 1, figure(record, "judge", "vertices"), figure(record, "judge", "tets"), *spread]
+        for group in run.of_mesh(mesh):
+            spread = []
+            for name in QUALITY_FIGURES:
+                values = group.figures("judge", name)
+                spread += [median(values), min(values, default=None), max(values, default=None)]
+            yield [mesh, group.label, group.sweep, outcome_text(group), len(group.cases()),
+                   median(group.figures("judge", "vertices")), median(group.figures("judge", "tets")), *spread]
+
+
+def timing_of(group):
+    """Times over the accepted repeats: a dict, or None if there is none."""
+    answers = group.accepted()
+    kernel = present(figure(record, "kernel_s") for record in answers)
+    if not kernel:
+        return None
+    wall = present(figure(record, "wall_s") for record in answers)
+    memory = present(figure(record, "peak_rss_bytes") for record in answers)
+    rates = []
+    for record in answers:
+        before, after = figure(record, "report", "tets_in"), figure(record, "report", "tets_out")
+        seconds = figure(record, "kernel_s")
+        if None not in (before, after, seconds) and seconds > 0:
+            rates.append((before - after) / seconds)
+    low, high = median_interval(kernel)
+    return {"n": len(kernel), "kernel_median_s": median(kernel), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
+            "kernel_q1_s": quantile(kernel, 0.25), "kernel_q3_s": quantile(kernel, 0.75), "kernel_median_low_s": low,
+            "kernel_median_high_s": high, "wall_median_s": median(wall), "peak_rss_max_bytes": max(memory, default=None),
+            "tets_removed_per_s": median(rates)}
+
+
+TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kernel_q1_s", "kernel_q3_s",
+                  "kernel_median_low_s", "kernel_median_high_s", "wall_median_s", "peak_rss_max_bytes", "tets_removed_per_s"]
+
+
+def timing_rows(run):
+    for group in run.groups:
+        timing = timing_of(group) or {"n": 0}
+        yield [group.mesh, group.label, group.sweep, outcome_text(group), *(timing.get(name) for name in TIMING_FIGURES)]
+
+
+def rejection_rows(run):
+    for group in run.groups:
+        for record in group.cases():
+            report = record.get("report") if isinstance(record.get("report"), dict) else {}
+            rejected = report.get("rejected") if isinstance(report.get("rejected"), dict) else {}
+            for reason, count in rejected.items():
+                yield [group.mesh, group.label, group.sweep, record.get("seed"), report.get("fusions"), reason, count]
+
+
+def validity_rows(run):
+    """One row a case: its first repeat, and every later one whose outcome differs."""
+    for mesh in run.meshes():
+        subjects = [("input", "", [run.inputs[mesh]])] if mesh in run.inputs else []
+        subjects += [(group.label, group.sweep, group.records) for group in run.of_mesh(mesh)]
+        for label, sweep, lines in subjects:
+            seen = set()
+            for record in lines:
+                mark = (json.dumps(record.get("seed")), record.get("outcome"))
+                if mark in seen:
+                    continue
+                seen.add(mark)
+                yield [mesh, label, sweep, record.get("seed"), record.get("repeat"), record.get("outcome"),
+                       violations_text(record), record.get("message"),
+                       *(figure(record, "judge", name) for name in VALIDITY_FIGURES)]
+
+
+def violations_text(record):
+    violations = record.get("violations")
+    if not isinstance(violations, list):
+        return violations
+    return "; ".join(item if isinstance(item, str) else json.dumps(item, sort_keys=True) for item in violations)
+
+
+def outcome_text(group):
+    """"accepted", or how often each outcome occurred."""
+    outcomes = group.outcomes()
+    if set(outcomes) == {"accepted"}:
+        return "accepted"
+    return ", ".join(f"{count} {outcome}" for outcome, count in outcomes.items())
+
+
+def write_tables(run, folder):
+    """Writes the five tables of every run; returns their paths."""
+    place = ["mesh", "label", "sweep"]
+    spread = [f"{name}_{kind}" for name in QUALITY_FIGURES for kind in ("median", "min", "max")]
+    tables = {
+        "histogram.csv": ([*place, "seed", "quality_from", "quality_to", "tets", "percent"], histogram_rows(run)),
+        "quality.csv": ([*place, "outcome", "cases", "vertices", "tets", *spread], quality_rows(run)),
+        "timing.csv": ([*place, "outcome", *TIMING_FIGURES], timing_rows(run)),
+        "rejections.csv": ([*place, "seed", "fusions", "reason", "tets"], rejection_rows(run)),
+        "validity.csv": ([*place, "seed", "repeat", "outcome", "violations", "message", *VALIDITY_FIGURES],
+                         validity_rows(run)),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, (header, rows) in tables.items():
+        write_csv(folder / name, header, rows)
+    return [folder / name for name in tables]
+
+
+# --- For people ---------------------------------------------------------------------------------------------------------
+
+
+def align(header, rows):
+    """Text columns: the first ones to the left, figures to the right; no trailing blanks."""
+    cells = [header, *rows]
+    widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
+    left = [all(not row[i][:1].isdigit() and row[i][:1] not in "-+" for row in rows if row[i]) for i in range(len(header))]
+    lines = []
+    for number, row in enumerate(cells):
+        parts = [cell.ljust(width) if is_left else cell.rjust(width) for cell, width, is_left in zip(row, widths, left)]
+        lines.append("  ".join(parts).rstrip())
+        if number == 0:
+            lines.append("  ".join("-" * width for width in widths))
+    return "\n".join(lines)
+
+
+def decimals(value, digits):
+    return "" if value is None else f"{value:.{digits}f}"
+
+
+def with_range(values, digits):
+    """"80.1" for one value, "80.1 [79.0, 81.2]" for several."""
+    if not values:
+        return ""
+    middle = decimals(median(values), digits)
+    if len(values) == 1 or min(values) == max(values):
+        return middle
+    return f"{middle} [{decimals(min(values), digits)}, {decimals(max(values), digits)}]"
+
+
+def seconds_text(value):
+    if value is None:
+        return ""
+    return f"{1000 * value:.2f} ms" if value < 1 else f"{value:.2f} s"
+
+
+def quality_summary(run):
+    """Quality of each mesh and label: the median over seeds, with its range."""
+    rows = []
+    for mesh in run.meshes():
+        if mesh in run.inputs:
+            record = run.inputs[mesh]
+            get = lambda name: figure(record, "judge", name)
+            rows.append([mesh, "input", decimals(get("tets"), 0), decimals(get("percent_above_0_5"), 1),
+                         decimals(get("percent_above_0_6"), 1), decimals(get("mean_quality"), 3),
+                         decimals(get("min_dihedral_deg"), 1), decimals(get("p1_dihedral_deg"), 1), ""])
+        for group in run.of_mesh(mesh):
+            outcome = outcome_text(group)
+            rows.append([mesh, group.name, with_range(group.figures("judge", "tets"), 0),
+                         with_range(group.figures("judge", "percent_above_0_5"), 1),
+                         with_range(group.figures("judge", "percent_above_0_6"), 1),
+                         with_range(group.figures("judge", "mean_quality"), 3),
+                         with_range(group.figures("judge", "min_dihedral_deg"), 1),
+                         with_range(group.figures("judge", "p1_dihedral_deg"), 1),
+                         "" if outcome == "accepted" else outcome])
+    header = ["mesh", "label", "tets", "% above 0.5", "% above 0.6", "mean", "min angle", "p1 angle", "outcome"]
+    return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no records"
+
+
+def timing_summary(run):
+    rows = []
+    for group in run.groups:
+        timing = timing_of(group)
+        if timing is None:
+            continue
+        memory, rate = timing["peak_rss_max_bytes"], timing["tets_removed_per_s"]
+        rows.append([group.mesh, group.name, str(timing["n"]), seconds_text(timing["kernel_median_s"]),
+                     f"{seconds_text(timing['kernel_min_s'])} - {seconds_text(timing['kernel_max_s'])}",
+                     seconds_text(timing["wall_median_s"]), "" if memory is None else f"{memory / 2**20:.0f} MiB",
+                     "" if rate is None else f"{rate:,.0f}"])
+    header = ["mesh", "label", "n", "kernel", "range", "process", "memory", "tets removed/s"]
+    return align(header, without_repeats_rows(header, rows)) if rows else "no accepted answers: no times to compare"
+
+
+def without_repeats(header, rows):
+    """The header without the last column if no row has anything in it."""
+    return header if any(row[-1] for row in rows) else header[:-1]
+
+
+def without_repeats_rows(header, rows):
+    """The rows with the mesh named once, and cut to the header that `without_repeats` gives."""
+    width = len(without_repeats(header, rows))
+    shown = []
+    for i, row in enumerate(rows):
+        first = "" if i and rows[i - 1][0] == row[0] else row[0]
+        shown.append([first, *row[1:width]])
+    return shown

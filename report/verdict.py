@@ -1,0 +1,271 @@
+"""Holds a run against the claim of its plan, by a rule that was fixed before any run.
+
+On each mesh, with b and t the medians over seeds of the claim's measure for its labels `better` and `than`, and s the
+range over seeds of its label `spread` (the same method in random orders), where higher is better if the published
+`better` is above the published `than`:
+
+  reproduces               b is on the published side of t and of the whole range s, and |b - t| is at least half of the
+                           published difference
+  reproduces in sign only  the same, but |b - t| is smaller than half of the published difference
+  does not reproduce       anything else
+  cannot be decided        there is no accepted answer of `better` or `than`, or none of `spread` where the claim has one
+
+Over all meshes: "reproduces" or "reproduces in sign only" only if each mesh does at least that.
+"""
+
+import statistics
+from dataclasses import dataclass
+from typing import Optional
+
+from records import figure, median
+from tables import align, outcome_text, write_atomically, write_csv
+
+REPRODUCES = "reproduces"
+SIGN_ONLY = "reproduces in sign only"
+DOES_NOT = "does not reproduce"
+UNDECIDED = "cannot be decided"
+LEAST_SHARE = 0.5
+
+
+@dataclass
+class Claim:
+    text: str
+    source: str
+    measure: str
+    better: str
+    than: str
+    spread: str
+    published_better: Optional[float]
+    published_than: Optional[float]
+
+    @property
+    def published_difference(self):
+        if self.published_better is None or self.published_than is None:
+            return None
+        return self.published_better - self.published_than
+
+    @property
+    def sign(self):
+        """+1 if the published side is the higher one (or nothing is published), -1 if the lower."""
+        return -1 if (self.published_difference or 0) < 0 else 1
+
+    @property
+    def unit(self):
+        """What stands behind a difference of the measure."""
+        return "points" if self.measure.startswith("percent") else ""
+
+
+@dataclass
+class MeshVerdict:
+    mesh: str
+    sweep: str
+    input_value: Optional[float]
+    better: Optional[float]
+    than: Optional[float]
+    spread: list
+    verdict: str
+    reason: str
+
+    @property
+    def difference(self):
+        return None if self.better is None or self.than is None else self.better - self.than
+
+
+def read_claim(plan_data):
+    """The plan's claim, or None if it has none that names a measure and two labels."""
+    claim = plan_data.get("claim")
+    if not isinstance(claim, dict) or not all(isinstance(claim.get(key), str) for key in ("measure", "better", "than")):
+        return None
+    published = claim.get("published") if isinstance(claim.get("published"), dict) else {}
+    return Claim(str(claim.get("text") or ""), str(claim.get("source") or ""), claim["measure"], claim["better"],
+                 claim["than"], str(claim.get("spread") or ""), figure(published, "better"), figure(published, "than"))
+
+
+def values_of(group, measure):
+    """A measure of each accepted case: of the judge, or else of the record itself."""
+    values = group.figures("judge", measure)
+    return values or group.figures(measure)
+
+
+def decide(claim, better, than, spread):
+    """The verdict on one mesh from the two medians and the values of the spread."""
+    sign = claim.sign
+    difference = sign * (better - than)
+    others = [than, *spread]
+    if difference <= 0 or sign * better <= max(sign * value for value in others):
+        return DOES_NOT
+    published = claim.published_difference
+    if published is not None and difference < LEAST_SHARE * abs(published):
+        return SIGN_ONLY
+    return REPRODUCES
+
+
+def judge_mesh(run, claim, mesh, sweep):
+    """The verdict on one mesh at one point of the sweep."""
+
+    def group_of(label):
+        found = [group for group in run.find(mesh, label) if group.sweep == sweep]
+        return found[0] if found else None
+
+    groups = {label: group_of(label) for label in (claim.better, claim.than, claim.spread) if label}
+    values = {label: values_of(group, claim.measure) if group else [] for label, group in groups.items()}
+    record = run.inputs.get(mesh, {})
+    input_value = figure(record, "judge", claim.measure)
+    better, than = median(values[claim.better]), median(values[claim.than])
+    spread = values.get(claim.spread, [])
+    missing = [label for label in groups if not values[label]]
+    if missing:
+        label = missing[0]
+        why = outcome_text(groups[label]) if groups[label] else "it was not run"
+        why = why if why != "accepted" else f"without {claim.measure}"
+        return MeshVerdict(mesh, sweep, input_value, better, than, spread, UNDECIDED,
+                           f"no accepted answer of {label} ({why})")
+    return MeshVerdict(mesh, sweep, input_value, better, than, spread, decide(claim, better, than, spread), "")
+
+
+def judge_run(run, claim):
+    """The verdicts of all meshes, at each point of the sweep that the two labels have."""
+    verdicts = []
+    for mesh in run.meshes():
+        sweeps = dict.fromkeys(group.sweep for group in run.of_mesh(mesh) if group.label in (claim.better, claim.than))
+        verdicts += [judge_mesh(run, claim, mesh, sweep) for sweep in sweeps]
+    return verdicts
+
+
+def overall(verdicts):
+    """One verdict for all meshes: the weakest of those that could be decided."""
+    decided = {verdict.verdict for verdict in verdicts} - {UNDECIDED}
+    for outcome in (DOES_NOT, SIGN_ONLY, REPRODUCES):
+        if outcome in decided:
+            return outcome
+    return UNDECIDED
+
+
+# --- In words -----------------------------------------------------------------------------------------------------------
+
+
+def signed(value, unit):
+    return f"{value:+.2f}" + (f" {unit}" if unit else "")
+
+
+def spread_text(values):
+    if not values:
+        return ""
+    if len(values) == 1:
+        return f"{values[0]:.2f}"
+    return (f"{statistics.fmean(values):.2f} +- {statistics.stdev(values):.2f} (mean, sd), "
+            f"{min(values):.2f} to {max(values):.2f} over {len(values)} seeds")
+
+
+def mesh_sentence(claim, verdict):
+    """One sentence on one mesh."""
+    name = f"{verdict.mesh} ({verdict.sweep})" if verdict.sweep else verdict.mesh
+    if verdict.verdict == UNDECIDED:
+        return f"{name}: {UNDECIDED}: {verdict.reason}."
+    text = (f"{name}: {claim.better} {verdict.better:.2f}, {claim.than} {verdict.than:.2f}: "
+            f"{signed(verdict.difference, claim.unit)}")
+    if claim.spread:
+        text += f"; {claim.spread} {spread_text(verdict.spread)}"
+    return f"{text}. {verdict.verdict.capitalize()}."
+
+
+def overall_sentence(claim, verdicts):
+    """The verdict on the claim, in one sentence or two."""
+    decided = [verdict for verdict in verdicts if verdict.verdict != UNDECIDED]
+    if not decided:
+        return "The claim cannot be decided: no mesh has accepted answers of both sides."
+    counts = {}
+    for verdict in decided:
+        counts[verdict.verdict] = counts.get(verdict.verdict, 0) + 1
+    said = ", ".join(f"{outcome} on {count}" for outcome, count in counts.items())
+    published = ""
+    if claim.published_difference is not None:
+        published = (f"Published: {claim.published_better:.2f} against {claim.published_than:.2f} "
+                     f"({signed(claim.published_difference, claim.unit)}). ")
+    differences = [verdict.difference for verdict in decided]
+    measured = (f"Measured: {signed(min(differences), claim.unit)} to {signed(max(differences), claim.unit)} over "
+                f"{len(decided)} {'mesh' if len(decided) == 1 else 'meshes'}; the claim {said}. ")
+    left = f"{len(verdicts) - len(decided)} cannot be decided. " if len(decided) < len(verdicts) else ""
+    return f"{published}{measured}{left}Verdict: the claim {overall(verdicts)}."
+
+
+def verdict_text(claim, verdicts):
+    """The whole verdict as lines of plain words."""
+    lines = []
+    if claim.text:
+        lines.append(f"Claim: {claim.text}" + (f" ({claim.source})" if claim.source else ""))
+    lines.append(f"Measure: {claim.measure}, {claim.better} against {claim.than}"
+                 + (f", with the spread of {claim.spread}" if claim.spread else "") + ".")
+    lines += ["  " + mesh_sentence(claim, verdict) for verdict in verdicts]
+    lines.append(overall_sentence(claim, verdicts))
+    return "\n".join(lines)
+
+
+def write_verdict(claim, verdicts, folder):
+    """Writes verdict.csv and verdict.txt."""
+    header = ["mesh", "sweep", "measure", "input", "better_label", "better", "than_label", "than", "difference",
+              "spread_label", "spread_n", "spread_mean", "spread_sd", "spread_min", "spread_max", "published_better",
+              "published_than", "published_difference", "verdict", "reason"]
+    rows = []
+    for verdict in verdicts:
+        spread = verdict.spread
+        rows.append([verdict.mesh, verdict.sweep, claim.measure, verdict.input_value, claim.better, verdict.better,
+                     claim.than, verdict.than, verdict.difference, claim.spread, len(spread),
+                     statistics.fmean(spread) if spread else None, statistics.stdev(spread) if len(spread) > 1 else None,
+                     min(spread, default=None), max(spread, default=None), claim.published_better, claim.published_than,
+                     claim.published_difference, verdict.verdict, verdict.reason])
+    write_csv(folder / "verdict.csv", header, rows)
+    write_atomically(folder / "verdict.txt", verdict_text(claim, verdicts) + "\n")
+
+
+# --- Variants: what else the plan varies --------------------------------------------------------------------------------
+
+
+def variant_rows(run, claim):
+    """Of each label beside the claim's three: its difference from `better` and from `than`, mesh by mesh."""
+    for mesh in run.meshes():
+        for group in run.of_mesh(mesh):
+            if group.label in (claim.better, claim.than, claim.spread):
+                continue
+            value = median(values_of(group, claim.measure))
+            against = []
+            for label in (claim.better, claim.than):
+                same = [other for other in run.find(mesh, label) if other.sweep == group.sweep]
+                same = same or run.find(mesh, label)
+                base = median(values_of(same[0], claim.measure)) if same else None
+                against.append(None if value is None or base is None else value - base)
+            yield [mesh, group.label, group.sweep, outcome_text(group), claim.measure, value, *against]
+
+
+def write_variants(run, claim, folder):
+    """Writes variants.csv if the plan has labels beside the claim's; returns whether it did."""
+    rows = list(variant_rows(run, claim))
+    if rows:
+        write_csv(folder / "variants.csv",
+                  ["mesh", "label", "sweep", "outcome", "measure", "value", f"minus_{claim.better}", f"minus_{claim.than}"],
+                  rows)
+    return bool(rows)
+
+
+def variant_summary(run, claim):
+    """A column a mesh: what each variant changes against the claim's `better`; the largest change first."""
+    table = {}
+    for mesh, label, sweep, outcome, _, _, against_better, _ in variant_rows(run, claim):
+        name = f"{label} ({sweep})" if sweep else label
+        table.setdefault(name, {})[mesh] = (against_better, outcome)
+    if not table:
+        return ""
+
+    def size(item):
+        changes = [abs(change) for change, _ in item[1].values() if change is not None]
+        return -max(changes) if changes else 1.0
+
+    meshes = run.meshes()
+    rows = []
+    for name, cells in sorted(table.items(), key=size):
+        row = [name]
+        for mesh in meshes:
+            change, outcome = cells.get(mesh, (None, ""))
+            row.append(outcome if change is None else f"{change:+.2f}")
+        rows.append(row)
+    return align(["variant", *meshes], rows)

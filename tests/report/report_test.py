@@ -1,0 +1,255 @@
+"""The report on made-up records: tables, verdict, charts, and what it says of a run that is not whole."""
+
+import contextlib
+import csv
+import io
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parents[1] / "report")]
+import make_report
+import records
+import synthetic
+import tables
+import verdict
+
+
+class ReportTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name) / "run"
+
+    def report(self, *arguments):
+        """Exit code, standard output and standard error of make_report."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = make_report.main([str(self.folder), *arguments])
+        return code, out.getvalue(), err.getvalue()
+
+    def table(self, name):
+        with open(self.folder / "tables" / name, encoding="utf-8", newline="") as stream:
+            return list(csv.DictReader(stream))
+
+
+class Tables(ReportTest):
+    def test_histogram_holds_each_bucket_and_adds_up(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records())
+        self.assertEqual(self.report("--no-charts")[0], 0)
+        rows = [row for row in self.table("histogram.csv") if (row["mesh"], row["label"]) == ("kidney", "hierarchical")]
+        self.assertEqual(len(rows), 10)
+        self.assertEqual(sum(int(row["tets"]) for row in rows), 6300)
+        self.assertAlmostEqual(sum(float(row["percent"]) for row in rows if float(row["quality_from"]) >= 0.5), 75.0, 9)
+
+    def test_quality_is_the_median_over_seeds_with_its_range(self):
+        lines = [synthetic.record("kidney", "random", percent, seed=seed) for seed, percent in enumerate((70, 50, 80))]
+        synthetic.write_run(self.folder, lines, {})
+        self.report("--no-charts")
+        row, = self.table("quality.csv")
+        cells = [float(row[f"percent_above_0_5_{kind}"]) for kind in ("median", "min", "max")]
+        self.assertEqual((cells, row["cases"]), ([70, 50, 80], "3"))
+
+    def test_timing_leaves_out_warm_up_and_what_was_not_accepted(self):
+        lines = [synthetic.record("kidney", "a", 70, repeat=i, kernel_s=s) for i, s in enumerate((0.03, 0.01, 0.02))]
+        lines.append(synthetic.record("kidney", "a", 70, kernel_s=9.0, warmup=True))
+        lines.append(synthetic.record("kidney", "a", 70, repeat=3, kernel_s=0.0001, outcome="rejected"))
+        synthetic.write_run(self.folder, lines, {})
+        self.report("--no-charts")
+        row, = self.table("timing.csv")
+        self.assertEqual([float(row[f"kernel_{kind}_s"]) for kind in ("median", "min", "max")], [0.02, 0.01, 0.03])
+        self.assertEqual((row["n"], row["outcome"]), ("3", "3 accepted, 1 rejected"))
+        self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.02)
+
+    def test_interval_of_the_median_is_repeatable_and_holds_the_median(self):
+        values = [0.01 * (i % 7 + 1) for i in range(20)]
+        low, high = tables.median_interval(values)
+        self.assertEqual((low, high), tables.median_interval(values))
+        self.assertTrue(min(values) <= low <= 0.04 <= high <= max(values))
+        self.assertEqual(tables.median_interval(values[:4]), (None, None))
+
+    def test_validity_lists_every_outcome_and_why(self):
+        lines = [synthetic.record("kidney", "a", 70),
+                 synthetic.record("kidney", "b", 60, outcome="rejected", violations=["inverted_tets 3 > 0"]),
+                 synthetic.record("kidney", "c", None, outcome="timed_out", message="timed out after 5 s", kernel_s=None)]
+        synthetic.write_run(self.folder, lines, {})
+        code, out, _ = self.report("--no-charts")
+        rows = {row["label"]: row for row in self.table("validity.csv")}
+        self.assertEqual(rows["b"]["violations"], "inverted_tets 3 > 0")
+        self.assertEqual((rows["c"]["outcome"], rows["c"]["message"]), ("timed_out", "timed out after 5 s"))
+        self.assertEqual(rows["c"]["inverted_tets"], "")
+        self.assertEqual(code, 0)
+        self.assertIn("1 timed_out", out)
+
+    def test_rejections_are_listed_by_reason(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70)], {})
+        self.report("--no-charts")
+        self.assertEqual({row["reason"]: row["tets"] for row in self.table("rejections.csv")},
+                         {"boundary": "900", "flip": "40", "quality": "0"})
+
+    def test_null_and_missing_figures_become_empty_cells(self):
+        line = synthetic.record("kidney", "a", 70, peak_rss_bytes=None)
+        del line["judge"]["mean_quality"]
+        line["judge"]["min_dihedral_deg"] = None
+        synthetic.write_run(self.folder, [line], {})
+        self.assertEqual(self.report("--no-charts")[0], 0)
+        row, = self.table("quality.csv")
+        self.assertEqual((row["mean_quality_median"], row["min_dihedral_deg_median"]), ("", ""))
+        self.assertEqual(self.table("timing.csv")[0]["peak_rss_max_bytes"], "")
+
+
+class Verdict(ReportTest):
+    CLAIM = verdict.Claim("", "", "percent_above_0_5", "a", "b", "c", 63.33, 45.71)
+
+    def test_rule(self):
+        cases = [((80, 60, [58, 62]), verdict.REPRODUCES), ((70, 61, [58, 62]), verdict.REPRODUCES),
+                 ((68, 60, [58, 62]), verdict.SIGN_ONLY), ((80, 60, [58, 81]), verdict.DOES_NOT),
+                 ((80, 60, [58, 80]), verdict.DOES_NOT), ((60, 60, [50, 51]), verdict.DOES_NOT),
+                 ((50, 60, [40, 45]), verdict.DOES_NOT), ((69, 60, []), verdict.REPRODUCES)]
+        for values, expected in cases:
+            self.assertEqual(verdict.decide(self.CLAIM, *values), expected, values)
+
+    def test_rule_for_a_measure_where_the_published_side_is_lower(self):
+        claim = verdict.Claim("", "", "kernel_s", "a", "b", "c", 1.0, 3.0)
+        self.assertEqual(verdict.decide(claim, 1.0, 2.5, [2.4, 2.6]), verdict.REPRODUCES)
+        self.assertEqual(verdict.decide(claim, 1.0, 2.5, [0.9, 2.6]), verdict.DOES_NOT)
+
+    def test_against_the_claim(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(better=75, than=80))
+        _, out, _ = self.report("--no-charts")
+        self.assertIn("kidney: hierarchical 75.00, sequential 80.00: -5.00 points", out)
+        self.assertIn("63.33 against 45.71 (+17.62 points)", out)
+        self.assertIn("Verdict: the claim does not reproduce.", out)
+        self.assertEqual((self.folder / "tables" / "verdict.txt").read_text(encoding="utf-8").strip(),
+                         out[out.index("Claim:"):].strip())
+        rows = self.table("verdict.csv")
+        self.assertEqual([row["verdict"] for row in rows], [verdict.DOES_NOT] * 2)
+        self.assertAlmostEqual(float(rows[0]["difference"]), -5.0, 6)
+        self.assertEqual(rows[0]["spread_n"], "12")
+
+    def test_for_the_claim(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(better=80, than=60, spread=(55, 65)))
+        self.assertIn("Verdict: the claim reproduces.", self.report("--no-charts")[1])
+
+    def test_in_sign_only_if_one_mesh_is_weaker(self):
+        lines = synthetic.thesis_records(better=80, than=60, spread=(55, 65), meshes=("kidney",))
+        lines += synthetic.thesis_records(better=66, than=60, spread=(59, 61), meshes=("bean",))
+        synthetic.write_run(self.folder, lines)
+        self.assertIn("Verdict: the claim reproduces in sign only.", self.report("--no-charts")[1])
+
+    def test_without_an_accepted_answer_it_is_not_decided(self):
+        lines = [line for line in synthetic.thesis_records(meshes=("kidney",)) if line["label"] != "sequential"]
+        lines.append(synthetic.record("kidney", "sequential", None, outcome="crashed"))
+        synthetic.write_run(self.folder, lines)
+        code, out, _ = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        self.assertIn("kidney: cannot be decided: no accepted answer of sequential (1 crashed).", out)
+        self.assertNotIn("Verdict:", out)
+
+    def test_variants_are_compared_with_the_claims_side(self):
+        lines = synthetic.thesis_records(meshes=("kidney",))
+        lines += [synthetic.record("kidney", "small", 74), synthetic.record("kidney", "large", 90)]
+        synthetic.write_run(self.folder, lines)
+        _, out, _ = self.report("--no-charts")
+        self.assertEqual([float(row["minus_hierarchical"]) for row in self.table("variants.csv")], [-1.0, 15.0])
+        self.assertLess(out.index("large    +15.00"), out.index("small     -1.00"))
+
+    def test_a_plan_without_a_claim_has_no_verdict(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(), {})
+        code, out, _ = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        self.assertNotIn("erdict", out)
+        self.assertFalse((self.folder / "tables" / "verdict.csv").exists())
+
+
+class Charts(ReportTest):
+    def chart_bytes(self):
+        return {path.name: path.read_bytes() for path in (self.folder / "charts").iterdir()}
+
+    def test_the_same_records_give_the_same_bytes(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
+        self.assertEqual(self.report()[0], 0)
+        first = self.chart_bytes()
+        self.assertEqual(self.report()[0], 0)
+        self.assertEqual(first, self.chart_bytes())
+        names = ("histogram_kidney", "histograms_all_kidney", "overview", "timing")
+        self.assertEqual(set(first), {f"{name}.{ending}" for name in names for ending in ("svg", "png")})
+        self.assertTrue(all(data.startswith(b"\x89PNG") for name, data in first.items() if name.endswith("png")))
+
+    def test_other_records_give_other_bytes(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
+        self.report()
+        first = self.chart_bytes()
+        synthetic.write_run(self.folder, synthetic.thesis_records(better=60, meshes=("kidney",)))
+        self.report()
+        self.assertNotEqual(first["histogram_kidney.svg"], self.chart_bytes()["histogram_kidney.svg"])
+
+    def test_a_sweep_and_no_claim_draw_too(self):
+        lines = [synthetic.record("kidney", "a", 70 + i, sweep={"fusions": 10 * i}, case=f"a{i}") for i in range(3)]
+        synthetic.write_run(self.folder, lines, {})
+        code, out, _ = self.report()
+        self.assertEqual(code, 0)
+        self.assertIn("a (fusions 20)", out)
+        self.assertEqual(set(self.chart_bytes()), {f"{name}.{ending}" for name in ("histograms_all_kidney", "overview", "timing")
+                                                   for ending in ("svg", "png")})
+
+    def test_charts_of_a_former_report_are_taken_away(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records())
+        self.report()
+        synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
+        self.report()
+        self.assertFalse([name for name in self.chart_bytes() if "bean" in name])
+
+
+class BrokenRuns(ReportTest):
+    def test_no_accepted_answer_at_all(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "hierarchical", None, outcome="crashed")])
+        code, out, err = self.report()
+        self.assertEqual(code, 0)
+        self.assertIn("no accepted answers", err)
+        self.assertIn("The claim cannot be decided", out)
+
+    def test_no_records_at_all(self):
+        synthetic.write_run(self.folder, [])
+        code, out, _ = self.report()
+        self.assertEqual(code, 0)
+        self.assertIn("no records", out)
+
+    def test_no_folder(self):
+        code, _, err = self.report()
+        self.assertEqual(code, 2)
+        self.assertEqual(err.count("\n"), 1)
+
+    def test_a_broken_line_is_named(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records())
+        path = self.folder / "records.jsonl"
+        lines = path.read_text(encoding="utf-8").split("\n")
+        lines[2] = lines[2][:40]
+        path.write_text("\n".join(lines), encoding="utf-8")
+        code, _, err = self.report()
+        self.assertEqual(code, 2)
+        self.assertIn("records.jsonl:3", err)
+        self.assertFalse((self.folder / "tables").exists())
+
+    def test_a_last_line_cut_off_by_a_kill_is_left_out_and_said(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70, repeat=i) for i in range(3)], {})
+        path = self.folder / "records.jsonl"
+        path.write_text(path.read_text(encoding="utf-8")[:-30], encoding="utf-8")
+        code, _, err = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        self.assertIn("cut off", err)
+        self.assertEqual(self.table("timing.csv")[0]["n"], "2")
+
+    def test_a_folder_that_cannot_be_written(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
+        (self.folder / "tables").write_text("in the way", encoding="utf-8")
+        code, _, err = self.report()
+        self.assertEqual(code, 3)
+        self.assertIn("tables", err)
+
+
+if __name__ == "__main__":
+    unittest.main()
