@@ -156,7 +156,12 @@ TEST(Runner, FolderThatCannotBeUsed) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan("[test.copy]");
   const auto folder = fixture.folder() / "run";
-  EXPECT_THAT(run_error(fixture, plan, fixture.folder().path(), false), HasSubstr("found other files"));
+  std::filesystem::create_directory(fixture.folder() / "other");
+  fixture.folder().add("other/letter.txt", "mine");
+  for (const bool resume : {false, true}) {
+    EXPECT_THAT(run_error(fixture, plan, fixture.folder() / "other", resume), HasSubstr("found other files"));
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(fixture.folder() / "other"), {}), 1);
   EXPECT_THAT(run_error(fixture, plan, fixture.folder() / "cube.mesh/run", false),
               HasSubstr("can be written"));
   EXPECT_EQ(run_error(fixture, plan, folder, false), "no error");
