@@ -35,6 +35,7 @@ void redirect(int target, const std::filesystem::path& path) {
 [[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments, pid_t parent,
                          int failure_pipe) {
   ::setpgid(0, 0);
+  ::signal(SIGPIPE, SIG_DFL);  // this program ignores it, and exec would hand that on
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
   const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);

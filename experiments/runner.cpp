@@ -282,7 +282,9 @@ void require_available(const Plan& plan, const Registry& registry) {
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {
   require_available(plan, registry);
-  return Runner(plan, registry, options, progress).run();
+  Runner runner(plan, registry, options, progress);
+  progress.say("run " + options.folder.string());
+  return runner.run();
 }
 
 }  // namespace palpate::experiments

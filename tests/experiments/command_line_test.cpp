@@ -46,7 +46,7 @@ TEST(CommandLine, HelpAndVersion) {
 
 TEST(CommandLine, UsageErrors) {
   expect_refusal(run_program({}), 2, "subcommand");
-  expect_refusal(run_program({"smiplify"}), 2, "smiplify");
+  expect_refusal(run_program({"smiplify"}), 2, "unknown command \"smiplify\"; did you mean \"simplify\"?");
   expect_refusal(run_program({"quality"}), 2, "MESH");
   expect_refusal(run_program({"quality", "a.mesh", "--jsn"}), 2, "--jsn");
   expect_refusal(run_program({"run", "a.yaml", "--threads", "0"}), 2, "--threads");
