@@ -81,7 +81,7 @@ void print_outcomes(const RunResult& result) {
       table.add({label, std::to_string(count), colored(outcome, color)});
     }
   }
-  std::cout << table.text();
+  std::cout << '\n' << table.text();
   std::size_t shown = 0;
   for (const auto& [id, failure] : result.failures) {
     if (++shown > 20) break;
