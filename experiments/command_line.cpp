@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -5,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/commands.h"
+#include "experiments/nearest_name.h"
 #include "experiments/provenance.h"
 
 namespace palpate::experiments {
@@ -32,6 +34,18 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_simplify_command(app, exit_code);
   add_quality_command(app, exit_code);
   add_test_command(app, exit_code);
+}
+
+/// Throws: InputError if the first word is no command.
+void check_command_name(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    names.push_back(command->get_name());
+  }
+  if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
+    throw InputError("unknown command \"" + std::string(argv[1]) + "\"" + nearest_hint(argv[1], names));
+  }
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
@@ -68,6 +82,7 @@ int run_command_line(int argc, char** argv) {
   add_commands(app, exit_code);
   int code = kDone;
   try {
+    check_command_name(app, argc, argv);
     code = parse_and_run(app, argc, argv, exit_code);
   } catch (const InputError& error) {
     code = fail(error.what(), kBadInput);

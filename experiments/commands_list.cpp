@@ -145,6 +145,8 @@ int print_measures(bool as_json) {
 void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("list", "List contestants, meshes or measures");
   command->require_subcommand(1);
+  command->footer(
+      "The environment variable PALPATE_CONTESTANTS adds folders of contestants, separated by colons.");
   const auto add = [&](const char* name, const char* summary, int (*print)(bool)) {
     auto as_json = std::make_shared<bool>(false);
     CLI::App* what = command->add_subcommand(name, summary);

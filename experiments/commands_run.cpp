@@ -81,7 +81,7 @@ void print_outcomes(const RunResult& result) {
       table.add({label, std::to_string(count), colored(outcome, color)});
     }
   }
-  std::cout << table.text();
+  std::cout << '\n' << table.text();
   std::size_t shown = 0;
   for (const auto& [id, failure] : result.failures) {
     if (++shown > 20) break;
@@ -113,7 +113,6 @@ int run(const RunArguments& arguments) {
   if (arguments.threads > 0) options.threads = arguments.threads;
   options.stop_flag = &g_stop;
   Progress progress;
-  progress.say("run " + options.folder.string());
   const RunResult result = run_plan(plan, registry, options, progress);
   if (result.interrupted) {
     progress.say("interrupted; what is finished is kept, go on with: palpate run " + arguments.plan +

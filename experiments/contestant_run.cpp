@@ -142,8 +142,10 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   spec.threads = task.threads;
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;
-  answer.user_s = process.user_s;
-  answer.peak_rss_bytes = process.peak_rss_bytes;
+  if (process.has_usage) {
+    answer.user_s = process.user_s;
+    answer.peak_rss_bytes = process.peak_rss_bytes;
+  }
 
   const std::string complaint = read_start(error_file, 4096);
   const std::string said = complaint.empty() ? "" : ": " + one_line(complaint);

@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kDefaultVertices = 1503;  // the thesis's mesh
 constexpr std::uint64_t kFewestVertices = 100;
 constexpr std::uint64_t kMostVertices = 2'000'000;
-constexpr double kSkinToInterior = 2.45;    // gives the thesis's ratio of edges to vertices
+constexpr double kSkinToInterior = 2.2;     // gives the thesis's ratio of edges to vertices
 constexpr double kFirstInteriorSize = 4.0;  // mm, for kidney of 159 ml and 1503 vertices
 constexpr double kFirstVolume = 159.5e3;    // mm^3
 
@@ -32,7 +32,10 @@ struct Organ {
   double smoothing_mm;
   double spacing_mm;
 };
-constexpr std::array<Organ, 2> kOrgans{{{"kidney", 127, 1.5, 1.25}, {"liver", 255, 3.0, 2.5}}};
+// 5 mm close the kidney's sinus, which an organ's capsule bridges too. With 1.5 mm the mesh is so thin there
+// that only 68 fusions are possible, fewer than the thesis's 87; with 5 mm 103 are. The coarse skin is
+// then 2.5% short of the voxels.
+constexpr std::array<Organ, 2> kOrgans{{{"kidney", 127, 5.0, 1.25}, {"liver", 255, 3.0, 2.5}}};
 
 const Organ* find_organ(const std::string& name) {
   for (const Organ& organ : kOrgans) {

@@ -15,8 +15,10 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 
 #include "core/base/error.h"
+#include "experiments/child/report.h"
 
 namespace palpate::experiments {
 namespace {
@@ -33,8 +35,9 @@ void redirect(int target, const std::filesystem::path& path) {
 
 /// Runs in the child between fork and exec: only calls that are safe there.
 [[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments, pid_t parent,
-                         int failure_pipe) {
+                         int report_pipe) {
   ::setpgid(0, 0);
+  ::signal(SIGPIPE, SIG_DFL);  // this program ignores it, and exec would hand that on
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
   const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
@@ -49,10 +52,17 @@ void redirect(int target, const std::filesystem::path& path) {
     ::setrlimit(RLIMIT_AS, &bound);
   }
 #endif
+  if (report_pipe == kChildReportFile) {
+    ::fcntl(report_pipe, F_SETFD, 0);
+  } else {
+    ::dup2(report_pipe, kChildReportFile);
+  }
   ::execv(arguments[0], arguments.data());
-  const int error = errno;
-  const ssize_t written = ::write(failure_pipe, &error, sizeof error);
-  ::_exit(written == sizeof error ? 127 : 126);
+  ChildReport report;
+  report.kind = ChildReport::kNotStarted;
+  report.value = errno;
+  const ssize_t written = ::write(kChildReportFile, &report, sizeof report);
+  ::_exit(written == sizeof report ? 127 : 126);
 }
 
 enum class Wait { kEnded, kTimeUp, kStopped };
@@ -87,21 +97,24 @@ Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
   return Wait::kEnded;
 }
 
-ProcessResult describe(int status, const rusage& usage, Wait wait, const ProcessSpec& spec) {
-  ProcessResult result;
-  result.user_s = seconds_of(usage.ru_utime);
-  result.system_s = seconds_of(usage.ru_stime);
-  result.peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-  if (wait == Wait::kStopped) {
-    result.end = ProcessEnd::kInterrupted;
-    result.message = "interrupted";
-  } else if (wait == Wait::kTimeUp) {
-    result.end = ProcessEnd::kTimedOut;
-    std::string limit = std::to_string(spec.timeout_s);
-    limit.erase(limit.find_last_not_of('0') + 1);
-    if (!limit.empty() && limit.back() == '.') limit.pop_back();
-    result.message = "timed out after " + limit + " s";
-  } else if (WIFSIGNALED(status)) {
+/// The reports of palpate_child: why the program could not be started, or how it ended.
+struct Reports {
+  std::optional<int> start_error;
+  std::optional<ChildReport> end;
+};
+
+Reports read_reports(int pipe) {
+  Reports reports;
+  ChildReport report;
+  while (::read(pipe, &report, sizeof report) == sizeof report) {
+    if (report.kind == ChildReport::kNotStarted) reports.start_error = report.value;
+    if (report.kind == ChildReport::kEnded) reports.end = report;
+  }
+  return reports;
+}
+
+void describe_status(int status, ProcessResult& result) {
+  if (WIFSIGNALED(status)) {
     result.end = ProcessEnd::kSignalled;
     result.signal = WTERMSIG(status);
     result.message =
@@ -111,7 +124,41 @@ ProcessResult describe(int status, const rusage& usage, Wait wait, const Process
     result.exit_code = WEXITSTATUS(status);
     result.message = "exit code " + std::to_string(result.exit_code);
   }
+}
+
+ProcessResult describe(int child_status, const Reports& reports, Wait wait, const ProcessSpec& spec) {
+  ProcessResult result;
+  if (reports.end) {
+    result.has_usage = true;
+    result.user_s = seconds_of(reports.end->usage.ru_utime);
+    result.system_s = seconds_of(reports.end->usage.ru_stime);
+    result.peak_rss_bytes = static_cast<std::uint64_t>(reports.end->usage.ru_maxrss) * 1024;
+  }
+  if (reports.start_error) {
+    result.end = ProcessEnd::kNotStarted;
+    result.message = "cannot start " + spec.arguments[0] + ": " + std::strerror(*reports.start_error);
+  } else if (wait == Wait::kStopped) {
+    result.end = ProcessEnd::kInterrupted;
+    result.message = "interrupted";
+  } else if (wait == Wait::kTimeUp) {
+    result.end = ProcessEnd::kTimedOut;
+    std::string limit = std::to_string(spec.timeout_s);
+    limit.erase(limit.find_last_not_of('0') + 1);
+    if (!limit.empty() && limit.back() == '.') limit.pop_back();
+    result.message = "timed out after " + limit + " s";
+  } else {
+    describe_status(reports.end ? reports.end->value : child_status, result);
+  }
   return result;
+}
+
+/// PROGRAM ARGUMENT... behind palpate_child, as execv wants them.
+std::vector<char*> command_of(const ProcessSpec& spec) {
+  static char starter[] = PALPATE_BIN_DIR "/palpate_child";
+  std::vector<char*> arguments{starter};
+  for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
+  arguments.push_back(nullptr);
+  return arguments;
 }
 
 }  // namespace
@@ -120,22 +167,20 @@ ProcessResult run_process(const ProcessSpec& spec) {
   require(!spec.arguments.empty(), "run_process: no program");
   ::setenv("LC_ALL", "C", 1);
   ::setenv("OMP_NUM_THREADS", std::to_string(spec.threads).c_str(), 1);
-  std::vector<char*> arguments;
-  for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
-  arguments.push_back(nullptr);
-  std::array<int, 2> failure{-1, -1};
-  if (::pipe2(failure.data(), O_CLOEXEC) != 0) throw UnavailableError("cannot make a pipe");
+  const std::vector<char*> arguments = command_of(spec);
+  std::array<int, 2> report{-1, -1};
+  if (::pipe2(report.data(), O_CLOEXEC) != 0) throw UnavailableError("cannot make a pipe");
 
   const auto start = std::chrono::steady_clock::now();
   const pid_t parent = ::getpid();
   const pid_t child = ::fork();
   if (child < 0) {
-    ::close(failure[0]);
-    ::close(failure[1]);
+    ::close(report[0]);
+    ::close(report[1]);
     throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
   }
-  if (child == 0) become(spec, arguments, parent, failure[1]);
-  ::close(failure[1]);
+  if (child == 0) become(spec, arguments, parent, report[1]);
+  ::close(report[1]);
   ::setpgid(child, child);
 
   const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
@@ -143,17 +188,12 @@ ProcessResult run_process(const ProcessSpec& spec) {
   const Wait wait = wait_for_end(child, start + limit, spec.stop_flag);
   ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late
   int status = 0;
-  rusage usage{};
-  while (::wait4(child, &status, 0, &usage) < 0 && errno == EINTR) {
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  ProcessResult result = describe(status, usage, wait, spec);
-  result.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  int error = 0;
-  if (::read(failure[0], &error, sizeof error) == sizeof error) {
-    result.end = ProcessEnd::kNotStarted;
-    result.message = "cannot start " + spec.arguments[0] + ": " + std::strerror(error);
-  }
-  ::close(failure[0]);
+  const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ProcessResult result = describe(status, read_reports(report[0]), wait, spec);
+  result.wall_s = wall_s;
+  ::close(report[0]);
   return result;
 }
 

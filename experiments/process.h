@@ -28,9 +28,10 @@ struct ProcessResult {
   int exit_code = -1;  ///< valid for kExited
   int signal = 0;      ///< valid for kSignalled
   double wall_s = 0.0;
+  bool has_usage = false;  ///< whether the three figures below are known: not if it was killed here
   double user_s = 0.0;
   double system_s = 0.0;
-  std::uint64_t peak_rss_bytes = 0;  ///< of the child alone
+  std::uint64_t peak_rss_bytes = 0;  ///< of the child alone, also when this process is larger
   std::string message;  ///< one line for a person: "timed out after 300 s", "killed by signal 11"
 };
 

@@ -111,45 +111,35 @@ std::string utc_now(bool for_file_name) {
 
 json build_provenance(const Plan& plan, const Registry& registry, int threads) {
   const SourceVersion version = find_source_version();
-  json provenance = {{"schema", "palpate/provenance/1"},
-                     {"version", PALPATE_VERSION},
-                     {"plan", plan.name},
-                     {"plan_hash", hash_file(plan.file)},
-                     {"commit", version.commit},
-                     {"dirty", version.dirty},
-                     {"compiler", PALPATE_COMPILER},
-                     {"flags", PALPATE_FLAGS},
-                     {"build_type", PALPATE_BUILD_TYPE},
-                     {"libraries",
-                      {{"nlohmann_json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
-                                             std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
-                                             std::to_string(NLOHMANN_JSON_VERSION_PATCH)},
-                       {"yaml_cpp", PALPATE_YAML_CPP_VERSION},
-                       {"cli11", CLI11_VERSION}}},
-                     {"programs", program_hashes(plan, registry)},
-                     {"system", operating_system()},
-                     {"processor", system_value("/proc/cpuinfo", "model name")},
-                     {"processors", ::sysconf(_SC_NPROCESSORS_ONLN)},
-                     {"memory", system_value("/proc/meminfo", "MemTotal")},
-                     {"load", load_averages()},
-                     {"seeds", seeds_of(plan)},
-                     {"threads", threads},
-                     {"repeats", plan.run.repeats},
-                     {"warmup", plan.run.warmup},
-                     {"timeout_s", plan.run.timeout_s},
-                     {"memory_mib", plan.run.memory_mib},
-                     {"measure", plan.measure},
-                     {"started_at", utc_now()}};
-  if (plan.claim) {
-    const Claim& claim = *plan.claim;
-    provenance["claim"] = {{"text", claim.text},         {"source", claim.source}, {"measure", claim.measure},
-                           {"better", claim.better},     {"than", claim.than},     {"spread", claim.spread},
-                           {"published", json::object()}};
-    if (claim.published_better) provenance["claim"]["published"]["better"] = *claim.published_better;
-    if (claim.published_than) provenance["claim"]["published"]["than"] = *claim.published_than;
-  }
-  provenance["question"] = plan.question;
-  return provenance;
+  return {{"schema", "palpate/provenance/1"},
+          {"version", PALPATE_VERSION},
+          {"plan", plan.name},
+          {"plan_hash", hash_file(plan.file)},
+          {"commit", version.commit},
+          {"dirty", version.dirty},
+          {"compiler", PALPATE_COMPILER},
+          {"flags", PALPATE_FLAGS},
+          {"build_type", PALPATE_BUILD_TYPE},
+          {"libraries",
+           {{"nlohmann_json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
+                                  std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
+                                  std::to_string(NLOHMANN_JSON_VERSION_PATCH)},
+            {"yaml_cpp", PALPATE_YAML_CPP_VERSION},
+            {"cli11", CLI11_VERSION}}},
+          {"programs", program_hashes(plan, registry)},
+          {"system", operating_system()},
+          {"processor", system_value("/proc/cpuinfo", "model name")},
+          {"processors", ::sysconf(_SC_NPROCESSORS_ONLN)},
+          {"memory", system_value("/proc/meminfo", "MemTotal")},
+          {"load", load_averages()},
+          {"seeds", seeds_of(plan)},
+          {"threads", threads},
+          {"repeats", plan.run.repeats},
+          {"warmup", plan.run.warmup},
+          {"timeout_s", plan.run.timeout_s},
+          {"memory_mib", plan.run.memory_mib},
+          {"plan_data", read_yaml(plan.file).json()},
+          {"started_at", utc_now()}};
 }
 
 std::vector<std::string> find_changes(const json& then, const json& now) {

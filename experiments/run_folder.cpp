@@ -11,11 +11,6 @@ namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
-bool is_empty_folder(const fs::path& folder) {
-  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(),
-                     [](const fs::directory_entry& entry) { return entry.path().filename() == ".lock"; });
-}
-
 void create_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -29,16 +24,17 @@ bool holds_run(const fs::path& folder) {
 
 }  // namespace
 
-RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder} {
+RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resume_(resume) {
   create_folder(folder);
+  // A run that was killed at its very start has left a lock file, and perhaps nothing else.
+  const bool ours = fs::exists(folder / ".lock") || fs::is_empty(folder);
+  if (!ours) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
   lock_.emplace(folder);
-  if (!is_empty_folder(folder)) {
-    const bool started = fs::exists(paths_.plan()) || fs::exists(paths_.records());
-    if (!started) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
-    if (!resume) {
-      throw InputError(folder.string() +
-                       ": holds a run already; --resume continues it, another --out starts anew");
-    }
+  std::error_code error;
+  const auto recorded = fs::file_size(paths_.records(), error);
+  if (!error && recorded > 0 && !resume) {
+    throw InputError(folder.string() +
+                     ": holds a run already; --resume continues it, another --out starts anew");
   }
   create_folder(folder / "meshes");
 }
@@ -50,7 +46,7 @@ RunFolder::~RunFolder() {
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
   std::ifstream file(paths_.provenance());
-  if (!file) return std::nullopt;
+  if (!file || !resume_) return std::nullopt;
   nlohmann::json value = nlohmann::json::parse(file, nullptr, false);
   if (!value.is_object()) {
     throw InputError(paths_.provenance().string(), 0, "the provenance of a run", "something else");

@@ -40,7 +40,7 @@ class RunFolder {
 
   const RunPaths& paths() const { return paths_; }
 
-  /// The provenance that an earlier start left, or nothing.
+  /// The provenance that an earlier start left; nothing if there is none, or if this one starts anew.
   std::optional<nlohmann::json> earlier_provenance() const;
 
   /// An empty scratch folder.
@@ -48,6 +48,7 @@ class RunFolder {
 
  private:
   RunPaths paths_;
+  bool resume_;
   std::optional<FolderLock> lock_;
 };
 

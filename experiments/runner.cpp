@@ -87,7 +87,10 @@ class Runner {
     for (const PlanMesh& mesh : plan_.meshes) {
       progress_.show("mesh " + mesh.name);
       meshes_.push_back(obtain_mesh(mesh, folder_.paths().mesh(mesh.name + "/input")));
-      for (const std::string& note : meshes_.back().notes) progress_.say(mesh.name + ": " + note);
+      for (const std::string& note : meshes_.back().notes) {
+        const bool named = note.rfind(mesh.name + ":", 0) == 0;
+        progress_.say(named ? note : mesh.name + ": " + note);
+      }
       now["meshes"].push_back(describe_mesh(meshes_.back()));
     }
     write_file_atomically(folder_.paths().provenance(), now.dump(2) + "\n");
@@ -282,7 +285,9 @@ void require_available(const Plan& plan, const Registry& registry) {
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {
   require_available(plan, registry);
-  return Runner(plan, registry, options, progress).run();
+  Runner runner(plan, registry, options, progress);
+  progress.say("run " + options.folder.string());
+  return runner.run();
 }
 
 }  // namespace palpate::experiments

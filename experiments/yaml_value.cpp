@@ -249,10 +249,10 @@ YamlValue parse_yaml(const std::string& text, const std::string& where) {
     Guard guard(where);
     if (!parser.HandleNextDocument(guard)) fail_at(where, 0, "the file is empty");
     if (parser.HandleNextDocument(guard)) fail_at(where, 0, "expected one YAML document, found more");
-    YAML::Node root = YAML::Load(text);
+    const YAML::Node root = YAML::Load(text);
     if (!root.IsDefined() || root.IsNull()) fail_at(where, 0, "the file is empty");
     const std::size_t line = line_of(root.Mark());
-    return {std::make_shared<const std::string>(where), std::move(root), line, ""};
+    return {std::make_shared<const std::string>(where), root, line, ""};
   } catch (const YAML::Exception& error) {
     fail_at(where, line_of(error.mark), "not YAML: " + error.msg);
   }

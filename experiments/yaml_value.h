@@ -22,8 +22,9 @@ class YamlFields;
 /// Each reader throws InputError "file:line: ..." when the value is of another kind.
 class YamlValue {
  public:
-  YamlValue(std::shared_ptr<const std::string> file, YAML::Node node, std::size_t line, std::string name)
-      : file_(std::move(file)), node_(std::move(node)), line_(line), name_(std::move(name)) {}
+  YamlValue(std::shared_ptr<const std::string> file, const YAML::Node& node, std::size_t line,
+            std::string name)
+      : file_(std::move(file)), node_(node), line_(line), name_(std::move(name)) {}
 
   bool is_text() const { return node_.IsScalar(); }
   bool is_list() const { return node_.IsSequence(); }

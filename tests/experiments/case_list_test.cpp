@@ -1,0 +1,78 @@
+#include "experiments/case_list.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "experiments/nearest_name.h"
+#include "tests/support/experiment_fixture.h"
+
+namespace palpate::experiments {
+namespace {
+
+using testing::ElementsAre;
+
+std::vector<std::string> ids_of(const std::vector<Case>& cases) {
+  std::vector<std::string> ids;
+  for (const Case& c : cases) ids.push_back(c.id);
+  return ids;
+}
+
+std::vector<Case> cases_of(const std::string& contestants, const std::string& rest) {
+  const test::ExperimentFixture fixture;
+  return build_cases(read_plan(fixture.add_plan(contestants, rest), fixture.registry()), fixture.registry());
+}
+
+TEST(CaseList, SweepCrossesThoseWithoutAStop) {
+  const auto cases = cases_of("\n  - test.copy\n  - {method: test.copy, label: own, stop: {fusions: 3}}",
+                              "sweep: {tets_removed_ratio: [0.1, 0.22]}\n");
+  EXPECT_THAT(ids_of(cases), ElementsAre("cube/test.copy/tets_removed_ratio=0.1",
+                                         "cube/test.copy/tets_removed_ratio=0.22", "cube/own"));
+  EXPECT_EQ(stop_request(cases[1].stop), nlohmann::json({{"ratio", 0.22}}));
+  EXPECT_EQ(stop_request(cases[2].stop), nlohmann::json({{"fusions", 3}}));
+}
+
+TEST(CaseList, OptionSweepMeetsThoseThatLeaveItFree) {
+  const auto cases = cases_of(
+      "\n  - test.copy\n  - {method: test.copy, label: own, set: {factor: 0.5}}\n  - test.limit_only",
+      "sweep: {option.factor: [0.1, 1]}\n");
+  EXPECT_THAT(ids_of(cases), ElementsAre("cube/test.copy/option.factor=0.1", "cube/test.copy/option.factor=1",
+                                         "cube/own", "cube/test.limit_only"));
+  EXPECT_EQ(cases[1].options.at("factor"), 1.0);
+  EXPECT_EQ(cases[2].options.at("factor"), 0.5);
+}
+
+TEST(CaseList, TetsOfFollowsTheSweepOfItsLabelAndComesAfterIt) {
+  const auto cases = cases_of(
+      "\n  - {method: test.copy, label: b, stop: {tets_of: a}, seeds: [5]}\n  - {method: test.copy, label: "
+      "a}",
+      "sweep: {fusions: [1, 2]}\n");
+  EXPECT_THAT(ids_of(cases), ElementsAre("cube/a/fusions=1", "cube/a/fusions=2", "cube/b/fusions=1/seed=5",
+                                         "cube/b/fusions=2/seed=5"));
+  EXPECT_EQ(cases[2].tets_of, 0U);
+  EXPECT_EQ(cases[3].tets_of, 1U);
+  EXPECT_EQ(cases[3].options.at("seed"), 5);
+}
+
+TEST(CaseList, SelectionBringsWhatItNeeds) {
+  const auto cases = cases_of(
+      "\n  - {method: test.copy, label: b, stop: {tets_of: a}, seeds: 3}\n  - {method: test.copy, label: "
+      "a}\n  - test.copy",
+      "");
+  EXPECT_THAT(select_cases(cases, "cube/b/seed=2"), ElementsAre(0U, 2U));
+  EXPECT_THAT(select_cases(cases, "cube/b"), ElementsAre(0U, 1U, 2U, 3U));
+  EXPECT_EQ(select_cases(cases, "cube").size(), cases.size());
+  EXPECT_THROW(select_cases(cases, "cube/bb"), InputError);
+}
+
+TEST(NearestName, DistancesAndHints) {
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
+  EXPECT_EQ(edit_distance("", "abc"), 3U);
+  EXPECT_EQ(edit_distance("contestnats", "contestants"), 1U);
+  const std::vector<std::string> known{"alpha", "beta"};
+  EXPECT_EQ(nearest_hint("alhpa", known), "; did you mean \"alpha\"?");
+  EXPECT_EQ(nearest_hint("omega_squared", known), "; known are alpha, beta");
+}
+
+}  // namespace
+}  // namespace palpate::experiments

@@ -1,0 +1,157 @@
+#include "experiments/contestant_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "tests/support/experiment_fixture.h"
+
+namespace palpate::experiments {
+namespace {
+
+using testing::HasSubstr;
+
+ContestantAnswer run_behaviour(const test::ExperimentFixture& fixture, const std::string& behave,
+                               double timeout_s = 60.0) {
+  const auto scratch = fixture.folder() / behave;
+  std::filesystem::create_directory(scratch);
+  ContestantTask task;
+  task.method = *fixture.registry().find("test.copy");
+  task.mesh_in = fixture.folder() / "cube.mesh";
+  task.scratch = scratch;
+  task.options = resolve_options(*task.method.method, {{"behave", {behave, "test"}}});
+  task.timeout_s = timeout_s;
+  task.memory_mib = 512;
+  return run_contestant(task);
+}
+
+TEST(ContestantRun, GoodAnswer) {
+  const test::ExperimentFixture fixture;
+  const ContestantAnswer answer = run_behaviour(fixture, "copy");
+  EXPECT_EQ(answer.outcome, "ok") << answer.message;
+  EXPECT_EQ(answer.report.at("tets_in"), 384);
+  EXPECT_GE(*answer.wall_s, *answer.kernel_s);
+  EXPECT_GT(*answer.peak_rss_bytes, 0U);
+  EXPECT_EQ(test::bytes_of(answer.mesh_out), test::bytes_of(fixture.folder() / "cube.mesh"));
+}
+
+/// A behaviour, and the outcome and words that it has to give.
+struct Misbehaviour {
+  const char* behave;
+  const char* outcome;
+  const char* message;
+};
+
+void PrintTo(const Misbehaviour& tested, std::ostream* out) {
+  *out << tested.behave;
+}
+
+class Misbehaviours : public testing::TestWithParam<Misbehaviour> {};
+
+TEST_P(Misbehaviours, BecomesAnOutcome) {
+  const test::ExperimentFixture fixture;
+  const ContestantAnswer answer = run_behaviour(fixture, GetParam().behave);
+  EXPECT_EQ(answer.outcome, GetParam().outcome) << answer.message;
+  EXPECT_THAT(answer.message, HasSubstr(GetParam().message));
+  EXPECT_TRUE(answer.report.is_null());
+}
+
+const Misbehaviour kMisbehaviours[] = {
+    {"crash", "crashed", "signal 11"},
+    {"no_answer", "crashed", "exit code 5 without an answer: cannot go on"},
+    {"garbage", "bad_answer", "no JSON"},
+    {"huge_answer", "bad_answer", "larger than 16 MiB"},
+    {"nan_time", "bad_answer", "no JSON"},
+    {"negative_time", "bad_answer", "kernel_s is no time"},
+    {"long_time", "bad_answer", "exceeds the time of its process"},
+    {"no_time", "bad_answer", "\"kernel_s\" is missing"},
+    {"wrong_keys", "bad_answer", "unknown key \"kernel_seconds\""},
+    {"no_mesh", "bad_answer", "wrote no mesh"},
+    {"false_status", "bad_answer", "answered \"ok\" and left with exit code 3"},
+    {"refuse", "bad_input", "not this mesh"},
+    {"fail", "error", "not this mesh"},
+#ifndef PALPATE_SANITIZED
+    {"memory", "out_of_memory", "bad_alloc"},
+#endif
+};
+
+std::string behaviour_name(const testing::TestParamInfo<Misbehaviour>& tested) {
+  return tested.param.behave;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Misbehaviours, testing::ValuesIn(kMisbehaviours), behaviour_name);
+
+TEST(ContestantRun, HangEndsAtTheTimeOut) {
+  const test::ExperimentFixture fixture;
+  const ContestantAnswer answer = run_behaviour(fixture, "hang", 1.0);
+  EXPECT_EQ(answer.outcome, "timed_out");
+  EXPECT_EQ(answer.message, "timed out after 1 s");
+}
+
+TEST(ContestantRun, ProgramThatWasNotBuilt) {
+  const test::ScratchFolder folder;
+  std::filesystem::create_directory(folder / "ghost");
+  folder.add(
+      "ghost/contestant.yaml",
+      "schema: palpate/contestant/1\ncontest: simplify\nprogram: ghost_program\npackages: [libghost-dev]\n"
+      "licence: MIT\nmethods: [{name: ghost.walk, summary: none, stops: [limit]}]\n");
+  const Registry registry({read_contestant(folder / "ghost/contestant.yaml", PALPATE_BIN_DIR)});
+  ContestantTask task;
+  task.method = *registry.find("ghost.walk");
+  task.scratch = folder.path();
+  const ContestantAnswer answer = run_contestant(task);
+  EXPECT_EQ(answer.outcome, "unavailable");
+  EXPECT_THAT(answer.message, HasSubstr("needs libghost-dev"));
+}
+
+std::string description_error(const std::string& methods) {
+  const test::ScratchFolder folder;
+  const auto file =
+      folder.add("contestant.yaml",
+                 "schema: palpate/contestant/1\ncontest: simplify\nprogram: p\nlicence: MIT\nmethods:\n" +
+                     methods + "\n");
+  try {
+    read_contestant(file, folder.path());
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Contestant, DescriptionErrorsNameTheLine) {
+  EXPECT_THAT(description_error("  - {name: a, summary: s, stops: [fusion]}"),
+              HasSubstr("contestant.yaml:6: unknown stop \"fusion\"; did you mean \"fusions\"?"));
+  EXPECT_THAT(description_error("  - {name: a, sumary: s, stops: [limit]}"),
+              HasSubstr("did you mean \"summary\"?"));
+  EXPECT_THAT(description_error("  - {name: a, summary: s, stops: []}"), HasSubstr("has no stop"));
+  const std::string method = "  - {name: a, summary: s, stops: [limit], options: [";
+  EXPECT_THAT(description_error(method + "{name: o, type: real, default: 1, help: h}]}"),
+              HasSubstr("expected choice, number, integer or bool"));
+  EXPECT_THAT(description_error(method + "{name: o, type: number, min: 2, default: 1, help: h}]}"),
+              HasSubstr("a number, at least 2"));
+  EXPECT_THAT(description_error(method + "{name: o, type: choice, default: 1, help: h}]}"),
+              HasSubstr("choices belong to the type choice"));
+}
+
+TEST(Contestant, OptionsAreTypedAndComplete) {
+  const test::ExperimentFixture fixture;
+  const MethodSpec& method = *fixture.registry().find("test.copy")->method;
+  const nlohmann::json options =
+      resolve_options(method, {{"factor", {"0.25", "--set"}}, {"flag", {"true", "--set"}}});
+  EXPECT_EQ(options.at("factor"), 0.25);
+  EXPECT_EQ(options.at("flag"), true);
+  EXPECT_EQ(options.at("seed"), 0);
+  EXPECT_EQ(options.at("behave"), "copy");
+  EXPECT_EQ(options.size(), method.options.size());
+}
+
+TEST(Contestant, SameMethodTwiceIsRefused) {
+  const auto file = std::filesystem::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml";
+  const Contestant once = read_contestant(file, PALPATE_BIN_DIR);
+  EXPECT_THROW(Registry({once, once}), InputError);
+}
+
+}  // namespace
+}  // namespace palpate::experiments

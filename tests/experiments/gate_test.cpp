@@ -1,0 +1,116 @@
+#include "experiments/gate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+#include "experiments/record_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+json record(int repeat, const json& value, bool warmup = false, const std::string& outcome = "accepted") {
+  return {{"case", "kidney/a"},
+          {"repeat", repeat},
+          {"warmup", warmup},
+          {"outcome", outcome},
+          {"kernel_s", value}};
+}
+
+const std::vector<json> kRecords{record(0, 100.0, true), record(1, 1.0), record(2, 2.0), record(3, 9.0)};
+
+std::string accepted_text(const json& value, double lower, double upper,
+                          const std::string& run_case = "kidney/a", const std::string& measure = "kernel_s") {
+  return json({{"schema", "palpate/accepted/1"},
+               {"plan", "p"},
+               {"figures",
+                {{{"case", run_case},
+                  {"measure", measure},
+                  {"value", value},
+                  {"lower", lower},
+                  {"upper", upper},
+                  {"unit", "s"}}}}})
+      .dump();
+}
+
+GateLine gate_of(const std::string& accepted, const std::vector<json>& records) {
+  const test::ScratchFolder folder;
+  return hold_against(records, "p", folder.add("p.json", accepted)).lines.at(0);
+}
+
+TEST(Gate, MedianAfterWarmUpIsHeld) {
+  const GateLine line = gate_of(accepted_text(2.5, 0.5, 0.0), kRecords);
+  EXPECT_EQ(line.problem, "");
+  EXPECT_DOUBLE_EQ(*line.measured, 2.0);
+}
+
+TEST(Gate, EachWayToFail) {
+  EXPECT_EQ(gate_of(accepted_text(2.5, 0.25, 9.0), kRecords).problem, "below the lower bound");
+  EXPECT_EQ(gate_of(accepted_text(1.5, 9.0, 0.25), kRecords).problem, "above the upper bound");
+  EXPECT_EQ(gate_of(accepted_text(nullptr, 1.0, 1.0), kRecords).problem, "no accepted value yet");
+  EXPECT_EQ(gate_of(accepted_text(2.0, 1.0, 1.0, "kidney/b"), kRecords).problem, "the run has no such case");
+  EXPECT_EQ(gate_of(accepted_text(2.0, 1.0, 1.0, "kidney/a", "wall_s"), kRecords).problem,
+            "a repeat has no figure");
+  EXPECT_EQ(gate_of(accepted_text(2.0, 1.0, 1.0), {record(0, nullptr)}).problem, "a repeat has no figure");
+  EXPECT_EQ(
+      gate_of(accepted_text(2.0, 1.0, 1.0), {record(0, 2.0), record(1, 2.0, false, "rejected")}).problem,
+      "a repeat is rejected");
+}
+
+std::string gate_error(const std::string& accepted) {
+  try {
+    gate_of(accepted, kRecords);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Gate, FilesThatAreNoAcceptedFigures) {
+  EXPECT_THAT(gate_error("[]"), HasSubstr("palpate/accepted/1"));
+  EXPECT_THAT(gate_error("{"), HasSubstr("palpate/accepted/1"));
+  EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":[]})"),
+              HasSubstr("not empty"));
+  EXPECT_THAT(gate_error(accepted_text(1.0, -1.0, 1.0)), HasSubstr("figure 1: lower: expected a tolerance"));
+  EXPECT_THAT(gate_error(accepted_text("1", 1.0, 1.0)), HasSubstr("figure 1: value"));
+  EXPECT_THAT(gate_error(accepted_text(1.0, 1.0, 1.0, "a", "kernel")),
+              HasSubstr("did you mean \"kernel_s\"?"));
+  std::string text = accepted_text(1.0, 1.0, 1.0);
+  text.replace(text.find("upper"), 5, "uper");
+  EXPECT_THAT(gate_error(text), HasSubstr("unknown key \"uper\"; did you mean \"upper\"?"));
+  const test::ScratchFolder folder;
+  EXPECT_THROW(hold_against(kRecords, "p", folder / "none.json"), InputError);
+  EXPECT_THROW(hold_against(kRecords, "q", folder.add("p.json", accepted_text(1, 1, 1))), InputError);
+}
+
+TEST(Gate, UpdateTakesValuesAndKeepsTolerances) {
+  const test::ScratchFolder folder;
+  const auto file = folder.add("p.json", accepted_text(nullptr, 0.5, 0.25));
+  const auto changes = update_accepted(hold_against(kRecords, "p", file), file);
+  EXPECT_THAT(changes, testing::ElementsAre("kidney/a kernel_s: none -> 2 s"));
+  const GateResult after = hold_against(kRecords, "p", file);
+  EXPECT_TRUE(after.holds());
+  EXPECT_DOUBLE_EQ(*after.lines[0].accepted, 2.0);
+  EXPECT_DOUBLE_EQ(after.lines[0].lower, 0.5);
+  EXPECT_DOUBLE_EQ(after.lines[0].upper, 0.25);
+  EXPECT_TRUE(update_accepted(after, file).empty());
+}
+
+TEST(Gate, UpdateLeavesFiguresWithoutAMeasuredValue) {
+  const test::ScratchFolder folder;
+  const auto file = folder.add("p.json", accepted_text(7.0, 0.5, 0.25, "kidney/gone"));
+  EXPECT_TRUE(update_accepted(hold_against(kRecords, "p", file), file).empty());
+  EXPECT_DOUBLE_EQ(*hold_against(kRecords, "p", file).lines[0].accepted, 7.0);
+}
+
+TEST(Gate, MedianOfAnEvenNumber) {
+  EXPECT_DOUBLE_EQ(median({4.0, 1.0, 3.0, 2.0}), 2.5);
+  EXPECT_THROW(median({}), ContractError);
+}
+
+}  // namespace
+}  // namespace palpate::experiments

@@ -1,0 +1,85 @@
+// Plans, descriptions and records against experiments/schema, by Debian's python3-jsonschema.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "experiments/process.h"
+#include "experiments/record_file.h"
+#include "experiments/yaml_value.h"
+#include "tests/support/experiment_fixture.h"
+
+namespace palpate::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+/// What the validator says to a list of instances; empty if all are good.
+std::string validate(const std::string& schema, const json& instances) {
+  const test::ScratchFolder folder;
+  const auto script = folder.add(
+      "validate.py",
+      "import json, sys\nfrom jsonschema import Draft202012Validator as V\n"
+      "schema = json.load(open(sys.argv[1]))\nV.check_schema(schema)\n"
+      "errors = [e.message for i in json.load(open(sys.argv[2])) for e in V(schema).iter_errors(i)]\n"
+      "print('\\n'.join(errors), end='')\nsys.exit(1 if errors else 0)\n");
+  ProcessSpec spec;
+  spec.arguments = {"/usr/bin/python3", "-B", script.string(),
+                    std::string(PALPATE_SOURCE_DIR) + "/experiments/schema/" + schema,
+                    folder.add("instances.json", instances.dump()).string()};
+  spec.standard_output = folder / "out";
+  spec.standard_error = folder / "error";
+  const ProcessResult result = run_process(spec);
+  if (result.end == ProcessEnd::kExited && result.exit_code == 0) return "";
+  return result.message + ": " + test::bytes_of(folder / "out") + test::bytes_of(folder / "error");
+}
+
+json yaml_files(const fs::path& folder, const std::string& name_end) {
+  json all = json::array();
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name.size() >= name_end.size() && name.ends_with(name_end))
+      all.push_back(read_yaml(entry.path()).json());
+  }
+  return all;
+}
+
+TEST(Schema, PlansOfTheProject) {
+  const json plans = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/plans", ".yaml");
+  ASSERT_GT(plans.size(), 0U);
+  EXPECT_EQ(validate("plan.schema.json", plans), "");
+  json broken = plans;
+  broken[0]["contestnts"] = 1;
+  EXPECT_NE(validate("plan.schema.json", broken), "");
+}
+
+TEST(Schema, DescriptionsOfTheProject) {
+  json descriptions = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "reference", "contestant.yaml");
+  ASSERT_GT(descriptions.size(), 0U);
+  descriptions.push_back(read_yaml(fs::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml").json());
+  EXPECT_EQ(validate("contestant.schema.json", descriptions), "");
+  descriptions[0]["methods"][0].erase("stops");
+  EXPECT_NE(validate("contestant.schema.json", descriptions), "");
+}
+
+TEST(Schema, RecordsOfARun) {
+  const test::ExperimentFixture fixture;
+  std::string contestants;
+  for (const char* behave :
+       {"copy", "invert", "crash", "garbage", "refuse", "fail", "nan_mesh", "drop_tet", "hang"}) {
+    contestants +=
+        std::string("\n  - {method: test.copy, label: ") + behave + ", set: {behave: " + behave + "}}";
+  }
+  contestants += "\n  - {method: test.copy, label: after_crash, stop: {tets_of: crash}}";
+  const auto plan = fixture.add_plan(contestants, "run: {repeats: 2, warmup: 1, timeout_s: 1}\n");
+  const auto folder = fixture.folder() / "run";
+  test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report"});
+  json records = read_records(folder / "records.jsonl");
+  ASSERT_GT(records.size(), 20U);
+  EXPECT_EQ(validate("record.schema.json", records), "");
+  records[0]["judge"]["inverted_tets"] = "none";
+  EXPECT_NE(validate("record.schema.json", records), "");
+}
+
+}  // namespace
+}  // namespace palpate::experiments
