@@ -153,6 +153,7 @@ int test(const std::vector<std::string>& extra) {
                                      "--no-tests=error"};
   arguments.insert(arguments.end(), extra.begin(), extra.end());
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   std::cout.flush();

@@ -64,6 +64,7 @@ std::span<const Measure> list_measures() {
 
 std::vector<std::string> measure_names() {
   std::vector<std::string> names;
+  names.reserve(kMeasures.size());
   for (const Measure& measure : kMeasures) names.emplace_back(measure.name);
   return names;
 }

@@ -133,8 +133,9 @@ std::vector<AcceptBound> read_accept(const YamlValue& value) {
 
 std::string claim_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
+  labels.reserve(contestants.size());
   for (const PlanContestant& contestant : contestants) labels.push_back(contestant.label);
-  const std::string label = value.text();
+  std::string label = value.text();
   if (std::find(labels.begin(), labels.end(), label) == labels.end()) {
     value.fail("unknown label \"" + label + "\"" + nearest_hint(label, labels));
   }

@@ -110,6 +110,7 @@ void check_stop_kind(const Entry& entry, StopKind kind) {
 
 void check_tets_of(const std::vector<Entry>& entries, const Entry& entry) {
   std::vector<std::string> labels;
+  labels.reserve(entries.size());
   for (const Entry& other : entries) labels.push_back(other.contestant.label);
   const Entry* at = &entry;
   for (std::size_t steps = 0; at->contestant.stop && at->contestant.stop->kind == StopKind::kTetsOf;
@@ -183,6 +184,7 @@ std::vector<PlanContestant> read_contestants(const YamlValue& value, const Plan&
   }
   for (const SweepAxis& axis : plan.sweep) check_sweep(entries, axis);
   std::vector<PlanContestant> contestants;
+  contestants.reserve(entries.size());
   for (Entry& entry : entries) contestants.push_back(std::move(entry.contestant));
   return contestants;
 }
