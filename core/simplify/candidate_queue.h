@@ -77,20 +77,22 @@ inline bool is_parked(State s) {
   return s == State::kParkedFlip || s == State::kParkedQuality;
 }
 
-/// The qualities of all tets: one key a tet while the ideal volume is fixed, shape and volume when it grows.
+/// The qualities of the tets: one key a tet while the ideal volume is fixed, shape and volume when it grows.
 class Qualities {
  public:
   Qualities(const FusionMesh& mesh, const SimplifyOptions& options, double ideal_volume)
       : metric_(options.metric),
         is_updated_(options.ideal_volume == IdealVolume::kUpdated && options.metric.has_volume_factor),
         ideal_volume_(ideal_volume),
-        value_(mesh.tets.size()) {
+        value_(mesh.tets.size(), kUnknown) {
     if (is_updated_) volume_.resize(mesh.tets.size());
-    for (Index t = 0; t < mesh.tets.size(); ++t) {
-      const Tet& v = mesh.tets[t];
-      set(t,
-          measure_tet(metric_, mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]));
-    }
+  }
+
+  /// Measures tet t unless that has been done. Most tets of the outermost levels are never asked for.
+  void ensure(const FusionMesh& mesh, Index t) {
+    if (value_[t] != kUnknown) return;
+    const Tet& v = mesh.tets[t];
+    set(t, measure_tet(metric_, mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]));
   }
 
   bool is_updated() const { return is_updated_; }
@@ -111,6 +113,8 @@ class Qualities {
   double volume(Index t) const { return volume_[t]; }  ///< only while is_updated()
 
  private:
+  static constexpr double kUnknown = -1.0;
+
   QualityMetric metric_;
   bool is_updated_;
   double ideal_volume_;

@@ -112,6 +112,7 @@ class Run {
       members_.push_back(t);
       if (state_[t] == State::kTouched) continue;
       state_[t] = State::kWaiting;
+      qualities_.ensure(mesh_, t);
       queue_.push(t);
     }
   }
@@ -163,8 +164,9 @@ class Run {
         const auto p = moved_points(mesh_, plan_, plan_.moved[i]);
         plan_.figures[i] = measure_positive_tet(options_.metric, p[0], p[1], p[2], p[3]);
       }
-      if (options_.checks.quality &&
-          qualities_.key(plan_.figures[i]) < drop_cubed_ * qualities_.key(plan_.moved[i].tet)) {
+      if (!options_.checks.quality) continue;
+      qualities_.ensure(mesh_, plan_.moved[i].tet);
+      if (qualities_.key(plan_.figures[i]) < drop_cubed_ * qualities_.key(plan_.moved[i].tet)) {
         return {State::kParkedQuality, plan_.moved[i].tet};
       }
     }
