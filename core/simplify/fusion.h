@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/topology.h"
@@ -84,8 +86,8 @@ std::array<std::size_t, 4> farthest_corners_first(const std::array<Vec3, 4>& cor
 /// Walks the stars of the target's four vertices and fills `plan` (whose memory is reused), calling
 /// on_moved(const MovedTet&) for each moved tet; it ends early, with an unfinished plan, when that returns
 /// false. Returns: whether the walk went to its end.
-template <typename OnMoved>
-bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved) {
+template <typename Mesh, typename OnMoved>
+bool walk_fusion(Mesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved) {
   const Tet& center = mesh.tets[target];
   plan.target = target;
   const std::array<Vec3, 4> corners{mesh.points[center[0]], mesh.points[center[1]], mesh.points[center[2]],
@@ -99,7 +101,9 @@ bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved
   }
   unsigned visited = 0;  // bit j: the star of corner j is done with
   for (const std::size_t i : farthest_corners_first(corners, plan.barycenter)) {
-    for (const Index t : mesh.star(center[i])) {
+    const std::uint64_t end = mesh.star_begin[center[i]] + mesh.star_size[center[i]];
+    for (std::uint64_t n = mesh.star_begin[center[i]]; n < end; ++n) {
+      const Index t = mesh.star_tets[n];
       const Tet& tet = mesh.tets[t];
       const std::array<unsigned, 4> mask{corners_that_are(tet, center[0]), corners_that_are(tet, center[1]),
                                          corners_that_are(tet, center[2]), corners_that_are(tet, center[3])};
@@ -107,7 +111,11 @@ bool walk_fusion(const FusionMesh& mesh, Index target, FusionPlan& plan, OnMoved
       if ((shared & (shared - 1U)) == 0U) {
         const MovedTet m{t, static_cast<std::uint8_t>(std::countr_zero(shared))};
         plan.moved.push_back(m);
-        if (!on_moved(m)) return false;
+        if (!on_moved(m)) {
+          if constexpr (!std::is_const_v<Mesh>)
+            std::swap(mesh.star_tets[mesh.star_begin[center[i]]], mesh.star_tets[n]);
+          return false;
+        }
       } else {
         unsigned in_earlier = 0;
         for (std::size_t j = 0; j < 4; ++j) in_earlier |= (visited >> j & 1U) != 0U ? mask[j] : 0U;
