@@ -64,6 +64,21 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
+/// Throws: InputError if `word` is none of the names, or empty.
+void check_command_name(const CLI::App& command, const std::vector<std::string>& names,
+                        const std::string& word) {
+  const std::string before = command.get_parent() == nullptr ? "" : command.get_name() + ": ";
+  if (word.empty()) throw InputError(before + "a command is missing; known are " + joined(names));
+  if (std::find(names.begin(), names.end(), word) != names.end()) return;
+  throw InputError(before + "unknown command \"" + word + "\"" + nearest_hint(word, names));
+}
+
+std::string explain_extra(const std::string& word, const std::vector<std::string>& options) {
+  if (word.size() < 2 || word.front() != '-') return "unexpected argument \"" + word + "\"";
+  const std::string name = word.substr(0, word.find('='));
+  return "unknown option \"" + name + "\"" + nearest_hint(name, options);
+}
+
 std::vector<CLI::App*> commands_of(CLI::App& app) {
   return app.get_subcommands([](CLI::App*) { return true; });
 }
@@ -107,15 +122,10 @@ CLI::Validator whole_number_from(std::int64_t least, std::int64_t most) {
 
 void check_command_names(const CLI::App& app, int argc, char** argv) {
   const CLI::App* command = &app;
-  for (int i = 1; !command->get_subcommands([](const CLI::App*) { return true; }).empty(); ++i) {
-    const std::vector<std::string> names = command_names(*command);
-    const std::string before = command == &app ? "" : command->get_name() + ": ";
-    if (i >= argc) throw InputError(before + "a command is missing; known are " + joined(names));
-    const std::string word = argv[i];
-    if (!word.empty() && word.front() == '-') return;
-    if (std::find(names.begin(), names.end(), word) == names.end()) {
-      throw InputError(before + "unknown command \"" + word + "\"" + nearest_hint(word, names));
-    }
+  for (int i = 1; !command_names(*command).empty(); ++i) {
+    if (i < argc && argv[i][0] == '-') return;
+    const std::string word = i < argc ? argv[i] : "";
+    check_command_name(*command, command_names(*command), word);
     command = command->get_subcommand(word);
   }
 }
@@ -123,12 +133,9 @@ void check_command_names(const CLI::App& app, int argc, char** argv) {
 std::string explain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = find_command(app);
   const std::string before = command.get_name() == app.get_name() ? "" : command.get_name() + ": ";
-  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
-    for (const std::string& word : app.remaining(true)) {
-      if (word.size() < 2 || word.front() != '-') return before + "unexpected argument \"" + word + "\"";
-      const std::string name = word.substr(0, word.find('='));
-      return before + "unknown option \"" + name + "\"" + nearest_hint(name, option_names(command));
-    }
+  const std::vector<std::string> extras = app.remaining(true);
+  if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !extras.empty()) {
+    return before + explain_extra(extras.front(), option_names(command));
   }
   std::string message = error.what();
   std::replace(message.begin(), message.end(), '\n', ' ');

@@ -190,7 +190,8 @@ TEST(BadMesh, ScaleChangesNoTopology) {
 
 TEST(BadStop, OneThatCannotBeReachedIsSaid) {
   const test::ExperimentFixture fixture;
-  const std::string in = (fixture.folder() / "cube.mesh").string();
+  const std::string in = (fixture.folder() / "large.mesh").string();
+  write_medit(in, build_kuhn_cube(6, 0.3, 5));
   const ProgramResult result = run_program({"simplify", in, "-o", (fixture.folder() / "out.mesh").string(),
                                             "--method", "palpate.hierarchical", "--ratio", "0.99"});
   EXPECT_EQ(result.exit_code, 0);
