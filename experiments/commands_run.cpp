@@ -105,6 +105,7 @@ int run(const RunArguments& arguments) {
     }
     return kDone;
   }
+  require_available(plan, registry);
   for (const std::string& note : plan.notes) print_note(note);
   catch_stop_signals();
   RunOptions options;

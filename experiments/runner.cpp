@@ -265,6 +265,8 @@ class Runner {
   RunResult result_;
 };
 
+}  // namespace
+
 void require_available(const Plan& plan, const Registry& registry) {
   for (const PlanContestant& contestant : plan.contestants) {
     const std::string why = registry.find(contestant.method)->contestant->unavailable();
@@ -281,8 +283,6 @@ void require_available(const Plan& plan, const Registry& registry) {
     }
   }
 }
-
-}  // namespace
 
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {

@@ -149,7 +149,7 @@ TEST(BadMesh, InvertedAndIsolatedElementsAreMendedAndSaid) {
       {"simplify", in.string(), "-o", out.string(), "--method", "palpate.hierarchical", "--json"});
   EXPECT_EQ(result.exit_code, 0) << result.error;
   EXPECT_THAT(result.error, HasSubstr("positive orientation restored"));
-  EXPECT_THAT(result.error, HasSubstr("no tetrahedron uses"));
+  EXPECT_THAT(result.error, HasSubstr("1 vertex that no tetrahedron uses was left out"));
   const nlohmann::json report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report.at("vertices_in"), 4);
   EXPECT_EQ(run_program({"quality", out.string()}).exit_code, 0);
@@ -216,6 +216,16 @@ TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {
       EXPECT_EQ(fixture.folder().count(), before);
     }
   }
+}
+
+TEST(BadPlace, AFolderOfContestantsThatIsMissing) {
+  const test::ExperimentFixture fixture;  // takes the variable back at its end
+  ::setenv("PALPATE_CONTESTANTS", "/no/such/folder", 1);
+  const ProgramResult result = run_program({"list", "contestants"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(
+      result.error,
+      "palpate: PALPATE_CONTESTANTS: expected folders of contestants, found no folder /no/such/folder\n");
 }
 
 TEST(BadPlace, NoFolderNoFileNoEnding) {

@@ -279,6 +279,7 @@ TEST(CommandLine, UnavailableContestantStopsBeforeAnythingRuns) {
   const ProgramResult stopped = run_program({"run", needed.string(), "--out", out.string(), "--no-report"});
   EXPECT_EQ(stopped.exit_code, 3);
   EXPECT_THAT(stopped.error, HasSubstr("needs libghost-dev"));
+  EXPECT_EQ(std::count(stopped.error.begin(), stopped.error.end(), '\n'), 1) << stopped.error;
   EXPECT_FALSE(std::filesystem::exists(out));
   const auto optional = fixture.add_plan("[{method: ghost.walk, required: false}, test.copy]");
   const ProgramResult ran = run_program({"run", optional.string(), "--out", out.string(), "--no-report"});
