@@ -108,7 +108,8 @@ json parse_options(const MethodSpec& method, const std::vector<std::string>& set
 /// The input, oriented and judged. Throws: InputError if the judge finds it invalid.
 TetMesh read_valid_mesh(const std::string& path) {
   MeditFile file = read_mesh(path, ReadOrientation::kRestore);
-  for (const std::string& note : file.notes) print_note(path + ": " + note);
+  const std::string before = path + ": ";
+  for (const std::string& note : file.notes) print_note(before + note);
   const Judgement judgement = judge_mesh(file.mesh);
   if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
   return std::move(file.mesh);
