@@ -1,4 +1,6 @@
-#include <algorithm>
+#include <poll.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -6,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "experiments/commands.h"
-#include "experiments/nearest_name.h"
 #include "experiments/provenance.h"
+#include "experiments/usage.h"
 
 namespace palpate::experiments {
 namespace {
@@ -34,18 +36,13 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_simplify_command(app, exit_code);
   add_quality_command(app, exit_code);
   add_test_command(app, exit_code);
+  name_command_groups(app);
 }
 
-/// Throws: InputError if the first word is no command.
-void check_command_name(const CLI::App& app, int argc, char** argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
-  if (std::find(names.begin(), names.end(), argv[1]) == names.end()) {
-    throw InputError("unknown command \"" + std::string(argv[1]) + "\"" + nearest_hint(argv[1], names));
-  }
+/// True if standard output is a pipe that nobody reads any more.
+bool reader_has_left() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
 }
 
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
@@ -55,10 +52,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   } catch (const CLI::Success& help) {  // --help, --version
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
-    std::string message = error.what();
-    for (std::size_t at = message.find('\n'); at != std::string::npos; at = message.find('\n'))
-      message[at] = ' ';
-    return fail(message + " (palpate --help shows what there is)", kBadInput);
+    return fail(explain(app, error), kBadInput);
   }
 }
 
@@ -77,12 +71,12 @@ int run_command_line(int argc, char** argv) {
   CLI::App app("Benchmark and validation harness for tetrahedral organ models", "palpate");
   app.set_version_flag("--version", version_text, "Print the version and exit");
   app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
+  set_plain_help(app);
   int exit_code = kDone;
   add_commands(app, exit_code);
   int code = kDone;
   try {
-    check_command_name(app, argc, argv);
+    check_command_names(app, argc, argv);
     code = parse_and_run(app, argc, argv, exit_code);
   } catch (const InputError& error) {
     code = fail(error.what(), kBadInput);
@@ -96,6 +90,7 @@ int run_command_line(int argc, char** argv) {
     code = fail(std::string("a fault of its own: ") + error.what(), kCouldNotRun);
   }
   std::cout.flush();
+  if (!std::cout && !reader_has_left()) return fail("standard output cannot be written", kBadInput);
   return code;
 }
 

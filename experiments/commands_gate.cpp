@@ -88,8 +88,10 @@ void add_gate_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("gate", "Hold a run against accepted figures");
   command->add_option("RUN", arguments->run, "Run folder, or the folder of a plan's runs (the newest counts)")
       ->required();
-  command->add_option("--accepted", arguments->accepted,
-                      "Accepted figures (default: results/accepted/<plan>.json)");
+  command
+      ->add_option("--accepted", arguments->accepted,
+                   "Accepted figures (default: results/accepted/<plan>.json)")
+      ->type_name("FILE");
   command->add_flag("--update", arguments->update, "Take the run's figures over, tolerances kept");
   command->add_flag("--json", arguments->as_json, "Print the outcome as JSON");
   command->callback([arguments, &exit_code] { exit_code = gate(*arguments); });

@@ -1,6 +1,7 @@
 // make, mesh, quality.
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "core/base/error.h"
@@ -11,6 +12,7 @@
 #include "experiments/nearest_name.h"
 #include "experiments/output_file.h"
 #include "experiments/terminal.h"
+#include "experiments/usage.h"
 
 namespace palpate::experiments {
 namespace {
@@ -148,13 +150,18 @@ int quality(const std::string& path, bool as_json) {
 }
 
 void add_size_options(CLI::App* command, const std::shared_ptr<MakeArguments>& arguments) {
-  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")->required();
+  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")
+      ->required()
+      ->type_name("FILE");
   auto* vertices = command->add_option("--vertices", arguments->vertices, "About so many vertices")
-                       ->check(CLI::Range(std::uint64_t{4}, std::uint64_t{1} << 29U));
+                       ->check(whole_number_from(4, std::int64_t{1} << 29U))
+                       ->type_name("N");
   command
-      ->add_option("--edge-length", arguments->edge_length, "Length of the inner edges, in the mesh's unit")
-      ->check(CLI::Range(1e-9, 1e9))
-      ->excludes(vertices);
+      ->add_option("--edge-length", arguments->edge_length,
+                   "Length of the inner edges, in the mesh's unit; not with --vertices")
+      ->check(number_from(1e-9, 1e9))
+      ->excludes(vertices)
+      ->type_name("X");
   command->add_flag("--normalize", arguments->normalize, "Scale to the box [-1, 1]");
   command->add_flag("--json", arguments->as_json, "Print the figures as JSON");
 }
@@ -166,9 +173,12 @@ void add_make_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("make", "Make a mesh: a real organ or a built shape");
   command->add_option("SHAPE", arguments->source, "One of palpate list meshes")->required();
   add_size_options(command, arguments);
-  command->add_option("--seed", arguments->seed, "Seed of the random parts");
+  command->add_option("--seed", arguments->seed, "Seed of the random parts")
+      ->check(whole_number_from(0, std::numeric_limits<std::int64_t>::max()))
+      ->type_name("N");
   command->add_option("--jitter", arguments->jitter, "cube: largest move of an inner vertex, in cells")
-      ->check(CLI::Range(0.0, 0.5));
+      ->check(number_from(0.0, 0.5))
+      ->type_name("X");
   command->callback([arguments, &exit_code] { exit_code = make(*arguments); });
 }
 

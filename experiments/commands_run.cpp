@@ -17,6 +17,7 @@
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
 #include "experiments/terminal.h"
+#include "experiments/usage.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -104,6 +105,7 @@ int run(const RunArguments& arguments) {
     }
     return kDone;
   }
+  require_available(plan, registry);
   for (const std::string& note : plan.notes) print_note(note);
   catch_stop_signals();
   RunOptions options;
@@ -178,13 +180,17 @@ void add_run_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Run a plan: contestants, judge, records, report");
   command->add_option("PLAN", arguments->plan, "Plan file (.yaml)")->required();
-  command->add_option("--out", arguments->out, "Run folder (default: results/<plan>/<time>-<commit>)");
-  command->add_option("--case", arguments->case_id,
-                      "Only this case, or those that start so (kidney/hierarchical)");
+  command->add_option("--out", arguments->out, "Run folder (default: results/<plan>/<time>-<commit>)")
+      ->type_name("DIR");
+  command
+      ->add_option("--case", arguments->case_id,
+                   "Only this case, or those that start so (kidney/hierarchical)")
+      ->type_name("ID");
   command->add_flag("--resume", arguments->resume,
                     "Go on with the run in --out (default: the plan's newest)");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
   command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
   command->add_flag("--no-report", arguments->no_report, "Leave tables and charts out");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });

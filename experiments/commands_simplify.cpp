@@ -1,6 +1,9 @@
 // simplify: one mesh through the same door as in a plan.
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <map>
@@ -14,12 +17,15 @@
 #include "experiments/nearest_name.h"
 #include "experiments/output_file.h"
 #include "experiments/terminal.h"
+#include "experiments/usage.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
+
+constexpr std::int64_t kMostRemoved = std::int64_t{1} << 40;
 
 struct SimplifyArguments {
   std::string mesh;
@@ -72,6 +78,8 @@ MethodEntry find_method(const Registry& registry, const std::string& name) {
 }
 
 Stop stop_of(const SimplifyArguments& arguments, const MethodSpec& method) {
+  const int given = int{arguments.fusions >= 0} + int{arguments.tets >= 0} + int{arguments.ratio >= 0.0};
+  if (given > 1) throw InputError("--fusions, --tets, --ratio", 0, "one stop", std::to_string(given));
   Stop stop;
   if (arguments.fusions >= 0) stop = {StopKind::kFusions, static_cast<double>(arguments.fusions), ""};
   if (arguments.tets >= 0) stop = {StopKind::kTets, static_cast<double>(arguments.tets), ""};
@@ -100,25 +108,56 @@ json parse_options(const MethodSpec& method, const std::vector<std::string>& set
 /// The input, oriented and judged. Throws: InputError if the judge finds it invalid.
 TetMesh read_valid_mesh(const std::string& path) {
   MeditFile file = read_mesh(path, ReadOrientation::kRestore);
-  for (const std::string& note : file.notes) print_note(path + ": " + note);
+  const std::string before = path + ": ";
+  for (const std::string& note : file.notes) print_note(before + note);
   const Judgement judgement = judge_mesh(file.mesh);
   if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
   return std::move(file.mesh);
 }
 
+/// Names of the report's figures for people, in the order in which they are printed.
+constexpr std::array<std::pair<const char*, const char*>, 12> kReportNames{{
+    {"vertices_in", "vertices before"},
+    {"vertices_out", "vertices after"},
+    {"tets_in", "tetrahedra before"},
+    {"tets_out", "tetrahedra after"},
+    {"fusions", "fusions"},
+    {"stop", "stopped at"},
+    {"kernel_s", "time of the method"},
+    {"boundary", "not fused: on the boundary"},
+    {"boundary_neighbour", "not fused: next to the boundary"},
+    {"quality", "not fused: a neighbour would lose too much quality"},
+    {"flip", "not fused: a neighbour would turn over"},
+    {"touched", "not fused: moved by an earlier fusion"},
+}};
+
+std::string name_of(const std::string& key) {
+  const auto known = std::find_if(kReportNames.begin(), kReportNames.end(),
+                                  [&](const auto& name) { return key == name.first; });
+  return known == kReportNames.end() ? key : known->second;
+}
+
+std::string short_duration(double seconds) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g %s", seconds < 1.0 ? 1000.0 * seconds : seconds,
+                seconds < 1.0 ? "ms" : "s");
+  return text.data();
+}
+
 void print_report(const json& report) {
   TextTable table({"measure", "value"}, "lr");
-  for (const char* key :
-       {"vertices_in", "vertices_out", "tets_in", "tets_out", "fusions", "stop", "kernel_s"}) {
+  for (const auto& [key, name] : kReportNames) {
     if (!report.contains(key)) continue;
     const json& value = report.at(key);
-    const std::string text = value.is_number()
-                                 ? short_number(value.get<double>())
-                                 : (value.is_string() ? value.get<std::string>() : value.dump());
-    table.add({key, text});
+    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (value.is_number()) text = short_number(value.get<double>());
+    if (std::string(key) == "kernel_s") text = short_duration(value.get<double>());
+    table.add({name, text});
   }
   const json rejected = report.value("rejected", json::object());
-  for (const auto& [reason, count] : rejected.items()) table.add({"rejected: " + reason, count.dump()});
+  for (const auto& [reason, count] : rejected.items()) {
+    if (count != 0) table.add({name_of(reason), count.dump()});
+  }
   std::cout << table.text();
 }
 
@@ -165,6 +204,10 @@ int simplify(const SimplifyArguments& arguments) {
   write_mesh(arguments.out, out);
   for (const std::string& note : answer.notes) print_note(note);
   const json report = full_report(answer, arguments.method, in, out);
+  if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
+    print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
+               " tetrahedra left");
+  }
   if (out.tets.size() == in.tets.size() && answer.notes.empty())
     print_note("nothing was removed: the output is the input");
   if (arguments.as_json) {
@@ -182,20 +225,31 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SimplifyArguments>();
   CLI::App* command = app.add_subcommand("simplify", "Simplify one mesh with one method");
   command->add_option("MESH", arguments->mesh, "Mesh to simplify")->required();
-  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")->required();
-  command->add_option("--method", arguments->method, "One of palpate list contestants")->required();
-  auto* stops = command->add_option_group("stop", "When to stop; without one, at the method's limit");
-  stops->add_option("--fusions", arguments->fusions, "After so many fusions")->check(CLI::NonNegativeNumber);
-  stops->add_option("--tets", arguments->tets, "At the first state with at most so many tetrahedra")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
-  stops->add_option("--ratio", arguments->ratio, "When this share of the tetrahedra is removed")
-      ->check(CLI::Range(0.0, 0.999999999));
-  stops->require_option(0, 1);
-  command->add_option("--set", arguments->set, "Option of the method, key=value")->allow_extra_args(false);
+  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--method", arguments->method, "One of palpate list contestants")
+      ->required()
+      ->type_name("NAME");
+  command->add_option("--fusions", arguments->fusions, "Stop after so many fusions")
+      ->check(whole_number_from(0, kMostRemoved))
+      ->type_name("N");
+  command->add_option("--tets", arguments->tets, "Stop at the first state with at most so many tetrahedra")
+      ->check(whole_number_from(1, kMostRemoved))
+      ->type_name("N");
+  command->add_option("--ratio", arguments->ratio, "Stop when this share of the tetrahedra is removed")
+      ->check(number_from(0.0, 0.999999))
+      ->type_name("R");
+  command->add_option("--set", arguments->set, "Option of the method, as often as needed")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
   command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
-      ->check(CLI::Range(0.01, 1e7));
+      ->check(number_from(0.01, 1e7))
+      ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command->footer("Without a stop, the method runs to its limit.");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simplify(*arguments); });
 }

@@ -190,7 +190,10 @@ Registry load_registry() {
     std::istringstream list(extra);
     std::string folder;
     while (std::getline(list, folder, ':')) {
-      if (!folder.empty()) roots.emplace_back(folder);
+      if (folder.empty()) continue;
+      if (!std::filesystem::is_directory(folder))
+        throw InputError("PALPATE_CONTESTANTS", 0, "folders of contestants", "no folder " + folder);
+      roots.emplace_back(folder);
     }
   }
   std::vector<Contestant> contestants;

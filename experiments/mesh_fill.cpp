@@ -11,6 +11,7 @@
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
 #include "experiments/mesh_tools.h"
+#include "experiments/terminal.h"
 
 namespace palpate::experiments {
 namespace {
@@ -96,7 +97,7 @@ double estimate_interior_size(double volume, double vertices) {
 
 void check_interior_size(double volume, double interior_size) {
   if (!(interior_size > 0.0) || !std::isfinite(interior_size)) {
-    throw InputError("edge length", 0, "a positive number", std::to_string(interior_size));
+    throw InputError("edge length", 0, "a positive number", short_number(interior_size));
   }
   const double expected = estimate_interior_vertices(volume, interior_size);
   if (expected > kLargestVertexCount) {

@@ -35,7 +35,8 @@ double estimate_interior_size(double volume, double vertices);
 /// Throws: InputError if filling `volume` with edges of `interior_size` takes more than 20 million vertices.
 void check_interior_size(double volume, double interior_size);
 
-/// Looks for the interior size at which the filled skin has `vertices` vertices within 0.3% (0.8% above 3000).
+/// Looks for the interior size at which the filled skin has `vertices` vertices within 0.3% (0.8% above
+/// 3000).
 ///
 /// Starts from `start` and goes by the power law V ~ h^-3 inside a bracket; at most 14 fillings. The closest
 /// is returned, so it may be further off. Deterministic. Requires: vertices > skin.points.size().

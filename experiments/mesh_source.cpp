@@ -5,9 +5,11 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
-#include <numeric>
+#include <sstream>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/off.h"
@@ -17,7 +19,9 @@
 #include "experiments/mesh_cache.h"
 #include "experiments/mesh_fill.h"
 #include "experiments/mesh_tools.h"
+#include "experiments/nearest_name.h"
 #include "experiments/organ_source.h"
+#include "experiments/terminal.h"
 
 namespace palpate::experiments {
 namespace {
@@ -111,14 +115,14 @@ MadeMesh make_filled(const FilledShape& shape, const MeshSize& size) {
 
 MadeMesh make_lattice(const LatticeShape& shape, const ShapeRequest& request) {
   if (request.jitter && std::string(shape.name) != "cube") {
-    throw InputError(shape.name, 0, "no jitter (it is the cube's)", std::to_string(*request.jitter));
+    throw InputError(shape.name, 0, "no jitter (it is the cube's)", short_number(*request.jitter));
   }
   int cells = 1;
   if (request.size.edge_length) {
     const double wanted = std::round(1.0 / *request.size.edge_length);
     if (!(*request.size.edge_length > 0.0) || wanted > shape.most_cells) {
       throw InputError(shape.name, 0, "an edge length of at least 1/" + std::to_string(shape.most_cells),
-                       std::to_string(*request.size.edge_length));
+                       short_number(*request.size.edge_length));
     }
     cells = std::max(1, static_cast<int>(wanted));
   } else {
@@ -138,26 +142,10 @@ MadeMesh make_lattice(const LatticeShape& shape, const ShapeRequest& request) {
   return made;
 }
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, replaced}));
-    }
-  }
-  return row.back();
-}
-
 [[noreturn]] void refuse_shape(const std::string& name) {
-  std::string nearest;
-  for (const ShapeInfo& shape : list_shapes()) {
-    if (nearest.empty() || edit_distance(name, shape.name) < edit_distance(name, nearest))
-      nearest = shape.name;
-  }
-  throw InputError("shape", 0, "a known shape (did you mean " + nearest + "?)", "\"" + name + "\"");
+  std::vector<std::string> names;
+  for (const ShapeInfo& shape : list_shapes()) names.push_back(shape.name);
+  throw InputError("unknown shape \"" + name + "\"" + nearest_hint(name, names));
 }
 
 template <typename Shapes>
@@ -179,7 +167,7 @@ void check_size(const MeshSize& size) {
     throw InputError("mesh size", 0, "a number of vertices or an edge length", "both");
   }
   if (size.edge_length && (!std::isfinite(*size.edge_length) || *size.edge_length <= 0.0)) {
-    throw InputError("edge length", 0, "a positive number", std::to_string(*size.edge_length));
+    throw InputError("edge length", 0, "a positive number", short_number(*size.edge_length));
   }
 }
 
@@ -250,7 +238,7 @@ MadeMesh make_shape(const ShapeRequest& request) {
   const FilledShape* shape = find_shape(kFilledShapes, request.name);
   if (shape == nullptr && !is_organ(request.name)) refuse_shape(request.name);
   if (request.jitter) {
-    throw InputError(request.name, 0, "no jitter (it is the cube's)", std::to_string(*request.jitter));
+    throw InputError(request.name, 0, "no jitter (it is the cube's)", short_number(*request.jitter));
   }
   return make_cached(cache_key(request), [&] {
     return shape != nullptr ? make_filled(*shape, request.size) : make_organ(request.name, request.size);
@@ -293,12 +281,21 @@ MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientati
   const ToolCall call{"convert", is_msh ? "gmsh.read" : "vtk.read", path, scratch.file("read.mesh"), {},
                       600.0};
   const nlohmann::json response = run_tool(is_msh ? kGmshTool : kVtkTool, call);
-  MeditFile file = read_medit(call.output, ReadOrientation::kKeep);
+  MeditFile file;
+  try {
+    file = read_medit(call.output, ReadOrientation::kKeep);
+  } catch (const InputError& error) {  // says where in the converted file; the user has the other one
+    const std::string what = error.what();
+    throw InputError(path.string() + what.substr(std::min(what.find(": "), what.size())));
+  }
   file.notes = response.at("notes").get<std::vector<std::string>>();
   if (orientation == ReadOrientation::kRestore) {
     const std::size_t isolated = remove_isolated_vertices(file.mesh);
     if (isolated > 0) {
-      file.notes.push_back(std::to_string(isolated) + " vertices that no tetrahedron uses were left out");
+      file.notes.push_back((isolated == 1
+                                ? std::string("1 vertex that no tetrahedron uses was")
+                                : std::to_string(isolated) + " vertices that no tetrahedron uses were") +
+                           " left out");
     }
     restore_orientation(path.string(), file);
   }
@@ -312,15 +309,12 @@ void write_mesh(const std::filesystem::path& path, const TetMesh& mesh) {
     throw InputError(path.string(), 0, "a mesh to write in .mesh or .vtu", "\"" + ending + "\"");
   const ScratchFolder scratch;
   write_medit(scratch.file("mesh.mesh"), mesh);
-  const std::filesystem::path partial = path.string() + ".partial.vtu";
-  try {
-    run_tool(kVtkTool, {"convert", "vtk.write", scratch.file("mesh.mesh"), partial, {}, 600.0});
-    std::filesystem::rename(partial, path);
-  } catch (...) {
-    std::error_code ignored;
-    std::filesystem::remove(partial, ignored);
-    throw;
-  }
+  // Written aside and copied as a whole, so that a full disk leaves what was there.
+  const ToolCall call{"convert", "vtk.write", scratch.file("mesh.mesh"), scratch.file("mesh.vtu"), {}, 600.0};
+  run_tool(kVtkTool, call);
+  std::ostringstream bytes;
+  bytes << std::ifstream(call.output, std::ios::binary).rdbuf();
+  write_file_atomically(path, bytes.str());
 }
 
 }  // namespace palpate::experiments

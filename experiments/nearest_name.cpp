@@ -38,7 +38,10 @@ std::string nearest_hint(std::string_view name, std::span<const std::string> kno
     return start.size() >= 3 && k.find(start) != std::string::npos;
   });
   if (part != known.end()) return "; did you mean \"" + *part + "\"?";
-  return "; known are " + joined(known);
+  constexpr std::size_t kMostShown = 12;
+  if (known.size() <= kMostShown) return "; known are " + joined(known);
+  return "; known are " + joined(known.first(kMostShown)) + " and " +
+         std::to_string(known.size() - kMostShown) + " more";
 }
 
 std::string joined(std::span<const std::string> names) {

@@ -147,12 +147,13 @@ std::vector<std::string> find_changes(const json& then, const json& now) {
   const auto compare = [&](const std::string& what, const json& before, const json& after) {
     if (before != after) changes.push_back(what + " (" + before.dump() + " then, " + after.dump() + " now)");
   };
-  compare("the plan changed", then.value("plan_hash", json()), now.value("plan_hash", json()));
+  if (then.value("plan_hash", json()) != now.value("plan_hash", json()))
+    changes.emplace_back("the plan changed");
   compare("the number of threads changed", then.value("threads", json()), now.value("threads", json()));
   const json programs_then = then.value("programs", json::object());
   const json programs_now = now.value("programs", json::object());
   for (const auto& [name, hash] : programs_now.items()) {
-    compare("the program " + name + " changed", programs_then.value(name, json()), hash);
+    if (programs_then.value(name, json()) != hash) changes.push_back("the program " + name + " changed");
   }
   for (const auto& [name, hash] : programs_then.items()) {
     if (!programs_now.contains(name)) changes.push_back("the program " + name + " is gone");

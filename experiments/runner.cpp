@@ -74,6 +74,7 @@ class Runner {
       if (!changes.empty()) {
         throw InputError(options_.folder.string() + ": this run cannot be continued" + changes);
       }
+      progress_.say("run " + options_.folder.string());
       for (const PlanMesh& mesh : plan_.meshes) {
         meshes_.push_back(reload_mesh(mesh, folder_.paths().mesh(mesh.name + "/input"), *then));
       }
@@ -83,6 +84,7 @@ class Runner {
     fs::copy_file(plan_.file, folder_.paths().plan(), fs::copy_options::overwrite_existing, error);
     if (error)
       throw InputError(folder_.paths().plan().string(), 0, "a file that can be written", error.message());
+    progress_.say("run " + options_.folder.string());
     now["meshes"] = json::array();
     for (const PlanMesh& mesh : plan_.meshes) {
       progress_.show("mesh " + mesh.name);
@@ -263,6 +265,8 @@ class Runner {
   RunResult result_;
 };
 
+}  // namespace
+
 void require_available(const Plan& plan, const Registry& registry) {
   for (const PlanContestant& contestant : plan.contestants) {
     const std::string why = registry.find(contestant.method)->contestant->unavailable();
@@ -280,13 +284,10 @@ void require_available(const Plan& plan, const Registry& registry) {
   }
 }
 
-}  // namespace
-
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {
   require_available(plan, registry);
   Runner runner(plan, registry, options, progress);
-  progress.say("run " + options.folder.string());
   return runner.run();
 }
 

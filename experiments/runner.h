@@ -33,6 +33,9 @@ struct RunResult {
   bool interrupted = false;
 };
 
+/// Throws: UnavailableError if a required contestant or a mesh of the plan cannot be had here.
+void require_available(const Plan& plan, const Registry& registry);
+
 /// Runs every repeat of every selected case that has no record yet.
 ///
 /// Order: repeat 0 of all cases, then repeat 1 of all cases, and so on, so that a drift of the machine meets

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from equal_count import TOLERANCE, tets_of
 from records import BUCKETS, figure, histogram, median, quantile
 from tables import timing_of
 from verdict import values_of
@@ -78,7 +79,8 @@ def draw_band(ax, group):
 def histogram_title(group):
     above = [median(group.figures("judge", f"percent_above_0_{digit}")) for digit in (5, 6)]
     text = ", ".join(f"{value:.1f}% above 0.{digit}" for value, digit in zip(above, (5, 6)) if value is not None)
-    return f"{group.name}\n{text}"
+    tets = "" if tets_of(group) is None else f", {tets_of(group):,.0f} tets"
+    return f"{group.name}{f', {group.count_note}' if group.count_note else tets}\n{text}"
 
 
 def finish_histogram_axes(ax):
@@ -164,13 +166,24 @@ def color_of(group, claim):
     return OTHERS if claim else BETTER
 
 
-def draw_values(ax, y, values, color):
-    """A dot at the median; with several seeds also the range as a line and the quartiles as a bar."""
+def draw_values(ax, y, values, color, note=""):
+    """A dot at the median; with several seeds also the range as a line and the quartiles as a bar.
+
+    A label that is not to be compared has a hollow dot, with its note on the side that has more room.
+    """
     if len(values) > 1:
         ax.plot([min(values), max(values)], [y, y], color=color, linewidth=1.3, zorder=3, solid_capstyle="butt")
         ax.plot([quantile(values, 0.25), quantile(values, 0.75)], [y, y], color=color, linewidth=6, alpha=0.55, zorder=3,
                 solid_capstyle="butt")
-    ax.plot(median(values), y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7, zorder=4)
+    if not note:
+        ax.plot(median(values), y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7, zorder=4)
+        return
+    ax.plot(median(values), y, "o", markerfacecolor="white", markersize=5.5, markeredgecolor=color, markeredgewidth=1.2, zorder=4)
+    low, high = ax.get_xlim()
+    to_left = median(values) > (low + high) / 2
+    ax.annotate(note, (min(values) if to_left else max(values), y), xytext=(-6 if to_left else 6, 0), textcoords="offset points",
+                ha="right" if to_left else "left", va="center", fontsize=7, color=FAINT, zorder=5,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})
 
 
 def draw_overview(run, claim, folder):
@@ -185,6 +198,8 @@ def draw_overview(run, claim, folder):
     width = 0.075 * max(len(name) for name in names) + 0.35
     height = rows * (0.27 * len(names) + 0.75) + 0.95
     fig, grid = plt.subplots(rows, columns, figsize=(width + 2.9 * columns, height), sharex=True, sharey=True, squeeze=False)
+    low, high = overview_range(run, claim, meshes, measure)
+    grid[0][0].set_xlim(low, high)
     for i, ax in enumerate(grid.flat):
         if i >= len(meshes):
             ax.set_visible(False)
@@ -195,15 +210,31 @@ def draw_overview(run, claim, folder):
             ax.tick_params(labelbottom=True)
     handles = [plt.Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (3, 2)), label="input")]
     handles.append(plt.Line2D([], [], color=FAINT, marker="o", linewidth=1.3, markersize=5, label="median, range over seeds"))
+    if any(group.count_note for group in run.groups):
+        handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=5,
+                                  label=f"hollow: count not within {100 * TOLERANCE:g}%, not to be compared"))
     if claim and claim.published_difference is not None:
         for value, color, side in ((claim.published_better, BETTER, claim.better), (claim.published_than, THAN, claim.than)):
             handles.append(plt.Line2D([], [], color=color, linewidth=1.2, label=f"published, {side}: {value:.2f}"))
-    fig.legend(handles=handles, loc="lower center", ncol=2 if columns < 3 else len(handles), fontsize=8)
+    legend_columns = min(columns + 1, len(handles), 3)
+    legend_height = 0.1 + 0.2 * -(-len(handles) // legend_columns)
+    fig.legend(handles=handles, loc="lower center", ncol=legend_columns, fontsize=8)
     if run.plan_data.get("question"):
         question = textwrap.fill(str(run.plan_data["question"]), int((width + 2.9 * columns) * 11))
         fig.suptitle(question, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    fig.tight_layout(rect=(0, (0.55 if columns < 3 else 0.35) / height, 1, 1))
+    fig.tight_layout(rect=(0, legend_height / height, 1, 1))
     return save(fig, folder, "overview")
+
+
+def overview_range(run, claim, meshes, measure):
+    """The least and the greatest value that the overview shows, with a margin."""
+    shown = [value for group in run.groups if group.mesh in meshes for value in values_of(group, measure)]
+    shown += [figure(run.inputs[mesh], "judge", measure) for mesh in meshes if mesh in run.inputs]
+    if claim and claim.published_difference is not None:
+        shown += [claim.published_better, claim.published_than]
+    shown = [value for value in shown if value is not None]
+    margin = 0.05 * (max(shown) - min(shown)) or 1.0
+    return min(shown) - margin, max(shown) + margin
 
 
 def draw_overview_panel(ax, run, claim, mesh, measure, names):
@@ -217,7 +248,7 @@ def draw_overview_panel(ax, run, claim, mesh, measure, names):
         values = values_of(group, measure)
         y = names.index(group.name)
         if values:
-            draw_values(ax, y, values, color_of(group, claim))
+            draw_values(ax, y, values, color_of(group, claim), group.count_note)
         else:
             ax.annotate("no accepted answer", (0.02, y), xycoords=("axes fraction", "data"), fontsize=7, color=FAINT,
                         va="center", bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5}, zorder=5)
@@ -247,7 +278,8 @@ def draw_timing(run, claim, folder):
         times = {name: 1000 * timing[f"kernel_{name}_s"] for name in ("min", "q1", "median", "q3", "max")}
         ax.plot([times["min"], times["max"]], [y, y], color=color, linewidth=1.3, solid_capstyle="butt")
         ax.plot([times["q1"], times["q3"]], [y, y], color=color, linewidth=6, alpha=0.55, solid_capstyle="butt")
-        ax.plot(times["median"], y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7)
+        ax.plot(times["median"], y, "o", markersize=5.5, markerfacecolor="white" if group.count_note else color,
+                markeredgecolor=color if group.count_note else "white", markeredgewidth=1.2 if group.count_note else 0.7)
         if timing["tets_removed_per_s"] is not None:
             ax.annotate(f"{timing['tets_removed_per_s']:,.0f}", (1.02, y), xycoords=("axes fraction", "data"), fontsize=8,
                         va="center", color=INK)
@@ -261,7 +293,8 @@ def draw_timing(run, claim, folder):
     ax.set_ylim(last + 0.8, -0.8)
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="x", which="both")
-    ax.set_xlabel("time of the method, ms (median, quartiles, range over repeats)")
+    hollow = "; hollow: at another count" if any(group.count_note for group, _ in entries) else ""
+    ax.set_xlabel(f"time of the method, ms (median, quartiles, range over repeats{hollow})")
     ax.annotate("tets removed\na second", (1.02, 1), xycoords="axes fraction", fontsize=8, va="bottom", color=FAINT)
     fig.tight_layout()
     return save(fig, folder, "timing")

@@ -10,6 +10,7 @@ folder or a record is broken; 3 matplotlib is missing or a file could not be wri
 import argparse
 import sys
 
+import equal_count
 import records
 import tables
 import verdict
@@ -25,7 +26,8 @@ def print_summary(run, claim, verdicts):
     if claim:
         variants = verdict.variant_summary(run, claim)
         if variants:
-            print(f"\n{claim.measure}: change against {claim.better}, largest first\n")
+            print(f"\n{claim.measure}: change against {claim.better}, largest first; only between answers whose tetrahedra are "
+                  f"within {100 * equal_count.TOLERANCE:g}%\n")
             print(variants)
         print()
         print(verdict.verdict_text(claim, verdicts))
@@ -42,6 +44,7 @@ def make_report(folder, with_charts):
     """Does all of it; returns the exit code."""
     run = records.read_run(folder)
     claim = verdict.read_claim(run.plan_data)
+    equal_count.add_count_notes(run, claim)
     verdicts = verdict.judge_run(run, claim) if claim else []
     written = tables.write_tables(run, run.folder / "tables")
     names = {path.name for path in written}

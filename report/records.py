@@ -28,6 +28,7 @@ class Group:
     sweep: str
     contestant: str
     records: list = field(default_factory=list)
+    count_note: str = ""  # why its figures are not at equal count (equal_count.py)
 
     def accepted(self):
         """Accepted answers, warm-up left out."""

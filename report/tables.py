@@ -72,14 +72,14 @@ def quality_rows(run):
             record = run.inputs[mesh]
             figures = [figure(record, "judge", name) for name in QUALITY_FIGURES]
             spread = [cell for value in figures for cell in (value, value, value)]
-            yield [mesh, "input", "", "", 1, figure(record, "judge", "vertices"), figure(record, "judge", "tets"), *spread]
+            yield [mesh, "input", "", "", 1, figure(record, "judge", "vertices"), figure(record, "judge", "tets"), "", *spread]
         for group in run.of_mesh(mesh):
             spread = []
             for name in QUALITY_FIGURES:
                 values = group.figures("judge", name)
                 spread += [median(values), min(values, default=None), max(values, default=None)]
             yield [mesh, group.label, group.sweep, outcome_text(group), len(group.cases()),
-                   median(group.figures("judge", "vertices")), median(group.figures("judge", "tets")), *spread]
+                   median(group.figures("judge", "vertices")), median(group.figures("judge", "tets")), group.count_note, *spread]
 
 
 def timing_of(group):
@@ -110,7 +110,8 @@ TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kerne
 def timing_rows(run):
     for group in run.groups:
         timing = timing_of(group) or {"n": 0}
-        yield [group.mesh, group.label, group.sweep, outcome_text(group), *(timing.get(name) for name in TIMING_FIGURES)]
+        yield [group.mesh, group.label, group.sweep, outcome_text(group), group.count_note,
+               *(timing.get(name) for name in TIMING_FIGURES)]
 
 
 def rejection_rows(run):
@@ -160,8 +161,8 @@ def write_tables(run, folder):
     spread = [f"{name}_{kind}" for name in QUALITY_FIGURES for kind in ("median", "min", "max")]
     tables = {
         "histogram.csv": ([*place, "seed", "quality_from", "quality_to", "tets", "percent"], histogram_rows(run)),
-        "quality.csv": ([*place, "outcome", "cases", "vertices", "tets", *spread], quality_rows(run)),
-        "timing.csv": ([*place, "outcome", *TIMING_FIGURES], timing_rows(run)),
+        "quality.csv": ([*place, "outcome", "cases", "vertices", "tets", "note", *spread], quality_rows(run)),
+        "timing.csv": ([*place, "outcome", "note", *TIMING_FIGURES], timing_rows(run)),
         "rejections.csv": ([*place, "seed", "fusions", "reason", "tets"], rejection_rows(run)),
         "validity.csv": ([*place, "seed", "repeat", "outcome", "violations", "message", *VALIDITY_FIGURES],
                          validity_rows(run)),
@@ -179,7 +180,8 @@ def align(header, rows):
     """Text columns: the first ones to the left, figures to the right; no trailing blanks."""
     cells = [header, *rows]
     widths = [max(len(row[i]) for row in cells) for i in range(len(header))]
-    left = [all(not row[i][:1].isdigit() and row[i][:1] not in "-+" for row in rows if row[i]) for i in range(len(header))]
+    left = [name == "note" or all(not row[i][:1].isdigit() and row[i][:1] not in "-+" for row in rows if row[i])
+            for i, name in enumerate(header)]
     lines = []
     for number, row in enumerate(cells):
         parts = [cell.ljust(width) if is_left else cell.rjust(width) for cell, width, is_left in zip(row, widths, left)]
@@ -228,8 +230,8 @@ def quality_summary(run):
                          with_range(group.figures("judge", "mean_quality"), 3),
                          with_range(group.figures("judge", "min_dihedral_deg"), 1),
                          with_range(group.figures("judge", "p1_dihedral_deg"), 1),
-                         "" if outcome == "accepted" else outcome])
-    header = ["mesh", "label", "fusions", "tets", "% above 0.5", "% above 0.6", "mean", "min angle", "p1 angle", "outcome"]
+                         "; ".join(text for text in ("" if outcome == "accepted" else outcome, group.count_note) if text)])
+    header = ["mesh", "label", "fusions", "tets", "% above 0.5", "% above 0.6", "mean", "min angle", "p1 angle", "note"]
     return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no records"
 
 
@@ -243,9 +245,9 @@ def timing_summary(run):
         rows.append([group.mesh, group.name, str(timing["n"]), seconds_text(timing["kernel_median_s"]),
                      f"{seconds_text(timing['kernel_min_s'])} - {seconds_text(timing['kernel_max_s'])}",
                      seconds_text(timing["wall_median_s"]), "" if memory is None else f"{memory / 2**20:.0f} MiB",
-                     "" if rate is None else f"{rate:,.0f}"])
-    header = ["mesh", "label", "n", "kernel", "range", "process", "memory", "tets removed/s"]
-    return align(header, without_repeats_rows(header, rows)) if rows else "no accepted answers: no times to compare"
+                     "" if rate is None else f"{rate:,.0f}", group.count_note])
+    header = ["mesh", "label", "n", "kernel", "range", "process", "memory", "tets removed/s", "note"]
+    return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no accepted answers: no times to compare"
 
 
 def without_repeats(header, rows):

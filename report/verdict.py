@@ -1,4 +1,4 @@
-"""Holds a run against the claim of its plan, by a rule that was fixed before any run.
+"""Holds a run against the claim of its plan, by one rule for all plans.
 
 On each mesh, with b and t the medians over seeds of the claim's measure for its labels `better` and `than`, and s the
 range over seeds of its label `spread` (the same method in random orders), where higher is better if the published
@@ -8,16 +8,21 @@ range over seeds of its label `spread` (the same method in random orders), where
                            published difference
   reproduces in sign only  the same, but |b - t| is smaller than half of the published difference
   does not reproduce       anything else
-  cannot be decided        there is no accepted answer of `better` or `than`, or none of `spread` where the claim has one
+  cannot be decided        there is no accepted answer of `better` or `than`, or none of `spread` where the claim has one;
+                           or those of `than` or `spread` are not at equal count (equal_count.py: within 1% of the
+                           tetrahedra of `better`). Seeds of `spread` at another count are left out, which is said.
 
-Over all meshes: "reproduces" or "reproduces in sign only" only if each mesh does at least that.
+If nothing is published, the claim is that `better` is higher, and "reproduces" needs no least difference. Over all meshes:
+"reproduces" or "reproduces in sign only" only if each mesh does at least that; one that cannot be decided leaves the whole
+undecided, unless another does not reproduce. (Equal count came to the rule after the first runs; it changed no verdict.)
 """
 
 import statistics
 from dataclasses import dataclass
 from typing import Optional
 
-from records import figure, median
+from equal_count import equal_cases, is_equal, tets_of
+from records import figure, median, present
 from tables import align, outcome_text, write_atomically, write_csv
 
 REPRODUCES = "reproduces"
@@ -67,6 +72,7 @@ class MeshVerdict:
     reason: str
     better_tets: Optional[float] = None
     than_tets: Optional[float] = None
+    left_out: int = 0  # seeds of the spread at another count
 
     @property
     def difference(self):
@@ -83,10 +89,11 @@ def read_claim(plan_data):
                  claim["than"], str(claim.get("spread") or ""), figure(published, "better"), figure(published, "than"))
 
 
-def values_of(group, measure):
-    """A measure of each accepted case: of the judge, or else of the record itself."""
-    values = group.figures("judge", measure)
-    return values or group.figures(measure)
+def values_of(group, measure, cases=None):
+    """A measure of each accepted case (or of the given ones): of the judge, or else of the record itself."""
+    cases = group.cases() if cases is None else cases
+    values = present(figure(case, "judge", measure) for case in cases)
+    return values or present(figure(case, measure) for case in cases)
 
 
 def decide(claim, better, than, spread):
@@ -122,9 +129,22 @@ def judge_mesh(run, claim, mesh, sweep):
         why = why if why != "accepted" else f"without {claim.measure}"
         return MeshVerdict(mesh, sweep, input_value, better, than, spread, UNDECIDED,
                            f"no accepted answer of {label} ({why})")
-    better_tets, than_tets = (median(groups[label].figures("judge", "tets")) for label in (claim.better, claim.than))
-    return MeshVerdict(mesh, sweep, input_value, better, than, spread, decide(claim, better, than, spread), "",
-                       better_tets, than_tets)
+    better_tets, than_tets = tets_of(groups[claim.better]), tets_of(groups[claim.than])
+    spread_cases = equal_cases(groups[claim.spread], better_tets) if claim.spread else []
+    spread = values_of(groups[claim.spread], claim.measure, spread_cases) if claim.spread else []
+    left_out = len(groups[claim.spread].cases()) - len(spread_cases) if claim.spread else 0
+    outcome, reason = decide(claim, better, than, spread), ""
+    if not is_equal(than_tets, better_tets):
+        outcome, reason = UNDECIDED, unequal_text(claim.better, better_tets, claim.than, than_tets)
+    elif claim.spread and not spread:
+        outcome = UNDECIDED
+        reason = unequal_text(claim.better, better_tets, claim.spread, tets_of(groups[claim.spread]))
+    return MeshVerdict(mesh, sweep, input_value, better, than, spread, outcome, reason, better_tets, than_tets, left_out)
+
+
+def unequal_text(better, better_tets, other, other_tets):
+    counts = ["no" if tets is None else f"{tets:,.0f}" for tets in (better_tets, other_tets)]
+    return f"not at equal count, {better} has {counts[0]} tetrahedra and {other} {counts[1]}"
 
 
 def judge_run(run, claim):
@@ -137,10 +157,10 @@ def judge_run(run, claim):
 
 
 def overall(verdicts):
-    """One verdict for all meshes: the weakest of those that could be decided."""
-    decided = {verdict.verdict for verdict in verdicts} - {UNDECIDED}
-    for outcome in (DOES_NOT, SIGN_ONLY, REPRODUCES):
-        if outcome in decided:
+    """One verdict for all meshes: the weakest."""
+    found = {verdict.verdict for verdict in verdicts}
+    for outcome in (DOES_NOT, UNDECIDED, SIGN_ONLY, REPRODUCES):
+        if outcome in found:
             return outcome
     return UNDECIDED
 
@@ -171,6 +191,7 @@ def mesh_sentence(claim, verdict):
             f"{signed(verdict.difference, claim.unit)}")
     if claim.spread:
         text += f"; {claim.spread} {spread_text(verdict.spread)}"
+        text += f" ({verdict.left_out} at another count left out)" if verdict.left_out else ""
     return f"{text}. {verdict.verdict.capitalize()}."
 
 
@@ -178,7 +199,7 @@ def overall_sentence(claim, verdicts):
     """The verdict on the claim, in one sentence or two."""
     decided = [verdict for verdict in verdicts if verdict.verdict != UNDECIDED]
     if not decided:
-        return "The claim cannot be decided: no mesh has accepted answers of both sides."
+        return "The claim cannot be decided: no mesh has accepted answers of both sides at equal count."
     counts = {}
     for verdict in decided:
         counts[verdict.verdict] = counts.get(verdict.verdict, 0) + 1
@@ -226,20 +247,25 @@ def write_verdict(claim, verdicts, folder):
 # --- Variants: what else the plan varies --------------------------------------------------------------------------------
 
 
+def against(run, group, label, measure):
+    """The difference of a group from a label on the same mesh, over the cases at equal count; None if there are none."""
+    same = run.find(group.mesh, label)
+    base = next((other for other in same if other.sweep == group.sweep), same[0] if same else None)
+    if base is None:
+        return None
+    value, reference = median(values_of(group, measure, equal_cases(group, tets_of(base)))), median(values_of(base, measure))
+    return None if value is None or reference is None else value - reference
+
+
 def variant_rows(run, claim):
     """Of each label beside the claim's three: its difference from `better` and from `than`, mesh by mesh."""
     for mesh in run.meshes():
         for group in run.of_mesh(mesh):
             if group.label in (claim.better, claim.than, claim.spread):
                 continue
-            value = median(values_of(group, claim.measure))
-            against = []
-            for label in (claim.better, claim.than):
-                same = [other for other in run.find(mesh, label) if other.sweep == group.sweep]
-                same = same or run.find(mesh, label)
-                base = median(values_of(same[0], claim.measure)) if same else None
-                against.append(None if value is None or base is None else value - base)
-            yield [mesh, group.label, group.sweep, outcome_text(group), claim.measure, value, *against]
+            yield [mesh, group.label, group.sweep, outcome_text(group), tets_of(group), group.count_note, claim.measure,
+                   median(values_of(group, claim.measure)),
+                   *(against(run, group, label, claim.measure) for label in (claim.better, claim.than))]
 
 
 def write_variants(run, claim, folder):
@@ -247,17 +273,21 @@ def write_variants(run, claim, folder):
     rows = list(variant_rows(run, claim))
     if rows:
         write_csv(folder / "variants.csv",
-                  ["mesh", "label", "sweep", "outcome", "measure", "value", f"minus_{claim.better}", f"minus_{claim.than}"],
-                  rows)
+                  ["mesh", "label", "sweep", "outcome", "tets", "note", "measure", "value", f"minus_{claim.better}",
+                   f"minus_{claim.than}"], rows)
     return bool(rows)
 
 
 def variant_summary(run, claim):
-    """A column a mesh: what each variant changes against the claim's `better`; the largest change first."""
+    """A column a mesh: what each variant changes against the claim's `better`; the largest change first.
+
+    A variant at another count shows its count in place of a change, and is not ranked by it.
+    """
     table = {}
-    for mesh, label, sweep, outcome, _, _, against_better, _ in variant_rows(run, claim):
+    for mesh, label, sweep, outcome, _, note, _, _, change, _ in variant_rows(run, claim):
         name = f"{label} ({sweep})" if sweep else label
-        table.setdefault(name, {})[mesh] = (against_better, outcome)
+        text = note if change is None and note else outcome
+        table.setdefault(name, {})[mesh] = (change, text if change is None else f"{change:+.2f}")
     if not table:
         return ""
 
@@ -265,12 +295,6 @@ def variant_summary(run, claim):
         changes = [abs(change) for change, _ in item[1].values() if change is not None]
         return -max(changes) if changes else 1.0
 
-    meshes = run.meshes()
-    rows = []
-    for name, cells in sorted(table.items(), key=size):
-        row = [name]
-        for mesh in meshes:
-            change, outcome = cells.get(mesh, (None, ""))
-            row.append(outcome if change is None else f"{change:+.2f}")
-        rows.append(row)
-    return align(["variant", *meshes], rows)
+    rows = [[name, *(cells.get(mesh, (None, ""))[1] for mesh in run.meshes())]
+            for name, cells in sorted(table.items(), key=size)]
+    return align(["variant", *run.meshes()], rows)

@@ -351,7 +351,10 @@ MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientat
   if (orientation == ReadOrientation::kRestore) {
     const std::size_t isolated = remove_isolated_vertices(mesh);
     if (isolated > 0) {
-      file.notes.push_back(std::to_string(isolated) + " vertices that no tetrahedron uses were left out");
+      file.notes.push_back((isolated == 1
+                                ? std::string("1 vertex that no tetrahedron uses was")
+                                : std::to_string(isolated) + " vertices that no tetrahedron uses were") +
+                           " left out");
     }
     check_extent(reader, mesh);
     restore_orientation(reader, file);

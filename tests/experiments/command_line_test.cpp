@@ -7,6 +7,7 @@
 
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
+#include "experiments/process.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -45,11 +46,66 @@ TEST(CommandLine, HelpAndVersion) {
 }
 
 TEST(CommandLine, UsageErrors) {
-  expect_refusal(run_program({}), 2, "subcommand");
+  expect_refusal(run_program({}), 2, "a command is missing; known are run, check");
   expect_refusal(run_program({"smiplify"}), 2, "unknown command \"smiplify\"; did you mean \"simplify\"?");
   expect_refusal(run_program({"quality"}), 2, "MESH");
-  expect_refusal(run_program({"quality", "a.mesh", "--jsn"}), 2, "--jsn");
+  expect_refusal(run_program({"quality", "a.mesh", "--jsn"}), 2,
+                 "quality: unknown option \"--jsn\"; did you mean \"--json\"?");
+  expect_refusal(run_program({"quality", "a.mesh", "b.mesh"}), 2, "quality: unexpected argument \"b.mesh\"");
+  expect_refusal(run_program({"list"}), 2,
+                 "list: a command is missing; known are contestants, meshes, measures");
+  expect_refusal(run_program({"list", "contestant"}), 2, "did you mean \"contestants\"?");
+  expect_refusal(run_program({"make", "kidny", "-o", "a.mesh"}), 2, "did you mean \"kidney\"?");
   expect_refusal(run_program({"run", "a.yaml", "--threads", "0"}), 2, "--threads");
+}
+
+TEST(CommandLine, NumbersOutOfRangeAreRefused) {
+  const test::ScratchFolder folder;
+  const std::string out = (folder / "a.mesh").string();
+  const auto refuse = [&](const std::vector<std::string>& words, const std::string& part) {
+    expect_refusal(run_program(words), 2, part);
+    EXPECT_EQ(folder.count(), 0U) << part;
+  };
+  for (const char* value : {"0", "-1", "1e12", "1000000000000", "nan", "3.5", ""}) {
+    refuse({"make", "cube", "-o", out, "--vertices", value}, "--vertices: expected a whole number from 4 to");
+  }
+  for (const char* value : {"0", "-1", "1e12", "1e-12", "nan", "inf", "x"}) {
+    refuse({"make", "cube", "-o", out, "--edge-length", value},
+           "--edge-length: expected a number from 1e-09 to");
+  }
+  for (const char* value : {"nan", "-0.1", "0.6"}) {
+    refuse({"make", "cube", "-o", out, "--jitter", value}, "--jitter: expected a number from 0 to 0.5");
+  }
+  refuse({"make", "cube", "-o", out, "--seed", "-1"}, "--seed");
+  refuse({"make", "cube", "-o", out, "--vertices", "100", "--edge-length", "1"}, "excludes");
+  refuse({"make", "cube", "-o", out, "--edge-length", "1e-9"}, "at least 1/560, found 1e-09");
+  refuse({"make", "bar", "-o", out, "--jitter", "0.2"}, "found 0.2");
+}
+
+TEST(CommandLine, HelpHoldsNoTypesOfTheParser) {
+  for (const char* command : {"run", "gate", "make", "mesh", "simplify", "quality", "list"}) {
+    const std::string help = run_program({command, "--help"}).out;
+    for (const char* word : {"TEXT", "UINT", "INT:", "FLOAT", "REQUIRED", "Excludes", "[Option Group",
+                             "Subcommand", "SUBCOMMAND"}) {
+      EXPECT_EQ(help.find(word), std::string::npos) << command << ": " << word;
+    }
+  }
+}
+
+TEST(CommandLine, AFullStandardOutputIsSaid) {
+  const test::ScratchFolder folder;
+  experiments::ProcessSpec spec;
+  spec.arguments = {PALPATE_BIN_DIR "/palpate", "list", "meshes"};
+  spec.standard_output = "/dev/full";
+  spec.standard_error = folder / "error";
+  EXPECT_EQ(run_process(spec).exit_code, 2);
+  EXPECT_THAT(test::bytes_of(folder / "error"), HasSubstr("standard output cannot be written"));
+  // A reader that leaves early is no failure.
+  spec.arguments = {"/bin/bash", "-c",
+                    "set -o pipefail; " PALPATE_BIN_DIR "/palpate list contestants | head -n 1"};
+  spec.standard_output = folder / "out";
+  EXPECT_EQ(run_process(spec).exit_code, 0);
+  EXPECT_EQ(test::bytes_of(folder / "error"), "");
 }
 
 TEST(CommandLine, QualityOfGoodBrokenAndUnreadableMeshes) {
@@ -114,7 +170,12 @@ TEST(CommandLine, SimplifyDoesAndRefuses) {
   refused({"--method", "test.copy", "--set", "factor"}, 2, "key=value");
   refused({"--method", "test.copy", "--set", "factor=2"}, 2, "from 0 to 1");
   refused({"--method", "test.copy", "--ratio", "1"}, 2, "--ratio");
-  refused({"--method", "test.copy", "--ratio", "0.1", "--tets", "5"}, 2, "option");
+  refused({"--method", "test.copy", "--ratio", "0.1", "--tets", "5"}, 2, "expected one stop, found 2");
+  refused({"--method", "test.copy", "--ratio", "nan"}, 2, "--ratio: expected a number from 0 to 0.999999");
+  refused({"--method", "test.copy", "--tets", "0"}, 2, "--tets: expected a whole number from 1");
+  refused({"--method", "test.copy", "--fusions", "99999999999999999999"}, 2,
+          "--fusions: expected a whole number");
+  refused({"--method", "test.copy", "--timeout", "nan"}, 2, "--timeout");
   refused({"--method", "test.limit_only", "--tets", "5"}, 2, "only at limit");
   refused({"--method", "test.copy", "--set", "behave=crash"}, 3, "crashed: killed by signal 11");
   refused({"--method", "test.copy", "--set", "behave=hang", "--timeout", "1"}, 3, "timed out after 1 s");
@@ -218,6 +279,7 @@ TEST(CommandLine, UnavailableContestantStopsBeforeAnythingRuns) {
   const ProgramResult stopped = run_program({"run", needed.string(), "--out", out.string(), "--no-report"});
   EXPECT_EQ(stopped.exit_code, 3);
   EXPECT_THAT(stopped.error, HasSubstr("needs libghost-dev"));
+  EXPECT_EQ(std::count(stopped.error.begin(), stopped.error.end(), '\n'), 1) << stopped.error;
   EXPECT_FALSE(std::filesystem::exists(out));
   const auto optional = fixture.add_plan("[{method: ghost.walk, required: false}, test.copy]");
   const ProgramResult ran = run_program({"run", optional.string(), "--out", out.string(), "--no-report"});

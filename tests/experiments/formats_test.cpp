@@ -78,6 +78,12 @@ TEST_F(Formats, OtherElementsAreRefusedByName) {
   EXPECT_NE(refusal(curved).find("vtkQuadraticTetra"), std::string::npos) << refusal(curved);
 }
 
+TEST_F(Formats, ADegenerateTetNamesTheUsersFile) {
+  const auto path = write("d.msh", std::string(kMshHead) + "1\n1 4 2 1 1 1 2 3 3\n$EndElements\n");
+  EXPECT_EQ(refusal(path).rfind(path.string() + ": expected", 0), 0U) << refusal(path);
+  EXPECT_NE(refusal(path).find("different vertices"), std::string::npos) << refusal(path);
+}
+
 TEST_F(Formats, BrokenFilesAndOtherEndingsAreRefused) {
   for (const char* name : {"a.msh", "a.vtk", "a.vtu"}) {
     EXPECT_NE(refusal(write(name, "")).find("an empty file"), std::string::npos) << name;

@@ -129,7 +129,7 @@ TEST(MakeShape, RefusesWhatItCannotMake) {
     }
     return "";
   };
-  EXPECT_NE(message({.name = "kideny"}).find("did you mean kidney?"), std::string::npos);
+  EXPECT_NE(message({.name = "kideny"}).find("did you mean \"kidney\"?"), std::string::npos);
   EXPECT_NE(message({.name = "ball", .size = {.vertices = 1000, .edge_length = 0.1}}).find("both"),
             std::string::npos);
   EXPECT_NE(message({.name = "ball", .size = {.vertices = 5, .edge_length = {}}}), "");

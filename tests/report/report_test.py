@@ -8,9 +8,11 @@ import pathlib
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "report")]
+import equal_count
 import make_report
 import records
 import synthetic
@@ -162,6 +164,67 @@ class Verdict(ReportTest):
         self.assertEqual([float(row["minus_hierarchical"]) for row in self.table("variants.csv")], [-1.0, 15.0])
         self.assertLess(out.index("large    +15.00"), out.index("small     -1.00"))
 
+    def stopped_early(self, mesh, label, percent, tets, **other):
+        """An answer that was to stop at 6300 tets and ended at its limit with `tets`."""
+        return synthetic.record(mesh, label, percent, judge=synthetic.judge(percent, tets),
+                                stop={"kind": "tets", "value": 6300, "of": "hierarchical"}, **other)
+
+    def test_a_variant_at_another_count_is_marked_and_not_ranked(self):
+        lines = synthetic.thesis_records(meshes=("kidney",))
+        lines += [self.stopped_early("kidney", "early", 95, 7630), synthetic.record("kidney", "small", 74)]
+        lines.append(synthetic.record("kidney", "far", 60, judge=synthetic.judge(60, 5000), stop={"kind": "limit", "value": None}))
+        synthetic.write_run(self.folder, lines)
+        _, out, _ = self.report("--no-charts")
+        rows = {row["label"]: row for row in self.table("variants.csv")}
+        self.assertEqual([rows["early"][key] for key in ("tets", "note", "minus_hierarchical", "minus_sequential")],
+                         ["7630", "stopped early: 7,630 tets", "", ""])
+        self.assertEqual([rows["far"][key] for key in ("note", "minus_hierarchical")], ["at its limit: 5,000 tets", ""])
+        self.assertEqual((rows["small"]["note"], float(rows["small"]["minus_hierarchical"])), ("", -1.0))
+        ranking = out[out.index("largest first; only between answers whose tetrahedra are within 1%"):]
+        self.assertLess(ranking.index("small "), ranking.index("early "))
+        self.assertIn("stopped early: 7,630 tets", ranking)
+        for table in ("quality.csv", "timing.csv"):
+            notes = {row["label"]: row["note"] for row in self.table(table)}
+            self.assertEqual((notes["early"], notes["sequential"]), ("stopped early: 7,630 tets", ""))
+
+    def test_the_tolerance_of_equal_count(self):
+        self.assertTrue(equal_count.is_equal(6363, 6300))
+        self.assertTrue(equal_count.is_equal(6237, 6300))
+        self.assertFalse(equal_count.is_equal(6364, 6300))
+        self.assertFalse(equal_count.is_equal(6236, 6300))
+        self.assertFalse(equal_count.is_equal(None, 6300))
+
+    def test_sides_at_another_count_decide_nothing(self):
+        lines = [line for line in synthetic.thesis_records(better=80, than=60, spread=(55, 65))
+                 if (line["mesh"]["name"], line["label"]) != ("kidney", "sequential")]
+        lines.append(self.stopped_early("kidney", "sequential", 60, 7630))
+        synthetic.write_run(self.folder, lines)
+        _, out, _ = self.report("--no-charts")
+        self.assertIn("kidney: cannot be decided: not at equal count, hierarchical has 6,300 tetrahedra and sequential 7,630.", out)
+        self.assertIn("Verdict: the claim cannot be decided.", out)
+        self.assertEqual([row["verdict"] for row in self.table("verdict.csv")], [verdict.UNDECIDED, verdict.REPRODUCES])
+
+    def test_seeds_at_another_count_are_left_out_of_the_spread(self):
+        lines = synthetic.thesis_records(better=80, than=60, spread=(55, 65), meshes=("kidney",))
+        lines.append(self.stopped_early("kidney", "sequential random", 90, 7630, seed=99))
+        synthetic.write_run(self.folder, lines)
+        _, out, _ = self.report("--no-charts")
+        self.assertIn("over 12 seeds (1 at another count left out). Reproduces.", out)
+        self.assertIn("stopped early: 1 of 13 seeds", out)
+
+    def test_an_answer_short_of_its_fusions_is_said_without_a_reference(self):
+        line = synthetic.record("kidney", "a", 70)
+        line["report"]["fusions"] = 60
+        synthetic.write_run(self.folder, [line, synthetic.record("kidney", "b", 70)], {})
+        self.report("--no-charts")
+        self.assertEqual([row["note"] for row in self.table("quality.csv")], ["stopped early: 6,300 tets", ""])
+
+    def test_one_mesh_that_cannot_be_decided_leaves_the_whole_undecided(self):
+        make = lambda outcome: verdict.MeshVerdict("m", "", None, None, None, [], outcome, "")
+        self.assertEqual(verdict.overall([make(verdict.REPRODUCES), make(verdict.UNDECIDED)]), verdict.UNDECIDED)
+        self.assertEqual(verdict.overall([make(verdict.DOES_NOT), make(verdict.UNDECIDED)]), verdict.DOES_NOT)
+        self.assertEqual(verdict.overall([make(verdict.REPRODUCES), make(verdict.SIGN_ONLY)]), verdict.SIGN_ONLY)
+
     def test_a_plan_without_a_claim_has_no_verdict(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(), {})
         code, out, _ = self.report("--no-charts")
@@ -191,6 +254,22 @@ class Charts(ReportTest):
         synthetic.write_run(self.folder, synthetic.thesis_records(better=60, meshes=("kidney",)))
         self.report()
         self.assertNotEqual(first["histogram_kidney.svg"], self.chart_bytes()["histogram_kidney.svg"])
+
+    def test_an_answer_at_another_count_is_marked_in_the_overview(self):
+        import charts
+        line = synthetic.record("kidney", "early", 95, judge=synthetic.judge(95, 7630), stop={"kind": "tets", "value": 6300})
+        synthetic.write_run(self.folder, [*synthetic.thesis_records(meshes=("kidney",)), line])
+        run = records.read_run(self.folder)
+        claim = verdict.read_claim(run.plan_data)
+        equal_count.add_count_notes(run, claim)
+        drawn = {}
+        with mock.patch.object(charts, "save", lambda figure, _, name: drawn.update({name: figure}) or []):
+            charts.draw_charts(run, claim, self.folder / "charts")
+        words = [text.get_text() for text in drawn["overview"].findobj(charts.plt.Text)]
+        self.assertIn("stopped early: 7,630 tets", words)
+        self.assertTrue(any("not to be compared" in word for word in words))
+        titles = [ax.get_title(loc="left") for ax in drawn["histograms_all_kidney"].axes]
+        self.assertTrue(any(title.startswith("early, stopped early: 7,630 tets") for title in titles))
 
     def test_a_sweep_and_no_claim_draw_too(self):
         lines = [synthetic.record("kidney", "a", 70 + i, sweep={"fusions": 10 * i}, case=f"a{i}") for i in range(3)]

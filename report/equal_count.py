@@ -1,0 +1,78 @@
+"""Which answers may be compared: a mesh that lost less looks better, so comparisons hold only at equal count.
+
+The reference of a label is the claim's `better` on the same mesh and sweep point, or, in a plan without a claim, the label
+that its stop names (`tets_of`). An answer is at equal count if its tetrahedra are within 1% of the reference's. One fusion
+removes about 20 of 8000 tetrahedra, so two methods that stop at the same count can end up to 0.3% apart.
+"""
+
+from records import figure, median
+
+TOLERANCE = 0.01
+
+
+def tets_of(group):
+    """Median number of tetrahedra over the accepted cases, or None."""
+    return median(group.figures("judge", "tets")) if group else None
+
+
+def is_equal(tets, reference_tets):
+    return None not in (tets, reference_tets) and abs(tets - reference_tets) <= TOLERANCE * reference_tets
+
+
+def equal_cases(group, reference_tets):
+    """The accepted cases of a group that are at equal count."""
+    return [case for case in group.cases() if is_equal(figure(case, "judge", "tets"), reference_tets)]
+
+
+def reference_of(run, claim, group):
+    """The group that another is compared with, or None: it is the reference itself, or has none."""
+    stop = group.records[0].get("stop") if group.records else None
+    label = claim.better if claim else (stop.get("of") if isinstance(stop, dict) else None)
+    same = run.find(group.mesh, label) if label and label != group.label else []
+    return next((other for other in same if other.sweep == group.sweep), same[0] if same else None)
+
+
+def is_early(case):
+    """Whether an answer ended at its limit, short of the stop that it was given."""
+    stop = case.get("stop") if isinstance(case.get("stop"), dict) else {}
+    kind, value, tets = stop.get("kind"), figure(stop, "value"), figure(case, "judge", "tets")
+    if value is None:
+        return False
+    if kind == "fusions":
+        fusions = figure(case, "report", "fusions")
+        return fusions is not None and fusions < value
+    start = figure(case, "mesh", "tets")
+    if kind == "ratio" and start is not None:
+        kind, value = "tets", start * (1 - value)
+    return kind == "tets" and tets is not None and tets > value * (1 + TOLERANCE)
+
+
+def describe(group, cases, what):
+    """"stopped early: 7,630 tets", or of how many seeds that holds."""
+    if len(group.cases()) > 1:
+        return f"{what}: {len(cases)} of {len(group.cases())} seeds"
+    return f"{what}: {figure(cases[0], 'judge', 'tets'):,.0f} tets"
+
+
+def count_note(run, claim, group):
+    """What stands beside a label whose figures are not to be compared, or ended early; else ""."""
+    reference = reference_of(run, claim, group)
+    reference_tets = tets_of(reference)
+    cases = [case for case in group.cases() if figure(case, "judge", "tets") is not None]
+    if reference_tets is None:
+        early = [case for case in cases if is_early(case)]
+        return describe(group, early, "stopped early") if early else ""
+    off = [case for case in cases if not is_equal(figure(case, "judge", "tets"), reference_tets)]
+    if not off:
+        return ""
+    early = [case for case in off if is_early(case)]
+    if early:
+        return describe(group, early, "stopped early")
+    to_limit = all(isinstance(case.get("stop"), dict) and case["stop"].get("kind") == "limit" for case in off)
+    return describe(group, off, "at its limit" if to_limit else "other count")
+
+
+def add_count_notes(run, claim):
+    """Fills `count_note` of every group: tables and charts show it."""
+    for group in run.groups:
+        group.count_note = count_note(run, claim, group)
