@@ -49,7 +49,7 @@ void misbehave_early(const std::string& behave, const std::string& response) {
     std::exit(5);
   }
   if (behave == "garbage") {
-    write_text(response, std::string("\x7f\x45\x4c\x46 no answer \0 at all", 24));
+    write_text(response, std::string("\x7f\x45\x4c\x46 no answer \0 at all", 23));
     std::exit(0);
   }
   if (behave == "huge_answer") {
