@@ -198,7 +198,7 @@ bool YamlValue::boolean() const {
 }
 
 std::string YamlValue::identifier() const {
-  const std::string value = text();
+  std::string value = text();
   const bool fits = !value.empty() && value.size() <= 80 && value.front() != '.' && value.front() != '-' &&
                     std::all_of(value.begin(), value.end(), [](char c) {
                       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||

@@ -18,7 +18,7 @@ T take(json& options, const char* key, bool (json::*is_type)() const noexcept, c
   const auto it = options.find(key);
   if (it == options.end()) return fallback;
   if (!((*it).*is_type)()) throw InputError(key, 0, expected, it->dump());
-  const T value = it->template get<T>();
+  T value = it->template get<T>();
   options.erase(it);
   return value;
 }

@@ -14,7 +14,6 @@ namespace {
 using simplify::FusionMesh;
 using simplify::FusionPlan;
 using simplify::MovedTet;
-using simplify::QualityMetric;
 
 /// The scan's order, as storage numbers.
 std::vector<Index> build_scan(const FusionMesh& mesh, const SequentialOptions& options) {

@@ -35,7 +35,10 @@ json good_answer(const TetMesh& in, const TetMesh& out) {
 
 /// Behaviours that end the process before there is an answer.
 void misbehave_early(const std::string& behave, const std::string& response) {
-  if (behave == "crash") ::raise(SIGSEGV);
+  if (behave == "crash") {
+    std::signal(SIGSEGV, SIG_DFL);  // a sanitizer's handler would exit instead
+    ::raise(SIGSEGV);
+  }
   if (behave == "hang") std::this_thread::sleep_for(std::chrono::hours(1));
   if (behave == "grandchild") {
     if (::fork() == 0) {
@@ -49,7 +52,7 @@ void misbehave_early(const std::string& behave, const std::string& response) {
     std::exit(5);
   }
   if (behave == "garbage") {
-    write_text(response, std::string("\x7f\x45\x4c\x46 no answer \0 at all", 24));
+    write_text(response, std::string("\x7f\x45\x4c\x46 no answer \0 at all", 23));
     std::exit(0);
   }
   if (behave == "huge_answer") {

@@ -14,6 +14,7 @@ using testing::ElementsAre;
 
 std::vector<std::string> ids_of(const std::vector<Case>& cases) {
   std::vector<std::string> ids;
+  ids.reserve(cases.size());
   for (const Case& c : cases) ids.push_back(c.id);
   return ids;
 }

@@ -223,6 +223,7 @@ bool start_and_kill(const std::vector<std::string>& arguments, std::chrono::micr
   std::vector<std::string> words{PALPATE_BIN_DIR "/palpate"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const pid_t child = ::fork();

@@ -67,6 +67,18 @@ class Sources(unittest.TestCase):
         self.write("core/base/good.h", "#pragma once\n#include <vector>\nusing Numbers = std::vector<int>;\nint BadName();\n")
         self.assertIn("0 known", self.hold("tidy")[1])
 
+    def test_a_check_is_left_out_only_where_the_vendor_s_header_is_reached(self):
+        copied = "#include <string>\nunsigned long size(std::string text) { return text.size(); }\n"
+        self.write("core/base/good.cpp", copied)
+        code, said = self.hold("tidy")
+        self.assertEqual(code, 1)
+        self.assertIn("performance-unnecessary-value-param", said)
+        self.write("CLI/CLI.hpp", "#pragma once\n")
+        self.write("core/base/good.h", "#include <CLI/CLI.hpp>\n")
+        self.write("core/base/good.cpp", '#include "core/base/good.h"\n' + copied)
+        code, said = self.hold("tidy")
+        self.assertEqual(code, 0, said)
+
 
 if __name__ == "__main__":
     unittest.main()
