@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "core/base/types.h"
@@ -34,6 +35,13 @@ class LazyHeap {
     std::push_heap(entries_.begin(), entries_.end(), std::greater<>{});
   }
 
+  /// Adds without order; heapify() has to follow.
+  void append(const Candidate& candidate) { entries_.push_back(candidate); }
+  void heapify() {
+    std::make_heap(entries_.begin(), entries_.end(), std::greater<>{});
+    tidy_at_ = std::max<std::size_t>(kSmallestTidy, 2 * entries_.size());
+  }
+
   /// The smallest current entry, or nullptr.
   template <typename IsCurrent>
   const Candidate* top(IsCurrent&& is_current) {
@@ -51,8 +59,7 @@ class LazyHeap {
   void tidy(IsCurrent&& is_current) {
     if (entries_.size() < tidy_at_) return;
     std::erase_if(entries_, [&](const Candidate& c) { return !is_current(c); });
-    std::make_heap(entries_.begin(), entries_.end(), std::greater<>{});
-    tidy_at_ = std::max<std::size_t>(kSmallestTidy, 2 * entries_.size());
+    heapify();
   }
 
  private:
@@ -88,11 +95,13 @@ class Qualities {
     if (is_updated_) volume_.resize(mesh.tets.size());
   }
 
-  /// Measures tet t unless that has been done. Most tets of the outermost levels are never asked for.
+  /// Measures tet t, positive as the input has it, unless that has been done. Most tets of the outermost
+  /// levels are never asked for.
   void ensure(const FusionMesh& mesh, Index t) {
     if (value_[t] != kUnknown) return;
     const Tet& v = mesh.tets[t];
-    set(t, measure_tet(metric_, mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]));
+    set(t, measure_positive_tet(metric_, mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]],
+                                mesh.points[v[3]]));
   }
 
   bool is_updated() const { return is_updated_; }
@@ -151,26 +160,20 @@ class CandidateQueue {
   CandidateQueue(const FusionMesh& mesh, const Qualities& qualities, const std::vector<State>& state)
       : mesh_(mesh), qualities_(qualities), state_(state) {}
 
-  void clear() {
-    small_.clear();
-    large_.clear();
-    crossing_.clear();
+  /// Starts anew with the given candidates.
+  void fill(std::span<const Index> tets) {
+    for (LazyHeap* heap : {&small_, &large_, &crossing_}) heap->clear();
+    for (const Index t : tets) {
+      if (state_[t] == State::kWaiting) place(t, [](LazyHeap& heap, const Candidate& c) { heap.append(c); });
+    }
+    for (LazyHeap* heap : {&small_, &large_, &crossing_}) heap->heapify();
   }
 
   void push(Index t) {
-    const Index origin = mesh_.origin_of_tet(t);
-    if (!qualities_.is_updated()) {
-      small_.push({qualities_.key(t), origin, t});
-      small_.tidy(is_current_small());
-    } else if (qualities_.volume(t) < qualities_.ideal_volume()) {
-      small_.push({qualities_.shape(t) * qualities_.volume(t), origin, t});
-      small_.tidy(is_current_small());
-    } else {
-      large_.push({qualities_.shape(t), origin, t});
-      large_.tidy(is_current_large());
-      crossing_.push({qualities_.volume(t), origin, t});
-      crossing_.tidy(is_current_crossing());
-    }
+    place(t, [](LazyHeap& heap, const Candidate& c) { heap.push(c); });
+    small_.tidy(is_current_small());
+    large_.tidy(is_current_large());
+    crossing_.tidy(is_current_crossing());
   }
 
   /// Removes and returns the worst candidate, kNoIndex if none waits.
@@ -194,6 +197,20 @@ class CandidateQueue {
   }
 
  private:
+  /// Hands t to the heaps where it belongs.
+  template <typename Add>
+  void place(Index t, Add&& add) {
+    const Index origin = mesh_.origin_of_tet(t);
+    if (!qualities_.is_updated()) {
+      add(small_, Candidate{qualities_.key(t), origin, t});
+    } else if (qualities_.volume(t) < qualities_.ideal_volume()) {
+      add(small_, Candidate{qualities_.shape(t) * qualities_.volume(t), origin, t});
+    } else {
+      add(large_, Candidate{qualities_.shape(t), origin, t});
+      add(crossing_, Candidate{qualities_.volume(t), origin, t});
+    }
+  }
+
   /// Moves the tets that the ideal volume has overtaken from the large ones to the small ones.
   void move_crossed() {
     while (const Candidate* c = crossing_.top(is_current_crossing())) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "core/base/error.h"
@@ -62,6 +63,7 @@ class Run {
   void simplify(SimplifyReport& report) {
     const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
     report.stop = "limit";
+    sort_by_level(report.level_sizes);
     int level = static_cast<int>(report.level_sizes.size());
     bool stopped = false;
     while (--level >= options_.last_level && !stopped) {
@@ -103,23 +105,37 @@ class Run {
   }
 
  private:
-  void start_level(std::uint16_t level) {
-    queue_.clear();
-    current_level_ = level;
-    members_.clear();
+  /// The tets of each level from last_level on, in rows by level, each in storage order.
+  void sort_by_level(const std::vector<std::uint64_t>& level_sizes) {
+    const auto first = static_cast<std::size_t>(options_.last_level);
+    level_begin_.assign(level_sizes.size() + 1, 0);
+    for (std::size_t n = first; n < level_sizes.size(); ++n)
+      level_begin_[n + 1] = level_begin_[n] + level_sizes[n];
+    members_.resize(level_begin_.back());
+    std::vector<std::size_t> next(level_begin_);
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (level_[t] != level || !mesh_.is_alive(t)) continue;
-      members_.push_back(t);
-      if (state_[t] == State::kTouched) continue;
+      if (level_[t] != kNoLevel && level_[t] >= first) members_[next[level_[t]]++] = t;
+    }
+  }
+
+  std::span<const Index> members_of_level() const {
+    return {members_.data() + level_begin_[current_level_],
+            members_.data() + level_begin_[current_level_ + 1U]};
+  }
+
+  void start_level(std::uint16_t level) {
+    current_level_ = level;
+    for (const Index t : members_of_level()) {
+      if (!mesh_.is_alive(t) || state_[t] == State::kTouched) continue;
       state_[t] = State::kWaiting;
       qualities_.ensure(mesh_, t);
-      queue_.push(t);
     }
+    queue_.fill(members_of_level());
   }
 
   /// The level is done with: its candidates leave their witnesses and keep the reason.
   void end_level() {
-    for (const Index t : members_) {
+    for (const Index t : members_of_level()) {
       if (!is_parked(state_[t])) continue;
       parking_.leave(t);
       state_[t] = state_[t] == State::kParkedFlip ? State::kRefusedFlip : State::kRefusedQuality;
@@ -266,6 +282,7 @@ class Run {
   LazyHeap reconsider_;
   FusionPlan plan_;
   std::vector<Index> members_;
+  std::vector<std::size_t> level_begin_;
   std::uint16_t current_level_ = 0;
   double total_volume_;
   double drop_cubed_;
