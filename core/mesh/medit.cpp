@@ -9,6 +9,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
 #include "core/mesh/word_reader.h"
@@ -289,18 +290,6 @@ Sections read_sections(WordReader& reader, std::vector<std::string>& notes) {
     notes.emplace_back("reference numbers of the tetrahedra differ: they are not kept");
   }
   return sections;
-}
-
-void append_number(std::string& text, double value) {
-  std::array<char, 32> digits;
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  text.append(digits.data(), end);
-}
-
-void append_number(std::string& text, std::uint64_t value) {
-  std::array<char, 24> digits;
-  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  text.append(digits.data(), end);
 }
 
 void flush_when_large(AtomicFile& file, std::string& text) {

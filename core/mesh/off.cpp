@@ -1,6 +1,5 @@
 #include "core/mesh/off.h"
 
-#include <array>
 #include <charconv>
 #include <cstdint>
 #include <fstream>
@@ -8,14 +7,10 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 
 namespace palpate {
 namespace {
-
-void append_number(std::string& text, double value) {
-  std::array<char, 32> digits;
-  text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr);
-}
 
 /// Reads white-space separated words and names the file in each complaint.
 class OffReader {
