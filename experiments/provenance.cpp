@@ -65,6 +65,20 @@ json load_averages() {
   return load;
 }
 
+/// Versions of the libraries that the programs were built with.
+json library_versions() {
+  json versions = {{"nlohmann_json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
+                                         std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
+                                         std::to_string(NLOHMANN_JSON_VERSION_PATCH)},
+                   {"cli11", CLI11_VERSION}};
+  std::istringstream vendors(PALPATE_VENDOR_VERSIONS);  // "cgal=5.5.1 vtk=9.1.0 ..."
+  for (std::string vendor; vendors >> vendor;) {
+    const std::size_t equals = vendor.find('=');
+    if (equals != std::string::npos) versions[vendor.substr(0, equals)] = vendor.substr(equals + 1);
+  }
+  return versions;
+}
+
 json program_hashes(const Plan& plan, const Registry& registry) {
   json hashes = json::object();
   hashes["palpate"] = hash_file("/proc/self/exe");
@@ -120,12 +134,7 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"compiler", PALPATE_COMPILER},
           {"flags", PALPATE_FLAGS},
           {"build_type", PALPATE_BUILD_TYPE},
-          {"libraries",
-           {{"nlohmann_json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
-                                  std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
-                                  std::to_string(NLOHMANN_JSON_VERSION_PATCH)},
-            {"yaml_cpp", PALPATE_YAML_CPP_VERSION},
-            {"cli11", CLI11_VERSION}}},
+          {"libraries", library_versions()},
           {"programs", program_hashes(plan, registry)},
           {"system", operating_system()},
           {"processor", system_value("/proc/cpuinfo", "model name")},
