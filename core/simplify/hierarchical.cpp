@@ -69,13 +69,8 @@ class Run {
     while (--level >= options_.last_level && !stopped) {
       start_level(static_cast<std::uint16_t>(level));
       while (true) {
-        if (options_.stop.fusions && report.fusions >= *options_.stop.fusions) {
-          report.stop = "fusions";
-          stopped = true;
-          break;
-        }
-        if (target > 0 && mesh_.alive <= target) {
-          report.stop = options_.stop.tets && *options_.stop.tets == target ? "tets" : "ratio";
+        if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
+          report.stop = stop;
           stopped = true;
           break;
         }
@@ -297,6 +292,13 @@ std::uint64_t target_tet_count(const StopRule& stop, std::uint64_t tets_in) {
     target = std::max(target, tets_in - static_cast<std::uint64_t>(removed));
   }
   return target;
+}
+
+const char* reached_stop(const StopRule& stop, std::uint64_t target, std::uint64_t fusions,
+                         std::uint64_t tets) {
+  if (stop.fusions && fusions >= *stop.fusions) return "fusions";
+  if (target == 0 || tets > target) return nullptr;
+  return stop.tets && *stop.tets == target ? "tets" : "ratio";
 }
 
 void validate_options(const SimplifyOptions& options) {

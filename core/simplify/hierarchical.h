@@ -67,8 +67,14 @@ struct SimplifyReport {
 };
 
 /// Fewest tets that a run stopping by tets or ratio may still have to reach; 0 for neither.
-/// Throws: InputError for a ratio outside [0, 1) or a drop outside [0, 1] and the like.
 std::uint64_t target_tet_count(const StopRule& stop, std::uint64_t tets_in);
+
+/// The stop that a state of a run has reached, "fusions", "tets" or "ratio"; nullptr while there is none.
+/// `target` is that of target_tet_count.
+const char* reached_stop(const StopRule& stop, std::uint64_t target, std::uint64_t fusions,
+                         std::uint64_t tets);
+
+/// Throws: InputError for a ratio outside [0, 1), a drop outside [0, 1] and the like.
 void validate_options(const SimplifyOptions& options);
 
 /// Simplifies `mesh` in place.

@@ -71,11 +71,8 @@ class Scan {
   }
 
   bool is_at_stop(simplify::SimplifyReport& report) const {
-    if (options_.stop.fusions && report.fusions >= *options_.stop.fusions) {
-      report.stop = "fusions";
-    } else if (target_ > 0 && mesh_.alive <= target_) {
-      report.stop = options_.stop.tets && *options_.stop.tets == target_ ? "tets" : "ratio";
-    }
+    const char* stop = simplify::reached_stop(options_.stop, target_, report.fusions, mesh_.alive);
+    if (stop != nullptr) report.stop = stop;
     return report.stop != "limit";
   }
 
