@@ -8,6 +8,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 import contest
 import contest_charts
+import cut_away
+import scaling
+import scaling_charts
 from chart_style import BAND, BETTER, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, file_name, save
 from equal_count import tets_of, tolerance_of
 from families import read_families
@@ -309,4 +312,8 @@ def draw_charts(run, claim, folder):
             drawn += draw_timing(run, claim, folder)
         if "quality_time" in names:
             drawn += contest_charts.draw_quality_time(run, contest.read_sections(run), read_families(run), folder)
+        if "scaling" in names:
+            drawn += scaling_charts.draw_scaling(scaling.read_series(run), read_families(run), folder)
+        if "cut_away" in names:
+            drawn += cut_away.draw_cut_away(run, contest.read_sections(run), folder)
     return drawn

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from equal_count import asked_tets, tolerance_of
 from records import figure, median
-from tables import outcome_text, seconds_text, timing_of, violations_text, write_atomically, write_csv
+from tables import first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
 
 RANKED, OTHER_COUNT, REJECTED, NONE = "ranked", "other count", "rejected", "no answer"
 BEST, BEST_KEPT = "*", "+"
@@ -99,15 +99,6 @@ def values_of_group(group):
         for name in ("kernel_s", "peak_rss_bytes"):
             values[name] = median([value for value in (figure(record, name) for record in judged) if value is not None])
     return values
-
-
-def first_reason(group):
-    """The first outcome that is not acceptance, with what the judge or the runner says of it."""
-    for record in group.records:
-        if record.get("outcome") != "accepted" and not record.get("warmup"):
-            why = violations_text(record) or record.get("message") or ""
-            return f"{record.get('outcome')}: {why}" if why else str(record.get("outcome"))
-    return ""
 
 
 def stand(group):

@@ -9,17 +9,18 @@ from equal_count import tolerance_of
 from records import figure
 
 MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_quality", "mean quality"),
-            ("p1_dihedral_deg", "1st percentile of dihedral angle, degrees")]
-MOST_LABELS = 8
+            ("p1_dihedral_deg", "1st percentile of angles, degrees")]
 
 
 def time_text(milliseconds):
     return f"{milliseconds:g} ms" if milliseconds < 1000 else f"{milliseconds / 1000:g} s"
 
 
-def set_time_axis(ax):
+def set_time_axis(ax, low, high):
+    """A logarithmic axis over these milliseconds, with as many numbers as there is room for."""
     ax.set_xscale("log")
-    ax.xaxis.set_major_locator(LogLocator(numticks=12))
+    ax.set_xlim(low / 1.25, high * 1.25)
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 60 * low else (1,), numticks=12))
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: time_text(value)))
     ax.xaxis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
     ax.xaxis.set_minor_formatter(NullFormatter())
@@ -54,12 +55,16 @@ def draw_family(ax, family, found):
                         fontsize=7, color=family.color, zorder=7)
 
 
+def time_range(sections, families):
+    times = [x for section in sections for family in families for _, x, _, _ in places(section, family, MEASURES[0][0])]
+    return min(times), max(times)
+
+
 def draw_panel(ax, section, families, measure, input_value):
     for family in families:
         draw_family(ax, family, places(section, family, measure))
     if input_value is not None:
         ax.axhline(input_value, color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
-    set_time_axis(ax)
     ax.grid(axis="both")
     ax.margins(0.08, 0.12)
 
@@ -100,6 +105,7 @@ def draw_quality_time(run, sections, families, folder):
             for column, section in enumerate(own):
                 ax = grid[row][column]
                 draw_panel(ax, section, shown, measure, figure(run.inputs.get(mesh, {}), "judge", measure))
+                set_time_axis(ax, *time_range(own, shown))
                 if row == 0:
                     ax.set_title(short_sweep(section.sweep) or mesh, loc="left", fontweight="bold")
                 if row == len(MEASURES) - 1:

@@ -15,6 +15,7 @@ import comparisons
 import contest
 import equal_count
 import records
+import scaling
 import tables
 import verdict
 
@@ -24,6 +25,7 @@ class Findings:
     verdicts: list  # of the claim, mesh by mesh
     sections: list  # of the contest, if the plan ranks answers at equal count
     comparisons: list
+    scaling: list  # growth of each label with the mesh, if the plan asks for that chart
 
 
 def print_summary(run, claim, found):
@@ -36,6 +38,8 @@ def print_summary(run, claim, found):
         print(tables.quality_summary(run))
         print("\nTime of accepted answers: median and range over repeats\n")
         print(tables.timing_summary(run))
+    if found.scaling:
+        print(f"\n{scaling.scaling_text(found.scaling)}")
     if found.comparisons:
         print(f"\n{comparisons.comparisons_text(run, found.comparisons)}")
     if claim:
@@ -58,7 +62,8 @@ def remove_old(folder, names):
 def find(run, claim):
     """Everything that is worked out from the records, before anything is written."""
     return Findings(verdict.judge_run(run, claim) if claim else [],
-                    contest.read_sections(run) if "equal_count" in run.plan_data else [], comparisons.compare_all(run))
+                    contest.read_sections(run) if "equal_count" in run.plan_data else [], comparisons.compare_all(run),
+                    scaling.read_series(run) if "scaling" in (run.plan_data.get("charts") or []) else [])
 
 
 def write_tables(run, claim, found):
@@ -74,6 +79,8 @@ def write_tables(run, claim, found):
         names |= contest.write_contest(run, found.sections, folder)
     if found.comparisons:
         names |= comparisons.write_comparisons(run, found.comparisons, folder)
+    if found.scaling:
+        names |= scaling.write_scaling(found.scaling, folder)
     remove_old(folder, names)
 
 
