@@ -19,9 +19,8 @@ from dataclasses import dataclass, field
 
 from contest import short_sweep
 from equal_count import is_equal, tets_of, tolerance_of
-from records import figure, median
+from records import figure, median, present
 from tables import align, median_interval, outcome_text, write_atomically, write_csv
-from verdict import values_of
 
 MET, SHORT, OPEN = "met", "short", "cannot be decided"
 TITLES = {
@@ -100,6 +99,12 @@ def find_group(run, mesh, sweep, label):
     return next((group for group in same if group.sweep == sweep), next((group for group in same if not group.sweep), None))
 
 
+def value_of(group, measure):
+    """The median of a figure: the judge's over the different answers, any other (times, memory) over the repeats."""
+    judged = group.figures("judge", measure)
+    return median(judged or present(figure(record, measure) for record in group.accepted()))
+
+
 def counted_peers(run, comparison, mesh, sweep, own_tets):
     """The peers that count, as (label, group), and what is left out, as texts."""
     peers, left_out = [], []
@@ -152,6 +157,14 @@ def time_finding(run, comparison, mesh, sweep, own):
     return finding, low, high, len(ratios)
 
 
+def why_open(comparison, own, value, peers):
+    if own is None or not own.cases():
+        return f"no accepted answer of {comparison.of}"
+    if value is None:
+        return f"{comparison.of} has no such figure"
+    return "no peer has such a figure" if peers else "no peer at equal count"
+
+
 def compare(run, comparison, mesh, sweep):
     """One row."""
     own = find_group(run, mesh, sweep, comparison.of)
@@ -159,14 +172,14 @@ def compare(run, comparison, mesh, sweep):
     peers, left_out = counted_peers(run, comparison, mesh, sweep, own_tets)
     findings = []
     for measure in comparison.measures:
-        values = [(label, median(values_of(group, measure))) for label, group in peers]
+        values = [(label, value_of(group, measure)) for label, group in peers]
         if input_counts(comparison, sweep):
             values.append(("input", figure(run.inputs.get(mesh, {}), "judge", measure)))
-        value = median(values_of(own, measure)) if own else None
+        value = value_of(own, measure) if own else None
         verdict, best, label, margin = decide(value, values, sign_of(run, measure))
         reason = ""
         if verdict == OPEN:
-            reason = "no peer at equal count" if value is not None else f"no accepted answer of {comparison.of}"
+            reason = why_open(comparison, own, value, peers)
         findings.append(Finding(measure, verdict, value, best, label, margin, reason))
     row = Row(comparison, mesh, sweep, own_tets, findings, left_out)
     if comparison.time_against:

@@ -95,6 +95,14 @@ def mesh_file_of(group):
     return next((record["mesh_file"] for record in group.judged() if isinstance(record.get("mesh_file"), str)), "")
 
 
+def inside(folder, name):
+    """A path in the run folder. Throws BadRun for one that leads out of it."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise BadRun(f"{name} lies outside the run folder")
+    return path
+
+
 def panels_of(run, section):
     """(title, caption, mesh) of the input and of every answer that left a mesh; files that cannot be read are noted."""
     start = run.inputs.get(section.mesh)
@@ -108,7 +116,7 @@ def panels_of(run, section):
     for title, text, name in entries:
         try:
             if name:
-                panels.append((title, text, read_mesh(run.folder / name)))
+                panels.append((title, text, read_mesh(inside(run.folder, name))))
         except BadRun as error:
             run.notes.append(f"no cut-away of {title} on {section.mesh}: {error}")
     return panels

@@ -92,6 +92,7 @@ def make_report(folder, with_charts):
     found = find(run, claim)
     write_tables(run, claim, found)
     print_summary(run, claim, found)
+    said = len(run.notes)
     for note in run.notes:
         print(f"\nnote: {note}")
     if with_charts:
@@ -102,6 +103,8 @@ def make_report(folder, with_charts):
             return 3
         drawn = charts.draw_charts(run, claim, run.folder / "charts")
         remove_old(run.folder / "charts", set(drawn))
+        for note in run.notes[said:]:
+            print(f"\nnote: {note}")
         if not drawn:
             print("\nnote: no accepted answers: no charts")
     return 0
