@@ -13,7 +13,7 @@ import scaling
 import scaling_charts
 from chart_style import BAND, BETTER, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, file_name, save
 from equal_count import tets_of, tolerance_of
-from families import read_families
+from families import family_of, read_families
 from records import BUCKETS, figure, histogram, median, quantile
 from tables import timing_of
 from verdict import values_of
@@ -55,11 +55,11 @@ def draw_band(ax, group):
     return bool(columns)
 
 
-def histogram_title(group):
+def histogram_title(group, name=""):
     above = [median(group.figures("judge", f"percent_above_0_{digit}")) for digit in (5, 6)]
     text = ", ".join(f"{value:.1f}% above 0.{digit}" for value, digit in zip(above, (5, 6)) if value is not None)
     tets = "" if tets_of(group) is None else f", {tets_of(group):,.0f} tets"
-    return f"{group.name}{f', {group.count_note}' if group.count_note else tets}\n{text}"
+    return f"{name or group.name}{f', {group.count_note}' if group.count_note else tets}\n{text}"
 
 
 def finish_histogram_axes(ax):
@@ -117,30 +117,34 @@ def draw_all_histograms(run, claim, mesh, groups, folder, sweep=""):
     height = 2.45 * rows + 0.75
     fig, grid = plt.subplots(rows, columns, figsize=(max(5.0, 2.9 * columns), height), sharey=True, squeeze=False)
     outline = shares(run.inputs.get(mesh))
+    families = read_families(run) if sweep else []
     for i, ax in enumerate(grid.flat):
         if i >= len(groups):
             ax.set_visible(False)
             continue
         group = groups[i]
         several = [values for values in map(shares, group.cases()) if values]
-        draw_bars(ax, [median(column) for column in zip(*several)], color_of(group, claim))
+        draw_bars(ax, [median(column) for column in zip(*several)], color_of(group, claim, families))
         if len(several) > 1:
             draw_band(ax, group)
         if outline:
             draw_outline(ax, outline)
-        ax.set_title(histogram_title(group), loc="left", fontsize=8)
+        ax.set_title(histogram_title(group, group.label if sweep else ""), loc="left", fontsize=8)
         finish_histogram_axes(ax)
         ax.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1])
         ax.set_xlabel("quality" if i + columns >= len(groups) else "")
         ax.set_ylabel("tetrahedra, %" if i % columns == 0 else "")
-        ax.set_ylim(0, None)
+    grid[0][0].set_ylim(0, None)
     place = f" ({contest.short_sweep(sweep)})" if sweep else ""
     fig.suptitle(subtitle(run, mesh) + place + "; dashed: input", x=0.01, ha="left", fontsize=11, fontweight="bold")
     fig.tight_layout(rect=(0, 0, 1, 1 - 0.1 / height))
     return save(fig, folder, file_name("histograms_all", mesh, sweep))
 
 
-def color_of(group, claim):
+def color_of(group, claim, families=()):
+    family = family_of(families, group.label)
+    if family:
+        return family.color
     if claim and group.label in (claim.better, claim.than, claim.spread):
         return {claim.better: BETTER, claim.than: THAN}.get(group.label, SPREAD)
     return OTHERS if claim else BETTER

@@ -51,7 +51,9 @@ def reference_of(run, claim, group):
 
 
 def is_early(case, tolerance=TOLERANCE):
-    """Whether an answer ended at its limit, short of the stop that it was given."""
+    """Whether an answer ended at its limit, short of the stop that it was given. One that searched for a parameter did not."""
+    if case.get("searched"):
+        return False
     stop = case.get("stop") if isinstance(case.get("stop"), dict) else {}
     value, tets = figure(stop, "value"), figure(case, "judge", "tets")
     if stop.get("kind") == "fusions":
