@@ -50,10 +50,15 @@ def choose_view(mesh):
     return View(centre, normal, frame, flat[:, :2].min(axis=0), flat[:, :2].max(axis=0))
 
 
+def kept_tets(mesh, view):
+    """Whether the centroid of each tet lies behind the plane."""
+    return (mesh.points[mesh.tets].mean(axis=1) - view.centre) @ view.normal <= 0
+
+
 def visible_faces(mesh, view):
     """Polygons (faces x 3 x 2) from back to front, the quality of their tets, and their brightness in 0.72..1."""
     quality = qualities(mesh)
-    kept = (mesh.points[mesh.tets].mean(axis=1) - view.centre) @ view.normal <= 0
+    kept = kept_tets(mesh, view)
     faces, owners = outer_faces(mesh.tets[kept])
     corners = (mesh.points[faces] - view.centre) @ view.frame.T
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

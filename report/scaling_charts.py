@@ -22,7 +22,9 @@ def byte_text(value):
 
 
 def set_log_axis(axis, form):
-    axis.set_major_locator(LogLocator(numticks=12))
+    """Numbers at the powers of ten, and between them where the axis spans few."""
+    low, high = sorted(axis.get_view_interval())
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 60 * low else (1,), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: form(value)))
     axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
     axis.set_minor_formatter(NullFormatter())
