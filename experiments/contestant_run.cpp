@@ -39,14 +39,16 @@ std::string one_line(const std::string& text) {
 }
 
 json build_request(const ContestantTask& task, const std::filesystem::path& mesh_out) {
-  return {{"schema", "palpate/request/1"},
-          {"contest", task.method.contestant->contest},
-          {"method", task.method.method->name},
-          {"mesh_in", task.mesh_in.string()},
-          {"mesh_out", mesh_out.string()},
-          {"stop", stop_request(task.stop)},
-          {"options", task.options},
-          {"threads", task.threads}};
+  json request = {{"schema", "palpate/request/1"},
+                  {"contest", task.method.contestant->contest},
+                  {"method", task.method.method->name},
+                  {"mesh_in", task.mesh_in.string()},
+                  {"mesh_out", mesh_out.string()},
+                  {"stop", stop_request(task.stop)},
+                  {"options", task.options},
+                  {"threads", task.threads}};
+  if (!task.keep.empty()) request["keep"] = task.keep;
+  return request;
 }
 
 ContestantAnswer failed(ContestantAnswer answer, const char* outcome, const std::string& message) {

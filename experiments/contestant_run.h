@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiments/contestant.h"
 #include "experiments/plan.h"
@@ -20,6 +21,7 @@ struct ContestantTask {
   std::filesystem::path scratch;  ///< an empty folder of its own; request, answer and output mesh go there
   Stop stop;                      ///< resolved: not kTetsOf
   nlohmann::json options;
+  std::vector<std::string> keep;  ///< regions to keep, as parse_keep reads them
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 0;                           ///< 0: no bound

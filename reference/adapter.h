@@ -13,7 +13,9 @@ namespace palpate::reference {
 ///
 ///   {"schema": "palpate/request/1", "contest": "simplify", "method": "palpate.hierarchical",
 ///    "mesh_in": "in.mesh", "mesh_out": "out.mesh", "stop": {"fusions": 87} (or "tets", "ratio", "limit":
-///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1}
+///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "keep": ["sphere 0 0 5 2"]}
+///
+/// "keep" is there only if the plan or the command line asks for it.
 struct Request {
   std::string contest;
   std::string method;
@@ -22,6 +24,7 @@ struct Request {
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;
+  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_keep_region reads
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.
@@ -34,9 +37,14 @@ struct Response {
   std::vector<std::string> notes;
 };
 
+/// Whether an adapter honours Request::keep.
+enum class TakesKeep { kNo, kYes };
+
 /// Runs an adapter: reads the request named by argv[1], calls `kernel`, writes the response named by argv[2]
 /// (beside it and renamed). InputError becomes status "bad_input" and exit code 2, any other exception status
-/// "error" and exit code 3. Returns the exit code.
-int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel);
+/// "error" and exit code 3. A request with regions to keep is refused unless the adapter honours them.
+/// Returns the exit code.
+int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel,
+                TakesKeep takes_keep = TakesKeep::kNo);
 
 }  // namespace palpate::reference
