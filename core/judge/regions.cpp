@@ -135,8 +135,8 @@ class RegionTest {
   Box patch_box_;
 };
 
-/// Calls visit(corners) for each tet with valid indices that meets a region. The answer does not depend on the
-/// order of its corners.
+/// Calls visit(corners) for each tet with valid indices that meets a region. The answer does not depend on
+/// the order of its corners.
 template <typename Visit>
 void for_each_met(const std::vector<RegionTest>& tests, const TetMesh& mesh, Visit&& visit) {
   for (const Tet& t : mesh.tets) {
@@ -144,9 +144,8 @@ void for_each_met(const std::vector<RegionTest>& tests, const TetMesh& mesh, Vis
     const std::array<Vec3, 4> corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]],
                                       mesh.points[t[3]]};
     std::array<Vec3, 4> sorted = corners;
-    std::sort(sorted.begin(), sorted.end(), [](const Vec3& a, const Vec3& b) {
-      return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-    });
+    std::sort(sorted.begin(), sorted.end(),
+              [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
     if (std::any_of(tests.begin(), tests.end(), [&](const RegionTest& test) { return test.meets(sorted); }))
       visit(corners);
   }
