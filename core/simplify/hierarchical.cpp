@@ -77,7 +77,7 @@ class Run {
     report.stop = "limit";
     sort_by_level(report.level_sizes);
     const double ideal_volume = qualities_.ideal_volume();
-    for (int pass = 0; pass < kGradingPasses && !sizing_.is_empty(); ++pass) {
+    for (int pass = 0; pass < kGradingPasses && sizing_.near_size() < 1.0; ++pass) {
       largest_far_ = std::ldexp(ideal_volume, pass);
       if (!simplify_levels(report)) break;
     }

@@ -96,7 +96,8 @@ void validate_options(const SimplifyOptions& options);
 ///   volume < r^3 2^n (the input's mean volume),   r = the relative size at the tet's barycenter,
 ///
 /// so that a tet near a region waits until the far ones have become as much larger as the field asks for. The
-/// last pass (after kGradingPasses) has no such bound; a run to the limit ends where no fusion passes.
+/// last pass (after kGradingPasses, or the only one if near_size is 1) has no such bound; a run to the limit
+/// ends where no fusion passes.
 ///
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done. A mesh without a candidate is left as it is: stop "limit", 0 fusions.
