@@ -198,6 +198,7 @@ class Runner {
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
       task.options = c.options;
+      task.keep = contestant.keep;
       task.threads = threads_;
       task.timeout_s = plan_.run.timeout_s;
       task.memory_mib = plan_.run.memory_mib;

@@ -12,7 +12,8 @@ reference::Response run(const reference::Request& request) {
     throw InputError("method", 0, "palpate.hierarchical", request.method);
   }
   nlohmann::json left = request.options;
-  const simplify::SimplifyOptions options = reference::take_fusion_options(request.stop, left);
+  simplify::SimplifyOptions options = reference::take_fusion_options(request.stop, left);
+  options.sizing = reference::take_sizing_options(request.keep, left);
   reference::require_all_taken(left);
   return reference::run_fusion(request,
                                [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
@@ -21,5 +22,5 @@ reference::Response run(const reference::Request& request) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return reference::run_adapter(argc, argv, run);
+  return reference::run_adapter(argc, argv, run, reference::TakesKeep::kYes);
 }
