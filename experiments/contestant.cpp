@@ -55,8 +55,14 @@ OptionSpec read_option(const YamlValue& value) {
   return option;
 }
 
+bool read_flag(const YamlValue& value) {
+  const std::string text = value.text();
+  if (text != "true" && text != "false") value.fail_expected("true or false");
+  return text == "true";
+}
+
 MethodSpec read_method(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "summary", "stops", "options"});
+  const YamlFields fields = value.fields({"name", "summary", "stops", "options", "deterministic"});
   MethodSpec method;
   method.name = fields.need("name").identifier();
   method.summary = fields.need("summary").text();
@@ -68,6 +74,7 @@ MethodSpec read_method(const YamlValue& value) {
     method.stops.push_back(kind);
   }
   if (method.stops.empty()) value.fail("method " + method.name + " has no stop");
+  if (const auto given = fields.find("deterministic")) method.deterministic = read_flag(*given);
   const auto options = fields.find("options");
   if (!options) return method;
   for (const YamlValue& item : options->items()) {
