@@ -13,37 +13,55 @@
 namespace palpate::judge {
 namespace {
 
-/// A point of the first surface and what is nearest to it on the second.
-struct Probe {
-  Vec3 point;
-  Index nearest = kNoIndex;
-  double distance = 0.0;
-};
-
-/// A part of a triangle of the first surface, and a bound on the distance from any of its points.
+/// A convex, flat part of a triangle of the first surface.
 struct Piece {
-  std::array<Probe, 3> corner;
-  Probe middle;
-  double bound = 0.0;
+  std::vector<Vec3> corners;
+  Vec3 middle;
+  Index nearest = kNoIndex;    ///< triangle of the second surface that is nearest to the middle
+  Index cut_along = kNoIndex;  ///< triangle along whose sides it was cut out: again would gain nothing
+  double bound = 0.0;          ///< none of its points is farther from the second surface
 };
 
 struct LessBound {
   bool operator()(const Piece& a, const Piece& b) const { return a.bound < b.bound; }
 };
 
-/// A convex part that is being cut.
 using Polygon = std::vector<Vec3>;
 
-/// Cuts a convex polygon by the plane on which `height` is 0: what has height >= 0 and what has height <= 0.
-/// A corner within `slack` of the plane is on it.
-std::pair<Polygon, Polygon> cut(const Polygon& polygon, const std::vector<double>& height, double slack) {
+/// Heights of a polygon's corners over a plane, and which of them count as off it.
+struct Heights {
+  std::vector<double> of;
+  double greatest = 0.0;
+  double least = 0.0;
+  double slack = 0.0;
+
+  Heights(const Polygon& polygon, const Vec3& foot, const Vec3& normal) {
+    for (const Vec3& p : polygon) {
+      of.push_back(dot(p - foot, normal));
+      greatest = std::max(greatest, of.back());
+      least = std::min(least, of.back());
+    }
+    slack = kSlack * (greatest - least);
+  }
+
+  bool are_above() const { return !(least < -slack); }
+  bool are_below() const { return !(greatest > slack); }
+
+  /// Relative to the polygon's extent: what is cut off is at least so thick.
+  static constexpr double kSlack = 1e-8;
+};
+
+/// Cuts a convex polygon by a plane: the parts above and below it.
+std::pair<Polygon, Polygon> cut(const Polygon& polygon, const Heights& height) {
   std::pair<Polygon, Polygon> parts;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const std::size_t j = (i + 1) % polygon.size();
-    if (height[i] >= -slack) parts.first.push_back(polygon[i]);
-    if (height[i] <= slack) parts.second.push_back(polygon[i]);
-    if ((height[i] > slack && height[j] < -slack) || (height[i] < -slack && height[j] > slack)) {
-      const Vec3 crossing = polygon[i] + (height[i] / (height[i] - height[j])) * (polygon[j] - polygon[i]);
+    const double here = height.of[i];
+    const double next = height.of[j];
+    if (here >= -height.slack) parts.first.push_back(polygon[i]);
+    if (here <= height.slack) parts.second.push_back(polygon[i]);
+    if ((here > height.slack && next < -height.slack) || (here < -height.slack && next > height.slack)) {
+      const Vec3 crossing = polygon[i] + (here / (here - next)) * (polygon[j] - polygon[i]);
       parts.first.push_back(crossing);
       parts.second.push_back(crossing);
     }
@@ -59,11 +77,17 @@ class Bracketing {
       : from_(from), to_(to), options_(options), absolute_gap_(options.absolute_gap * diagonal) {}
 
   DirectedDistance run() {
-    for (const Corners& t : from_) add_triangle(t);
+    for (const Corners& t : from_) {
+      for (const Vec3& p : {t.a, t.b, t.c}) hint_ = look(p, hint_).triangle;
+    }
+    for (const Corners& t : from_) {
+      hint_ = add({t.a, t.b, t.c}, std::numeric_limits<double>::infinity(), hint_);
+    }
     while (!open_.empty() && open_.top().bound > good_enough() && pieces_ < options_.max_pieces) {
       const Piece piece = open_.top();
       open_.pop();
-      split(piece);
+      for (const Vec3& p : piece.corners) look(p, piece.nearest);
+      if (!cut_along_nearest(piece)) halve(piece);
     }
     DirectedDistance result;
     result.lower = lower_;
@@ -76,128 +100,80 @@ class Bracketing {
     return std::max(lower_ * (1.0 + options_.relative_gap), lower_ + absolute_gap_);
   }
 
-  Probe look(const Vec3& point, Index hint) {
+  Nearest look(const Vec3& point, Index hint) {
     const Nearest found = to_.nearest(point, hint);
-    const double distance = std::sqrt(found.distance_sq);
-    lower_ = std::max(lower_, distance);
-    return {point, found.triangle, distance};
+    lower_ = std::max(lower_, std::sqrt(found.distance_sq));
+    return found;
   }
 
-  void add_triangle(const Corners& t) {
-    Piece piece;
-    piece.corner[0] = look(t.a, hint_);
-    piece.corner[1] = look(t.b, piece.corner[0].nearest);
-    piece.corner[2] = look(t.c, piece.corner[1].nearest);
-    hint_ = piece.corner[2].nearest;
-    add(piece, std::numeric_limits<double>::infinity());
-  }
-
-  /// Greatest distance from the corners to one triangle: none of the piece's points is farther from it.
-  double bound_by(const Piece& piece, Index triangle) const {
+  /// Greatest distance from the corners to one triangle: none of the polygon's points is farther from it.
+  double bound_by(const Polygon& polygon, Index triangle) const {
     double largest = 0.0;
-    for (const Probe& c : piece.corner) {
-      largest = std::max(largest, distance_sq(c.point, to_.triangle(triangle)));
-    }
+    for (const Vec3& p : polygon) largest = std::max(largest, distance_sq(p, to_.triangle(triangle)));
     return std::sqrt(largest);
   }
 
-  /// Puts a piece by or, if it may still matter, on the heap.
-  void add(Piece& piece, double bound) {
+  /// Puts a polygon by or, if it may still matter, on the heap. `bound` is what is known already, `near` a
+  /// triangle that it may lie above. Returns a triangle near it.
+  Index add(Polygon&& polygon, double bound, Index near, Index cut_along = kNoIndex) {
+    if (polygon.size() < 3) return near;
     ++pieces_;
-    for (const Probe& c : piece.corner) {
-      if (bound > good_enough()) bound = std::min(bound, bound_by(piece, c.nearest));
-    }
-    if (bound > good_enough()) {
-      const std::array<Probe, 3>& c = piece.corner;
-      piece.middle = look((1.0 / 3.0) * (c[0].point + c[1].point + c[2].point), c[0].nearest);
-      double reach = 0.0;
-      for (const Probe& p : c) reach = std::max(reach, length(p.point - piece.middle.point));
-      bound = std::min({bound, bound_by(piece, piece.middle.nearest), piece.middle.distance + reach});
-    }
+    if (near != kNoIndex) bound = std::min(bound, bound_by(polygon, near));
     if (bound <= good_enough()) {
       settled_ = std::max(settled_, bound);
-      return;
+      return near;
     }
-    piece.bound = bound;
-    open_.push(piece);
-  }
-
-  void split(const Piece& piece) {
-    if (!split_along_nearest(piece)) halve(piece);
+    Piece piece;
+    for (const Vec3& p : polygon) piece.middle = piece.middle + p;
+    piece.middle = (1.0 / static_cast<double>(polygon.size())) * piece.middle;
+    double reach = 0.0;
+    for (const Vec3& p : polygon) reach = std::max(reach, length(p - piece.middle));
+    const Nearest found = look(piece.middle, near);
+    piece.nearest = found.triangle;
+    piece.bound = std::min({bound, bound_by(polygon, found.triangle), std::sqrt(found.distance_sq) + reach});
+    if (piece.bound <= good_enough()) {
+      settled_ = std::max(settled_, piece.bound);
+      return found.triangle;
+    }
+    piece.corners = std::move(polygon);
+    piece.cut_along = cut_along;
+    open_.push(std::move(piece));
+    return found.triangle;
   }
 
   /// Cuts a piece by the planes that stand on the sides of the triangle nearest to its middle. Returns false
   /// and does nothing if none of them cuts it or nothing of it is above the triangle.
-  bool split_along_nearest(const Piece& piece) {
-    const Index target = piece.middle.nearest;
-    const Corners& t = to_.triangle(target);
+  bool cut_along_nearest(const Piece& piece) {
+    if (piece.nearest == piece.cut_along) return false;
+    const Corners& t = to_.triangle(piece.nearest);
     const std::array<Vec3, 3> foot{t.a, t.b, t.c};
     const Vec3 normal = cross(t.b - t.a, t.c - t.a);
-    Polygon inside{piece.corner[0].point, piece.corner[1].point, piece.corner[2].point};
+    Polygon inside = piece.corners;
     std::vector<Polygon> outside;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 inward = cross(normal, foot[(k + 1) % 3] - foot[k]);
-      std::vector<double> height;
-      double largest = 0.0;
-      double least = 0.0;
-      for (const Vec3& p : inside) {
-        height.push_back(dot(p - foot[k], inward));
-        largest = std::max(largest, height.back());
-        least = std::min(least, height.back());
-      }
-      const double slack = kSlack * (largest - least);
-      if (!(largest > slack)) return false;
-      if (!(least < -slack)) continue;
-      std::pair<Polygon, Polygon> parts = cut(inside, height, slack);
+      const Heights height(inside, foot[k], cross(normal, foot[(k + 1) % 3] - foot[k]));
+      if (height.are_below()) return false;
+      if (height.are_above()) continue;
+      std::pair<Polygon, Polygon> parts = cut(inside, height);
       inside = std::move(parts.first);
       outside.push_back(std::move(parts.second));
     }
     if (outside.empty()) return false;
-    add_polygon(inside, piece.bound, target);
-    for (const Polygon& polygon : outside) add_polygon(polygon, piece.bound, target);
+    add(std::move(inside), piece.bound, piece.nearest, piece.nearest);
+    for (Polygon& polygon : outside) add(std::move(polygon), piece.bound, piece.nearest, piece.nearest);
     return true;
   }
 
-  void add_polygon(const Polygon& polygon, double bound, Index hint) {
-    if (polygon.size() < 3) return;
-    std::vector<Probe> probes;
-    for (const Vec3& p : polygon) probes.push_back(look(p, hint));
-    for (std::size_t i = 1; i + 1 < probes.size(); ++i) {
-      Piece part;
-      part.corner = {probes[0], probes[i], probes[i + 1]};
-      add_above(part, bound, hint);
-    }
-  }
-
-  /// As add(), but tries the triangle first above which the piece may lie.
-  void add_above(Piece& part, double bound, Index triangle) {
-    add(part, std::min(bound, bound_by(part, triangle)));
-  }
-
+  /// Cuts a piece through its middle, across the direction to its farthest corner.
   void halve(const Piece& piece) {
-    const std::array<Probe, 3>& c = piece.corner;
-    std::size_t longest = 0;
-    double length = -1.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double side = length_sq(c[(k + 1) % 3].point - c[k].point);
-      if (side <= length) continue;
-      length = side;
-      longest = k;
+    Vec3 longest;
+    for (const Vec3& p : piece.corners) {
+      if (length_sq(p - piece.middle) > length_sq(longest)) longest = p - piece.middle;
     }
-    const Probe& a = c[longest];
-    const Probe& b = c[(longest + 1) % 3];
-    const Probe& apex = c[(longest + 2) % 3];
-    const Probe half = look(0.5 * (a.point + b.point), piece.middle.nearest);
-    Piece first;
-    first.corner = {a, half, apex};
-    add(first, piece.bound);
-    Piece second;
-    second.corner = {half, b, apex};
-    add(second, piece.bound);
+    std::pair<Polygon, Polygon> parts = cut(piece.corners, Heights(piece.corners, piece.middle, longest));
+    add(std::move(parts.first), piece.bound, piece.nearest);
+    add(std::move(parts.second), piece.bound, piece.nearest);
   }
-
-  /// Relative to a piece's extent: what is cut off is at least so thick.
-  static constexpr double kSlack = 1e-9;
 
   std::span<const Corners> from_;
   const TriangleTree& to_;
