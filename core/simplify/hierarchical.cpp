@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
 
@@ -49,9 +50,11 @@ struct Verdict {
 
 class Run {
  public:
-  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options, double ideal_volume)
+  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options,
+      const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
         options_(options),
+        sizing_(sizing),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         parking_(mesh.tets.size()),
@@ -60,26 +63,44 @@ class Run {
         total_volume_(ideal_volume * static_cast<double>(mesh.tets.size())),
         drop_cubed_(options.drop * options.drop * options.drop) {}
 
+  /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
+  void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      const Tet& tet = mesh_.tets[t];
+      if (std::any_of(tet.begin(), tet.end(),
+                      [&](Index v) { return is_kept[mesh_.origin_of_vertex(v)] != 0; }))
+        state_[t] = State::kKept;
+    }
+  }
+
   void simplify(SimplifyReport& report) {
-    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
     report.stop = "limit";
     sort_by_level(report.level_sizes);
+    const double ideal_volume = qualities_.ideal_volume();
+    for (int pass = 0; pass < kGradingPasses && !sizing_.is_empty(); ++pass) {
+      largest_far_ = std::ldexp(ideal_volume, pass);
+      if (!simplify_levels(report)) break;
+    }
+    largest_far_ = std::numeric_limits<double>::infinity();
+    if (report.stop == "limit") simplify_levels(report);
+    count_rejections(report.rejected);
+  }
+
+  /// Fuses level by level. Returns whether all were gone through: false when a stop was reached.
+  bool simplify_levels(SimplifyReport& report) {
+    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
     int level = static_cast<int>(report.level_sizes.size());
-    bool stopped = false;
-    while (--level >= options_.last_level && !stopped) {
+    while (--level >= options_.last_level) {
       start_level(static_cast<std::uint16_t>(level));
-      while (true) {
+      do {
         if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
           report.stop = stop;
-          stopped = true;
-          break;
+          return false;
         }
-        if (!fuse_worst()) break;
-        ++report.fusions;
-      }
-      if (!stopped) end_level();
+      } while (fuse_worst(report));
+      end_level();
     }
-    count_rejections(report.rejected);
+    return true;
   }
 
   void count_rejections(Rejections& rejected) const {
@@ -91,6 +112,8 @@ class Run {
         ++rejected.boundary_neighbour;
       } else if (state_[t] == State::kTouched) {
         ++rejected.touched;
+      } else if (state_[t] == State::kKept) {
+        ++rejected.kept;
       } else if (state_[t] == State::kParkedFlip || state_[t] == State::kRefusedFlip) {
         ++rejected.flip;
       } else if (state_[t] == State::kParkedQuality || state_[t] == State::kRefusedQuality) {
@@ -121,7 +144,8 @@ class Run {
   void start_level(std::uint16_t level) {
     current_level_ = level;
     for (const Index t : members_of_level()) {
-      if (!mesh_.is_alive(t) || state_[t] == State::kTouched) continue;
+      if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
+      if (!is_small_enough(t)) continue;
       state_[t] = State::kWaiting;
       qualities_.ensure(mesh_, t);
     }
@@ -138,8 +162,21 @@ class Run {
     reconsider_.clear();
   }
 
+  /// Does the sizing field let tet t grow further in this pass?
+  bool is_small_enough(Index t) const {
+    if (largest_far_ == std::numeric_limits<double>::infinity()) return true;
+    const Tet& tet = mesh_.tets[t];
+    const std::array<Vec3, 4> p{mesh_.points[tet[0]], mesh_.points[tet[1]], mesh_.points[tet[2]],
+                                mesh_.points[tet[3]]};
+    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
+    const auto bound = [&](double size) { return size * size * size * largest_far_; };
+    if (volume >= largest_far_) return false;
+    if (volume < bound(sizing_.near_size())) return true;
+    return volume < bound(sizing_.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3])));
+  }
+
   /// Fuses the worst candidate that passes the checks. Returns whether there was one.
-  bool fuse_worst() {
+  bool fuse_worst(SimplifyReport& report) {
     while (true) {
       reconsider_for_ideal_volume();
       const Index t = queue_.pop_worst();
@@ -147,6 +184,7 @@ class Run {
       const Verdict verdict = examine(t);
       if (verdict.state == State::kIdle) {
         fuse();
+        ++report.fusions;
         return true;
       }
       state_[t] = verdict.state;
@@ -215,11 +253,13 @@ class Run {
       const Index t = plan_.moved[i].tet;
       qualities_.set(t, plan_.figures[i]);
       if (is_parked(state_[t])) parking_.leave(t);
+      if (state_[t] == State::kKept) continue;
       if (options_.skip_touched) {
         state_[t] = State::kTouched;
       } else if (level_[t] == current_level_) {
-        state_[t] = State::kWaiting;
-        queue_.push(t);
+        const bool waits = is_small_enough(t);
+        state_[t] = waits ? State::kWaiting : State::kIdle;
+        if (waits) queue_.push(t);
       }
     }
     for (const MovedTet& m : plan_.moved) wake_parked_on(m.tet);
@@ -269,6 +309,9 @@ class Run {
 
   FusionMesh& mesh_;
   const SimplifyOptions& options_;
+  const SizingField& sizing_;
+  double largest_far_ =
+      std::numeric_limits<double>::infinity();  ///< of a tet of relative size 1 that may grow
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   Parking parking_;
@@ -321,12 +364,15 @@ SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& optio
   report.tets_in = mesh.tets.size();
 
   const double ideal_volume = mean_tet_volume(mesh);
+  const SizingField sizing(options.sizing, mesh);
+  const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
   const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
   FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
   report.level_sizes = count_levels(level);
   {
-    Run run(work, std::move(level), options, ideal_volume);
+    Run run(work, std::move(level), options, sizing, ideal_volume);
+    if (!is_kept.empty()) run.keep_vertices(is_kept);
     run.simplify(report);
   }
   mesh = extract_mesh(std::move(work));
