@@ -48,8 +48,8 @@ void Cone::reserve_next() {
 
 void Cone::add(const Vec3& a, const Vec3& b, const Vec3& c) {
   reserve_next();
-  const std::array<double, kRows> entry{
-      a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, length(c - b), length(a - c), length(b - a)};
+  const std::array<double, kRows> entry{a.x, a.y, a.z, b.x,           b.y,           b.z,
+                                        c.x, c.y, c.z, length(c - b), length(a - c), length(b - a)};
   // The entry behind the last one repeats it, so that pairs are always whole.
   for (std::size_t r = 0; r < kRows; ++r) rows_[r][size_] = rows_[r][size_ + 1] = entry[r];
   ++size_;
@@ -89,13 +89,11 @@ LanePair Cone::score_pair(const ScoreScale& scale, const Vec3& p, std::size_t i)
   const LanePair at_c = denominator(lw, wu, vw, ww2, wu2, vw2, uu2, uv2, vv2);
   const LanePair x = six / max(max(at_p, at_a), max(at_b, at_c));
   const LanePair x2 = x * x;
-  const LanePair series =
-      LanePair::of(1.0) -
-      x2 * (LanePair::of(1.0 / 3.0) - x2 * (LanePair::of(0.2) - x2 * LanePair::of(1.0 / 7.0)));
+  const LanePair series = LanePair::of(1.0) - x2 * (LanePair::of(1.0 / 3.0) -
+                                                    x2 * (LanePair::of(0.2) - x2 * LanePair::of(1.0 / 7.0)));
   const LanePair shortest = min(min(min(lu, lv), min(lw, vw)), min(wu, uv));
   const LanePair longest = max(max(max(lu, lv), max(lw, vw)), max(wu, uv));
-  const LanePair relative_volume =
-      min(LanePair::of(1.0), six * LanePair::of(scale.inverse_six_ideal));
+  const LanePair relative_volume = min(LanePair::of(1.0), six * LanePair::of(scale.inverse_six_ideal));
   LanePair cube = x * series * LanePair::of(2.0 / kIdealSolidAngleSr) * (shortest / longest);
   cube = cube * max(relative_volume, LanePair::of(-1.0));
   // Products of two negative factors must not look positive.

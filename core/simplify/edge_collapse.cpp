@@ -96,8 +96,8 @@ class Collapser {
       const auto corner = static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, center)));
       const auto& face = kTetFaces[corner];
       cone_.add(mesh_.points[tet[static_cast<std::size_t>(face[0])]],
-                mesh_.points[tet[static_cast<std::size_t>(face[2])]],
-                mesh_.points[tet[static_cast<std::size_t>(face[1])]]);
+                mesh_.points[tet[static_cast<std::size_t>(face[1])]],
+                mesh_.points[tet[static_cast<std::size_t>(face[2])]]);
       link_sum_ = link_sum_ + mesh_.points[tet[static_cast<std::size_t>(face[0])]] +
                   mesh_.points[tet[static_cast<std::size_t>(face[1])]] +
                   mesh_.points[tet[static_cast<std::size_t>(face[2])]];

@@ -12,10 +12,10 @@ namespace {
 /// The two vertices of `tet` beside a and b, such that (a, b, first, second) is positive.
 std::array<Index, 2> ring_pair(const Tet& tet, Index a, Index b) {
   const auto at_a = static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, a)));
-  const auto& face = kTetFaces[at_a];  // counter-clockwise from outside, so (a, face reversed) is positive
+  const auto& face = kTetFaces[at_a];  // counter-clockwise from outside: (a, face) is positive
   const std::array<Index, 3> opposite{tet[static_cast<std::size_t>(face[0])],
-                                      tet[static_cast<std::size_t>(face[2])],
-                                      tet[static_cast<std::size_t>(face[1])]};
+                                      tet[static_cast<std::size_t>(face[1])],
+                                      tet[static_cast<std::size_t>(face[2])]};
   const std::size_t at_b = opposite[0] == b ? 0U : (opposite[1] == b ? 1U : 2U);
   return {opposite[(at_b + 1) % 3], opposite[(at_b + 2) % 3]};
 }
@@ -147,8 +147,8 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   const auto& face = kTetFaces[corner];
   const Index p = t[corner];
   const Index a = t[static_cast<std::size_t>(face[0])];
-  const Index b = t[static_cast<std::size_t>(face[2])];
-  const Index c = t[static_cast<std::size_t>(face[1])];  // (p, a, b, c) is positive
+  const Index b = t[static_cast<std::size_t>(face[1])];
+  const Index c = t[static_cast<std::size_t>(face[2])];  // (p, a, b, c) is positive
   const Index other = neighbour_across(mesh_, tet, a, b, c);
   if (other == kNoIndex || mesh_.is_kept(tet) || mesh_.is_kept(other)) return false;
   Index q = kNoIndex;

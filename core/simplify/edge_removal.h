@@ -29,8 +29,8 @@ bool find_edge_ring(const WorkingMesh& mesh, Index a, Index b, EdgeRing& ring);
 /// How a flip is judged.
 struct FlipRule {
   ScoreScale scale;
-  double mean_gain = 0.0;        ///< gain that each tet more must bring, as counts are not free
-  std::uint64_t fewest_tets = 0; ///< no flip may leave fewer
+  double mean_gain = 0.0;         ///< gain that each tet more must bring, as counts are not free
+  std::uint64_t fewest_tets = 0;  ///< no flip may leave fewer
   std::uint64_t most_tets = ~std::uint64_t{0};  ///< or more
 };
 

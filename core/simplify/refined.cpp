@@ -5,8 +5,8 @@
 
 #include "core/base/error.h"
 #include "core/simplify/edge_removal.h"
-#include "core/simplify/smoothing.h"
 #include "core/simplify/fusion.h"
+#include "core/simplify/smoothing.h"
 
 namespace palpate::simplify {
 namespace {
@@ -41,8 +41,8 @@ double mean_gain(WorkingMesh& mesh, const ScoreScale& scale) {
   for (Index t = 0; t < mesh.tets.size(); ++t) {
     if (!mesh.is_alive(t)) continue;
     const Tet& tet = mesh.tets[t];
-    mesh.score[t] = score_tet(scale, mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]],
-                              mesh.points[tet[3]]);
+    mesh.score[t] =
+        score_tet(scale, mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
     sum += gain_of_score(mesh.score[t]);
   }
   return sum / static_cast<double>(std::max<std::size_t>(1, mesh.alive));

@@ -30,10 +30,10 @@ struct RefinedReport {
   std::uint64_t tets_in = 0;
   std::uint64_t tets_out = 0;
   std::uint64_t collapses = 0;
-  std::uint64_t moves = 0;          ///< of vertices
+  std::uint64_t moves = 0;  ///< of vertices
   std::uint64_t edges_removed = 0;
   std::uint64_t faces_removed = 0;
-  std::string stop;                 ///< "tets", "ratio" or "limit"
+  std::string stop;  ///< "tets", "ratio" or "limit"
   CollapseReport rejected;
 };
 

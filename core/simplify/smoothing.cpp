@@ -13,8 +13,8 @@ void add_star_to_cone(const WorkingMesh& mesh, Index v, Cone& cone) {
     const Tet& tet = mesh.tets[t];
     const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, v)))];
     cone.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
-             mesh.points[tet[static_cast<std::size_t>(face[2])]],
-             mesh.points[tet[static_cast<std::size_t>(face[1])]]);
+             mesh.points[tet[static_cast<std::size_t>(face[1])]],
+             mesh.points[tet[static_cast<std::size_t>(face[2])]]);
   }
 }
 
