@@ -20,6 +20,7 @@ struct ContestantTask {
   std::filesystem::path scratch;  ///< an empty folder of its own; request, answer and output mesh go there
   Stop stop;                      ///< resolved: not kTetsOf
   nlohmann::json options;
+  nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 0;                           ///< 0: no bound
@@ -35,7 +36,9 @@ struct ContestantAnswer {
   std::optional<double> wall_s;
   std::optional<double> user_s;
   std::optional<std::uint64_t> peak_rss_bytes;
-  nlohmann::json report;  ///< null unless "ok"
+  nlohmann::json report;                            ///< null unless "ok"
+  nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
+  bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
   std::filesystem::path mesh_out;  ///< there only if "ok"
 };

@@ -13,7 +13,7 @@ namespace palpate::reference {
 ///
 ///   {"schema": "palpate/request/1", "contest": "simplify", "method": "palpate.hierarchical",
 ///    "mesh_in": "in.mesh", "mesh_out": "out.mesh", "stop": {"fusions": 87} (or "tets", "ratio", "limit":
-///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1}
+///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "tuned": {"edge_length": 0.1}}
 struct Request {
   std::string contest;
   std::string method;
@@ -22,16 +22,19 @@ struct Request {
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;
+  nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {} if nothing
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.
 ///
-///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...]}
+///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...],
+///    "tuned": {"edge_length": 0.1}}
 /// or {"schema": ..., "status": "bad_input" | "error", "message": "one line"}
 struct Response {
   double kernel_s = 0.0;
   nlohmann::json report = nlohmann::json::object();
   std::vector<std::string> notes;
+  nlohmann::json tuned = nlohmann::json::object();  ///< name -> number; {} for a method that searches nothing
 };
 
 /// Runs an adapter: reads the request named by argv[1], calls `kernel`, writes the response named by argv[2]
