@@ -17,6 +17,7 @@ struct Method {
 constexpr std::array kMethods{
     Method{"palpate.hierarchical", run_hierarchical},
     Method{"palpate.outcome", run_outcome},
+    Method{"palpate.refined", run_refined},
 };
 
 Response run(const Request& request) {
