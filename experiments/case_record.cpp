@@ -48,6 +48,8 @@ json base_record(const Plan& plan, const RunMesh& mesh) {
           {"violations", json::array()},
           {"null_reasons", json::object()},
           {"report", nullptr},
+          {"tuned", json::object()},
+          {"searched", false},
           {"notes", json::array()},
           {"judge", nullptr},
           {"output_hash", nullptr},
@@ -112,7 +114,12 @@ void judge_answer(const RepeatFacts& facts, const ContestantAnswer& answer, cons
     record["violations"] = judgement.violations;
   }
   record["output_hash"] = hash;
-  if (differs) record["violations"].push_back(kDiffers);
+  if (!differs) return;
+  if (facts.deterministic) {
+    record["violations"].push_back(kDiffers);
+  } else {
+    record["notes"].push_back(std::string(kDiffers) + ": the method is not deterministic");
+  }
 }
 
 void add_null_reasons(json& record) {
@@ -147,6 +154,8 @@ json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
   record["message"] = answer.message;
   if (answer.outcome == "ok") {
     record["report"] = answer.report;
+    record["tuned"] = answer.tuned;
+    record["searched"] = answer.searched;
     record["notes"] = answer.notes;
     try {
       judge_answer(facts, answer, earlier, record);

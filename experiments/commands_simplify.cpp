@@ -200,6 +200,10 @@ json full_report(const ContestantAnswer& answer, const std::string& method, cons
   report["tets_in"] = in.tets.size();
   report["vertices_out"] = out.points.size();
   report["tets_out"] = out.tets.size();
+  if (!answer.tuned.empty()) {
+    report["tuned"] = answer.tuned;
+    report["searched"] = answer.searched;
+  }
   return report;
 }
 

@@ -67,7 +67,7 @@ std::vector<OptionSpec> keep_options() {
 }
 
 MethodSpec read_method(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options"});
+  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
   MethodSpec method;
   method.name = fields.need("name").identifier();
   method.summary = fields.need("summary").text();
@@ -81,6 +81,7 @@ MethodSpec read_method(const YamlValue& value) {
   if (method.stops.empty()) value.fail("method " + method.name + " has no stop");
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
+  if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
   const auto options = fields.find("options");
   if (!options) return method;
   for (const YamlValue& item : options->items()) {

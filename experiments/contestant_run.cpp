@@ -15,6 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLargestAnswer = 16U << 20U;
+constexpr std::size_t kMostTuned = 16;
 
 /// Reads at most `bytes` of a file; empty if it is missing.
 std::string read_start(const std::filesystem::path& path, std::size_t bytes) {
@@ -47,6 +48,7 @@ json build_request(const ContestantTask& task, const std::filesystem::path& mesh
                   {"stop", stop_request(task.stop)},
                   {"options", task.options},
                   {"threads", task.threads}};
+  if (!task.tuned.empty()) request["tuned"] = task.tuned;
   if (!task.keep.empty()) request["keep"] = task.keep;
   return request;
 }
@@ -55,6 +57,24 @@ ContestantAnswer failed(ContestantAnswer answer, const char* outcome, const std:
   answer.outcome = outcome;
   answer.message = message;
   return answer;
+}
+
+/// What is wrong with the parameters that a search found: they are numbers by name, and those that were
+/// handed back stay as they are. Empty if nothing is.
+std::string tuned_error(const json& response, const json& given) {
+  const json tuned = response.value("tuned", json::object());
+  if (!tuned.is_object() || tuned.size() > kMostTuned) {
+    return "its tuned parameters are no list of at most 16 numbers by name";
+  }
+  for (const auto& [name, value] : tuned.items()) {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      return "its tuned parameter " + one_line(name) + " is no number: " + one_line(value.dump());
+    }
+  }
+  if (!given.empty() && tuned != given) {
+    return "its tuned parameters are not those it was given: " + one_line(tuned.dump());
+  }
+  return "";
 }
 
 /// What is wrong with an answer's form, empty if nothing is.
@@ -69,7 +89,7 @@ std::string form_error(const json& response) {
   const bool ok = status == "ok";
   if (!ok && status != "bad_input" && status != "error") return "unknown status " + one_line(status.dump());
   const std::set<std::string> known =
-      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes"}
+      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes", "tuned"}
          : std::set<std::string>{"schema", "status", "message"};
   for (const auto& [key, value] : response.items()) {
     if (known.count(key) == 0) return "unknown key \"" + one_line(key) + "\" in its answer";
@@ -87,8 +107,8 @@ std::string form_error(const json& response) {
   return texts ? "" : "its notes are no list of texts";
 }
 
-ContestantAnswer read_answer(ContestantAnswer answer, const ProcessResult& process,
-                             const std::filesystem::path& response_file) {
+ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
+                             const ProcessResult& process, const std::filesystem::path& response_file) {
   std::error_code error;
   if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
     return failed(std::move(answer), "bad_answer", "its answer is larger than 16 MiB");
@@ -107,6 +127,8 @@ ContestantAnswer read_answer(ContestantAnswer answer, const ProcessResult& proce
     const bool memory = message.find("bad_alloc") != std::string::npos;
     return failed(std::move(answer), memory ? "out_of_memory" : status.c_str(), message);
   }
+  const std::string bad_tuned = tuned_error(response, task.tuned);
+  if (!bad_tuned.empty()) return failed(std::move(answer), "bad_answer", bad_tuned);
   answer.kernel_s = response.at("kernel_s").get<double>();
   if (*answer.kernel_s > process.wall_s * 1.01 + 0.001) {
     return failed(std::move(answer), "bad_answer", "its kernel time exceeds the time of its process");
@@ -115,6 +137,8 @@ ContestantAnswer read_answer(ContestantAnswer answer, const ProcessResult& proce
     return failed(std::move(answer), "bad_answer", "it wrote no mesh");
   }
   answer.report = response.at("report");
+  answer.tuned = response.value("tuned", json::object());
+  answer.searched = !answer.tuned.empty() && task.tuned.empty();
   for (const json& note : response.value("notes", json::array())) {
     answer.notes.push_back(one_line(note.get<std::string>()));
   }
@@ -169,7 +193,7 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   if (!std::filesystem::exists(response_file, error)) {
     return failed(std::move(answer), "crashed", process.message + " without an answer" + said);
   }
-  return read_answer(std::move(answer), process, response_file);
+  return read_answer(task, std::move(answer), process, response_file);
 }
 
 }  // namespace palpate::experiments

@@ -21,7 +21,8 @@ struct ContestantTask {
   std::filesystem::path scratch;  ///< an empty folder of its own; request, answer and output mesh go there
   Stop stop;                      ///< resolved: not kTetsOf
   nlohmann::json options;
-  std::vector<std::string> keep;  ///< regions to keep, as parse_keep reads them
+  nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
+  std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 0;                           ///< 0: no bound
@@ -37,7 +38,9 @@ struct ContestantAnswer {
   std::optional<double> wall_s;
   std::optional<double> user_s;
   std::optional<std::uint64_t> peak_rss_bytes;
-  nlohmann::json report;  ///< null unless "ok"
+  nlohmann::json report;                            ///< null unless "ok"
+  nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
+  bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
   std::filesystem::path mesh_out;  ///< there only if "ok"
 };

@@ -1,5 +1,7 @@
 #include "reference/adapter.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fstream>
@@ -33,6 +35,13 @@ T field(const json& object, const char* key, const std::string& where) {
   }
 }
 
+void check_tuned(const json& tuned, const std::string& where) {
+  const bool numbers = tuned.is_object() && std::all_of(tuned.begin(), tuned.end(), [](const json& value) {
+                         return value.is_number() && std::isfinite(value.get<double>());
+                       });
+  if (!numbers) throw InputError(where, 0, "numbers by name in \"tuned\"", tuned.dump());
+}
+
 Request parse_request(const std::filesystem::path& path) {
   const json object = read_json(path);
   const std::string where = path.string();
@@ -47,6 +56,8 @@ Request parse_request(const std::filesystem::path& path) {
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
   request.threads = object.value("threads", 1);
+  request.tuned = object.value("tuned", json::object());
+  check_tuned(request.tuned, where);
   if (object.contains("keep")) request.keep = field<std::vector<std::string>>(object, "keep", where);
   return request;
 }
@@ -81,11 +92,13 @@ int run_adapter(int argc, char** argv, const std::function<Response(const Reques
     if (!request.keep.empty() && takes_keep == TakesKeep::kNo)
       throw InputError("keep", 0, "no region (" + request.method + " keeps none)", request.keep.front());
     const Response response = kernel(request);
-    write_json(response_path, {{"schema", "palpate/response/1"},
-                               {"status", "ok"},
-                               {"kernel_s", response.kernel_s},
-                               {"report", response.report},
-                               {"notes", response.notes}});
+    json answer = {{"schema", "palpate/response/1"},
+                   {"status", "ok"},
+                   {"kernel_s", response.kernel_s},
+                   {"report", response.report},
+                   {"notes", response.notes}};
+    if (!response.tuned.empty()) answer["tuned"] = response.tuned;
+    write_json(response_path, answer);
     return 0;
   } catch (const InputError& error) {
     return write_failure(response_path, "bad_input", error.what(), 2);

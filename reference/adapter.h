@@ -13,9 +13,11 @@ namespace palpate::reference {
 ///
 ///   {"schema": "palpate/request/1", "contest": "simplify", "method": "palpate.hierarchical",
 ///    "mesh_in": "in.mesh", "mesh_out": "out.mesh", "stop": {"fusions": 87} (or "tets", "ratio", "limit":
-///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "keep": ["sphere 0 0 5 2"]}
+///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "tuned": {"edge_length": 0.1},
+///    "keep": ["sphere 0 0 5 2"]}
 ///
-/// "keep" is there only if the plan or the command line asks for it.
+/// "tuned" is there only if an earlier repeat's search found something, "keep" only if the plan or the
+/// command line asks for it.
 struct Request {
   std::string contest;
   std::string method;
@@ -24,17 +26,20 @@ struct Request {
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;
+  nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {} if nothing
   std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_keep_region reads
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.
 ///
-///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...]}
+///   {"schema": "palpate/response/1", "status": "ok", "kernel_s": 0.01, "report": {...}, "notes": [...],
+///    "tuned": {"edge_length": 0.1}}
 /// or {"schema": ..., "status": "bad_input" | "error", "message": "one line"}
 struct Response {
   double kernel_s = 0.0;
   nlohmann::json report = nlohmann::json::object();
   std::vector<std::string> notes;
+  nlohmann::json tuned = nlohmann::json::object();  ///< name -> number; {} for a method that searches nothing
 };
 
 /// Whether an adapter honours Request::keep.

@@ -1,7 +1,5 @@
 // The gmsh program: fills surfaces ("mesh") and reads .msh files ("convert").
 // Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
-#include <gmsh.h>
-
 #include <chrono>
 
 #include "core/base/error.h"
@@ -11,16 +9,6 @@
 #include "reference/gmsh/gmsh_tools.h"
 
 namespace palpate::reference {
-
-GmshSession::GmshSession() {
-  gmsh::initialize(0, nullptr, false);
-  gmsh::option::setNumber("General.Terminal", 0);
-  gmsh::option::setNumber("General.NumThreads", 1);
-}
-
-GmshSession::~GmshSession() {
-  gmsh::finalize();
-}
 
 namespace {
 

@@ -123,6 +123,34 @@ const BadPlan kBadPlans[] = {
      "did you mean \"test.copy\"?"},
     {"claim_missing", "[test.copy]", "claim: {text: t, measure: tets, better: test.copy}", 6,
      "the key \"than\" is missing"},
+    {"equal_count_zero", "[test.copy]", "equal_count: 0", 6, "equal_count: expected a number from"},
+    {"comparisons_empty", "[test.copy]", "comparisons: []", 6, "at least one comparison"},
+    {"comparison_label", "[test.copy]",
+     "comparisons: [{of: test.cop, against_best_of: [test.copy], measures: [kernel_s]}]", 6,
+     "did you mean \"test.copy\"?"},
+    {"comparison_itself", "[test.copy]",
+     "comparisons: [{of: test.copy, against_best_of: [test.copy], measures: [kernel_s]}]", 6,
+     "cannot be compared with itself"},
+    {"comparison_peers_missing", "[test.copy]", "comparisons: [{of: test.copy, measures: [kernel_s]}]", 6,
+     "the key \"against_best_of\" is missing"},
+    {"comparison_no_peer", "[test.copy]",
+     "comparisons: [{of: test.copy, against_best_of: [], measures: [kernel_s]}]", 6, "at least one label"},
+    {"comparison_peer_twice", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons:\n  - {of: a, against_best_of: [b, b], measures: [kernel_s]}", 9, "label \"b\" twice"},
+    {"comparison_no_direction", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons:\n  - of: a\n    against_best_of: [b]\n    measures: [mean_quality, tets]", 11,
+     "neither more nor less is better"},
+    {"comparison_measure", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best_of: [b], measures: [mean_qualty]}]", 8,
+     "did you mean \"mean_quality\"?"},
+    {"comparison_factor_alone", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best_of: [b], measures: [kernel_s], time_factor: 10}]", 8,
+     "\"time_factor\" needs \"time_against\""},
+    {"comparison_unknown_key", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best: [b], measures: [kernel_s]}]", 8,
+     "did you mean \"against_best_of\"?"},
+    {"chart_unknown", "[test.copy]", "charts: [cutaway]", 6, "did you mean \"cut_away\"?"},
+    {"chart_twice", "[test.copy]", "charts: [timing, timing]", 6, "chart \"timing\" twice"},
     {"anchor", "[&a test.copy]", "", 5, "anchors and aliases"},
     {"broken_yaml", "[test.copy", "", 6, "not YAML"},
 };
@@ -214,6 +242,28 @@ TEST(Plan, HoldsWhatWasWritten) {
   EXPECT_DOUBLE_EQ(plan.run.timeout_s, 1.5);
   EXPECT_EQ(plan.accept.at(0).measure, "inverted_tets");
   EXPECT_DOUBLE_EQ(*plan.claim->published_better, 2.0);
+  EXPECT_FALSE(plan.equal_count.has_value());
+  EXPECT_TRUE(plan.comparisons.empty());
+}
+
+TEST(Plan, HoldsWhatItAsksOfTheReport) {
+  const test::ExperimentFixture fixture;
+  const Plan plan =
+      read_plan(fixture.add_plan("\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+                                 "equal_count: 0.005\ncharts: [scaling, cut_away]\ncomparisons:\n"
+                                 "  - {of: a, against_best_of: [b], measures: [p1_dihedral_deg, kernel_s], "
+                                 "time_against: b, time_factor: 10, input_up_to_ratio: 0.22}\n"),
+                fixture.registry());
+  EXPECT_DOUBLE_EQ(plan.equal_count.value(), 0.005);
+  EXPECT_EQ(plan.charts, (std::vector<std::string>{"scaling", "cut_away"}));
+  ASSERT_EQ(plan.comparisons.size(), 1U);
+  const Comparison& comparison = plan.comparisons[0];
+  EXPECT_EQ(comparison.of, "a");
+  EXPECT_EQ(comparison.against_best_of, std::vector<std::string>{"b"});
+  EXPECT_EQ(comparison.measures, (std::vector<std::string>{"p1_dihedral_deg", "kernel_s"}));
+  EXPECT_EQ(comparison.time_against, "b");
+  EXPECT_DOUBLE_EQ(comparison.time_factor, 10.0);
+  EXPECT_DOUBLE_EQ(comparison.input_up_to_ratio.value(), 0.22);
 }
 
 }  // namespace

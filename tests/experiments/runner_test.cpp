@@ -136,6 +136,66 @@ TEST(Runner, OptionalContestantDoesNotDecide) {
   EXPECT_EQ(result.failures.count("cube/b"), 1U);
 }
 
+TEST(Runner, ASearchIsMadeOnceACase) {
+  const test::ExperimentFixture fixture;
+  const auto plan =
+      fixture.add_plan("[{method: test.copy, label: a, set: {behave: tune}}, {method: test.copy, label: b}]",
+                       "run: {repeats: 2, warmup: 1}\n");
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, plan, folder);
+  const auto records = records_by_case(folder);
+  const auto& a = records.at("cube/a");
+  ASSERT_EQ(a.size(), 3U);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].at("outcome"), "accepted") << a[i].dump();
+    EXPECT_EQ(a[i].at("tuned"), (json{{"length", 0.5}}));
+    EXPECT_EQ(a[i].at("searched"), i == 0);
+  }
+  for (const json& record : records.at("cube/b")) {
+    EXPECT_EQ(record.at("tuned"), json::object());
+    EXPECT_EQ(record.at("searched"), false);
+  }
+}
+
+TEST(Runner, AResumedRunHandsBackWhatASearchFound) {
+  const test::ExperimentFixture fixture;
+  const std::string contestants = "[{method: test.copy, label: a, set: {behave: tune}}]";
+  const auto folder = fixture.folder() / "run";
+  const auto plan = fixture.add_plan(contestants, "run: {repeats: 3}\n");
+  run_quietly(fixture, plan, folder);
+  // As if it had been stopped after the first repeat, with another length found.
+  std::string kept;
+  for (json& record : read_records(folder / "records.jsonl")) {
+    if (record.at("repeat") != 0) continue;
+    if (record.at("label") == "a") record["tuned"] = {{"length", 0.125}};
+    kept += record.dump() + "\n";
+  }
+  fixture.folder().add("run/records.jsonl", kept);
+  run_quietly(fixture, plan, folder, true);
+  const auto records = records_by_case(folder);
+  const auto& a = records.at("cube/a");
+  ASSERT_EQ(a.size(), 3U);
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].at("tuned"), (json{{"length", 0.125}}));
+    EXPECT_EQ(a[i].at("searched"), false);
+  }
+}
+
+TEST(Runner, AMethodThatIsNotDeterministicIsJudgedInEachRepeat) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("[{method: test.varying, label: a}]", "run: {repeats: 6}\n");
+  run_quietly(fixture, plan, fixture.folder() / "run");
+  int differing = 0;
+  const auto records = records_by_case(fixture.folder() / "run");
+  for (const json& record : records.at("cube/a")) {
+    EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
+    EXPECT_TRUE(record.at("judge").at("valid").get<bool>());
+    differing +=
+        record.at("notes").dump().find("output differs between repeats") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(differing, 1) << "six times the same of 97 rotations";
+}
+
 TEST(Runner, AnotherOutputInARepeatIsAViolation) {
   const test::ExperimentFixture fixture;
   const auto plan =

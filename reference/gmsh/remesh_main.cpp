@@ -1,0 +1,35 @@
+// Adapter of gmsh as a simplifier: the skin is kept, the inside is filled anew.
+// Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
+#include <chrono>
+
+#include "core/base/error.h"
+#include "reference/fusion_options.h"
+#include "reference/gmsh/gmsh_tools.h"
+#include "reference/remesh_run.h"
+#include "reference/skin.h"
+
+namespace palpate::reference {
+namespace {
+
+Response answer(const Request& request) {
+  if (request.method != "gmsh.remesh") throw InputError("method", 0, "gmsh.remesh", request.method);
+  require_all_taken(request.options);
+  Remesher remesher;
+  remesher.size_name = "interior_size";
+  remesher.remesh = [](const TetMesh& mesh, std::uint64_t, double size) {
+    const GmshSession session;
+    const auto start = std::chrono::steady_clock::now();
+    TimedMesh result;
+    result.mesh = fill_surface(take_skin(mesh), size);
+    result.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+  };
+  return run_remesher(request, remesher);
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}
