@@ -22,8 +22,9 @@ double round_quality(double q) {
 class OutcomeRun {
  public:
   OutcomeRun(FusionMesh& mesh, std::vector<std::uint16_t> level, const OutcomeOptions& options,
-             double ideal_volume)
+             const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
+        growth_(sizing, ideal_volume),
         options_(options.common),
         objective_(options.objective),
         many_passes_(options.many_passes && options.common.skip_touched),
@@ -35,25 +36,19 @@ class OutcomeRun {
         parking_(mesh.tets.size()),
         ideal_volume_(ideal_volume) {}
 
+  /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
+  void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      if (has_flagged_vertex(mesh_, t, is_kept)) state_[t] = State::kKept;
+    }
+  }
+
   void simplify(SimplifyReport& report) {
-    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
     report.stop = "limit";
     measure_all();
-    start_pass();
-    std::uint64_t fusions_at_start = 0;
-    while (true) {
-      if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
-        report.stop = stop;
-        break;
-      }
-      if (fuse_cheapest()) {
-        ++report.fusions;
-      } else if (many_passes_ && report.fusions > fusions_at_start) {
-        fusions_at_start = report.fusions;
-        start_pass();
-      } else {
-        break;
-      }
+    for (int grading = 0; grading <= growth_.passes(); ++grading) {
+      growth_.start_pass(grading);
+      if (!fuse_all(report)) break;
     }
     count_rejections(report.rejected);
   }
@@ -62,6 +57,27 @@ class OutcomeRun {
   static constexpr double kBeforeAll = -std::numeric_limits<double>::infinity();
 
   bool is_allowed(Index t) const { return level_[t] != kNoLevel && level_[t] >= options_.last_level; }
+
+  /// Fuses until no candidate is left. Returns false when a stop was reached first.
+  bool fuse_all(SimplifyReport& report) {
+    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
+    start_pass(many_passes_);
+    std::uint64_t fusions_at_start = report.fusions;
+    while (true) {
+      if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
+        report.stop = stop;
+        return false;
+      }
+      if (fuse_cheapest()) {
+        ++report.fusions;
+      } else if (many_passes_ && report.fusions > fusions_at_start) {
+        fusions_at_start = report.fusions;
+        start_pass(true);
+      } else {
+        return true;
+      }
+    }
+  }
 
   double quality_of(const TetFigures& figures) const {
     return round_quality(quality_factor(options_.metric, figures, ideal_volume_));
@@ -78,10 +94,11 @@ class OutcomeRun {
     mean_quality_ = round_quality(sum / static_cast<double>(mesh_.tets.size()));
   }
 
-  void start_pass() {
+  void start_pass(bool clear_marks) {
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (!mesh_.is_alive(t) || !is_allowed(t) || is_parked(state_[t])) continue;
-      make_waiting(t);
+      if (!mesh_.is_alive(t) || !is_allowed(t) || is_parked(state_[t]) || state_[t] == State::kKept) continue;
+      if ((clear_marks || state_[t] != State::kTouched) && growth_.admits(corners_of(mesh_, t)))
+        make_waiting(t);
     }
   }
 
@@ -154,8 +171,9 @@ class OutcomeRun {
       const Index t = plan_.moved[i].tet;
       quality_[t] = after_[i];
       if (is_parked(state_[t])) parking_.leave(t);
+      if (state_[t] == State::kKept) continue;
       state_[t] = options_.skip_touched && is_allowed(t) ? State::kTouched : State::kIdle;
-      if (!options_.skip_touched && is_allowed(t)) make_waiting(t);
+      if (!options_.skip_touched && is_allowed(t) && growth_.admits(corners_of(mesh_, t))) make_waiting(t);
     }
     for (const MovedTet& m : plan_.moved) wake_parked_on(m.tet);
     for (const Index t : plan_.dead) wake_parked_on(t);
@@ -186,6 +204,8 @@ class OutcomeRun {
         ++rejected.boundary_neighbour;
       } else if (state_[t] == State::kTouched) {
         ++rejected.touched;
+      } else if (state_[t] == State::kKept) {
+        ++rejected.kept;
       } else if (state_[t] == State::kParkedFlip) {
         ++rejected.flip;
       } else if (state_[t] == State::kParkedQuality) {
@@ -195,6 +215,7 @@ class OutcomeRun {
   }
 
   FusionMesh& mesh_;
+  GrowthBound growth_;
   const SimplifyOptions& options_;
   OutcomeObjective objective_;
   bool many_passes_;
@@ -230,12 +251,15 @@ SimplifyReport simplify_by_outcome(TetMesh& mesh, const OutcomeOptions& options)
   report.tets_in = mesh.tets.size();
 
   const double ideal_volume = mean_tet_volume(mesh);
+  const SizingField sizing(options.common.sizing, mesh);
+  const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
   const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
   FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.common.levels);
   report.level_sizes = count_levels(level);
   {
-    OutcomeRun run(work, std::move(level), options, ideal_volume);
+    OutcomeRun run(work, std::move(level), options, sizing, ideal_volume);
+    if (!is_kept.empty()) run.keep_vertices(is_kept);
     run.simplify(report);
   }
   mesh = extract_mesh(std::move(work));

@@ -41,6 +41,9 @@ struct OutcomeOptions {
 /// below their cost; a candidate is weighed anew when its bound comes up. That gives the same mesh, to the
 /// byte, as weighing all candidates anew after each fusion.
 ///
+/// With regions to keep (common.sizing), a tet that has a vertex of a kept tet is no candidate. Elsewhere the
+/// whole is done in several passes under a rising bound on what may grow (GrowthBound), the last one without.
+///
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done; `rejected` counts the tets that are left, by what kept them when last looked at.
 /// Throws:   InputError for impossible options, or a non-manifold face.

@@ -19,7 +19,13 @@ bool has(const Tet& tet, Index v) {
 class Naive {
  public:
   Naive(const TetMesh& mesh, const OutcomeOptions& options)
-      : mesh_(mesh), options_(options), alive_(mesh.tets.size(), true), touched_(mesh.tets.size(), false) {
+      : mesh_(mesh),
+        options_(options),
+        sizing_(options.common.sizing, mesh),
+        kept_(simplify::build_kept_vertices(simplify::build_kept_tets(sizing_, mesh), mesh)),
+        alive_(mesh.tets.size(), true),
+        touched_(mesh.tets.size(), false) {
+    kept_.resize(mesh.points.size());
     tets_of_.resize(mesh.points.size());
     for (Index t = 0; t < mesh.tets.size(); ++t) {
       for (const Index v : mesh.tets[t]) tets_of_[v].insert(t);
@@ -34,21 +40,13 @@ class Naive {
   }
 
   std::uint64_t run() {
-    const std::uint64_t target = simplify::target_tet_count(options_.common.stop, mesh_.tets.size());
     std::uint64_t fusions = 0;
-    std::uint64_t at_start_of_pass = 0;
-    while (!(options_.common.stop.fusions && fusions >= *options_.common.stop.fusions) && count_ > target) {
-      const Index cheapest = find_cheapest();
-      if (cheapest != kNoIndex) {
-        fuse(cheapest);
-        ++fusions;
-      } else if (options_.common.skip_touched && options_.many_passes && fusions > at_start_of_pass) {
-        touched_.assign(touched_.size(), false);
-        at_start_of_pass = fusions;
-      } else {
-        break;
-      }
+    for (int pass = 0; pass < (sizing_.near_size() == 1.0 ? 0 : 8); ++pass) {
+      largest_far_ = ideal_volume_ * static_cast<double>(1U << static_cast<unsigned>(pass));
+      fuse_all(fusions);
     }
+    largest_far_ = 0.0;
+    fuse_all(fusions);
     return fusions;
   }
 
@@ -71,6 +69,39 @@ class Naive {
   }
 
  private:
+  void fuse_all(std::uint64_t& fusions) {
+    const std::uint64_t target = simplify::target_tet_count(options_.common.stop, mesh_.tets.size());
+    std::uint64_t at_start_of_pass = fusions;
+    const bool clears_marks = options_.common.skip_touched && options_.many_passes;
+    if (clears_marks) touched_.assign(touched_.size(), false);
+    while (!(options_.common.stop.fusions && fusions >= *options_.common.stop.fusions) && count_ > target) {
+      const Index cheapest = find_cheapest();
+      if (cheapest != kNoIndex) {
+        fuse(cheapest);
+        ++fusions;
+      } else if (clears_marks && fusions > at_start_of_pass) {
+        touched_.assign(touched_.size(), false);
+        at_start_of_pass = fusions;
+      } else {
+        break;
+      }
+    }
+  }
+
+  bool has_kept_vertex(Index t) const {
+    return std::any_of(mesh_.tets[t].begin(), mesh_.tets[t].end(), [&](Index v) { return kept_[v] != 0; });
+  }
+
+  /// Smaller than the sizing field lets it grow in this pass? Always, without a bound.
+  bool may_grow(Index t) const {
+    if (largest_far_ == 0.0) return true;
+    const Tet& v = mesh_.tets[t];
+    const double volume =
+        signed_volume(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]);
+    const double size = sizing_.relative_size(barycenter(t));
+    return volume < size * size * size * largest_far_;
+  }
+
   static double on_grid(double q) { return std::nearbyint(q * 0x1p36) / 0x1p36; }
 
   /// Nothing if the tet is not positive once `from` has moved to `to`.
@@ -127,6 +158,7 @@ class Naive {
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
       if (!alive_[t] || level_[t] == simplify::kNoLevel || level_[t] < options_.common.last_level) continue;
       if (options_.common.skip_touched && touched_[t]) continue;
+      if (has_kept_vertex(t) || !may_grow(t)) continue;
       const std::optional<double> own = cost(t);
       if (!own || (cheapest != kNoIndex && *own >= least)) continue;
       cheapest = t;
@@ -163,6 +195,9 @@ class Naive {
 
   TetMesh mesh_;
   OutcomeOptions options_;
+  simplify::SizingField sizing_;
+  std::vector<std::uint8_t> kept_;
+  double largest_far_ = 0.0;  ///< 0: no bound
   std::vector<bool> alive_;
   std::vector<bool> touched_;
   std::vector<std::set<Index>> tets_of_;
