@@ -8,7 +8,8 @@ namespace palpate::reference {
 
 Response run_hierarchical(const Request& request) {
   nlohmann::json left = request.options;
-  const simplify::SimplifyOptions options = take_fusion_options(request.stop, left);
+  simplify::SimplifyOptions options = take_fusion_options(request.stop, left);
+  options.sizing = take_sizing_options(request.keep, left);
   require_all_taken(left);
   return run_fusion(request, [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
 }

@@ -17,6 +17,7 @@ struct Method {
 constexpr std::array kMethods{
     Method{"palpate.hierarchical", run_hierarchical},
     Method{"palpate.outcome", run_outcome},
+    Method{"palpate.refined", run_refined},
 };
 
 Response run(const Request& request) {
@@ -31,5 +32,5 @@ Response run(const Request& request) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  return run_adapter(argc, argv, run);
+  return run_adapter(argc, argv, run, TakesKeep::kYes);
 }

@@ -11,4 +11,7 @@ Response run_hierarchical(const Request& request);
 /// palpate.outcome.
 Response run_outcome(const Request& request);
 
+/// palpate.refined.
+Response run_refined(const Request& request);
+
 }  // namespace palpate::reference
