@@ -6,6 +6,7 @@
 #include "core/simplify/hierarchical.h"
 #include "reference/fusion_options.h"
 #include "reference/palpate/refined_run.h"
+#include "reference/palpate/surface_run.h"
 
 namespace {
 
@@ -27,6 +28,7 @@ struct Method {
 constexpr std::array kMethods{
     Method{"palpate.hierarchical", run_hierarchical},
     Method{"palpate.refined", reference::run_refined},
+    Method{"palpate.surface", reference::run_surface},
 };
 
 reference::Response run(const reference::Request& request) {
