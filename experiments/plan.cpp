@@ -5,6 +5,8 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/keep.h"
+#include "experiments/measure.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_report.h"
@@ -179,8 +181,8 @@ StopKind SweepAxis::stop_kind() const {
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
   const YamlFields fields =
-      root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep", "run", "measure",
-                   "accept", "claim", "equal_count", "comparisons", "charts"});
+      root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep", "region", "run",
+                   "measure", "accept", "claim", "equal_count", "comparisons", "charts"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -194,6 +196,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   plan.meshes = read_meshes(fields.need("meshes"), path.parent_path());
   if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep);
   plan.contestants = read_contestants(fields.need("contestants"), plan, registry);
+  if (const auto region = fields.find("region")) plan.region = read_keep(*region);
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);

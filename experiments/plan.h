@@ -42,6 +42,7 @@ struct PlanContestant {
   std::string label;
   std::optional<Stop> stop;
   std::map<std::string, GivenOption> set;
+  std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   bool required = true;             ///< false: its outcome does not decide the exit code
 };
@@ -104,6 +105,7 @@ struct Plan {
   std::string contest;
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
+  std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself
   RunSettings run;
   std::vector<std::string> measure;
   std::vector<AcceptBound> accept;

@@ -86,6 +86,20 @@ const BadPlan kBadPlans[] = {
     {"seeds_twice", "[{method: test.copy, seeds: [1, 1]}]", "", 5, "seeds that differ"},
     {"seeds_and_seed", "[{method: test.copy, seeds: 2, set: {seed: 1}}]", "", 5, "exclude each other"},
     {"seeds_without_option", "[{method: test.limit_only, seeds: 2}]", "", 5, "no option \"seed\""},
+    {"keep_not_offered", "[{method: test.copy, keep: [sphere 0 0 0 1]}]", "", 5, "those that do are"},
+    {"keep_unknown_kind", "\n  - method: test.keep\n    keep: [spere 0 0 0 1]", "", 7,
+     "unknown region \"spere\"; did you mean \"sphere\"?"},
+    {"keep_too_few", "[{method: test.keep, keep: [sphere 0 0 1]}]", "", 5,
+     "expected \"sphere x y z r\", found 3"},
+    {"keep_no_number", "[{method: test.keep, keep: [patch 0 0 0 1 deep]}]", "", 5, "found \"deep\""},
+    {"keep_no_radius", "[{method: test.keep, keep: [sphere 0 0 0 -1]}]", "", 5, "a radius above 0"},
+    {"keep_no_normal", "[{method: test.keep, keep: [half_space 0 0 0 1]}]", "", 5, "a normal of a length"},
+    {"keep_empty", "[{method: test.keep, keep: []}]", "", 5, "at least one region"},
+    {"keep_no_list", "[{method: test.keep, keep: sphere 0 0 0 1}]", "", 5, "expected a list"},
+    {"keep_misspelt", "[{method: test.keep, kep: [sphere 0 0 0 1]}]", "", 5, "did you mean \"keep\"?"},
+    {"near_size_zero", "[{method: test.keep, keep: [sphere 0 0 0 1], set: {near_size: 0}}]", "", 5,
+     "from 0.001 to 1"},
+    {"region_unknown_kind", "[test.copy]", "region: [halfspace 0 0 1 0]", 6, "did you mean \"half_space\"?"},
     {"unknown_measure", "[test.copy]", "measure: [kernel]", 6, "did you mean \"kernel_s\"?"},
     {"measure_twice", "[test.copy]", "measure: [kernel_s, kernel_s]", 6, "twice"},
     {"accept_unknown", "[test.copy]", "accept: {inverted_tet: {max: 0}}", 6,
@@ -199,16 +213,19 @@ TEST(Plan, MissingFileAndFolder) {
 TEST(Plan, HoldsWhatWasWritten) {
   const test::ExperimentFixture fixture;
   const Plan plan =
-      read_plan(fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b, stop: {tets_of: "
-                                 "test.copy}, set: {factor: 0.25}, "
-                                 "seeds: [4, 9], required: false}",
-                                 "run: {repeats: 3, warmup: 1, threads: 2, timeout_s: 1.5, memory_mib: 64}\n"
-                                 "measure: [kernel_s]\naccept: {inverted_tets: {max: 0}}\n"
-                                 "claim: {text: t, source: s, measure: tets, better: b, than: test.copy, "
-                                 "published: {better: 2, than: 1}}\n"),
+      read_plan(fixture.add_plan(
+                    "\n  - test.copy\n  - {method: test.copy, label: b, stop: {tets_of: "
+                    "test.copy}, set: {factor: 0.25}, "
+                    "seeds: [4, 9], required: false}\n"
+                    "  - {method: test.keep, label: c, keep: [sphere 0 0 0.5 1, half_space 0 0 1 "
+                    "-0.25], set: {reach: 2}}",
+                    "run: {repeats: 3, warmup: 1, threads: 2, timeout_s: 1.5, memory_mib: 64}\n"
+                    "region: [patch 0 0 1 0.5 0.1]\nmeasure: [kernel_s]\naccept: {inverted_tets: {max: 0}}\n"
+                    "claim: {text: t, source: s, measure: tets, better: b, than: test.copy, "
+                    "published: {better: 2, than: 1}}\n"),
                 fixture.registry());
   EXPECT_EQ(plan.name, "plan");
-  ASSERT_EQ(plan.contestants.size(), 2U);
+  ASSERT_EQ(plan.contestants.size(), 3U);
   EXPECT_EQ(plan.contestants[0].label, "test.copy");
   EXPECT_TRUE(plan.contestants[0].required);
   const PlanContestant& b = plan.contestants[1];
@@ -216,6 +233,11 @@ TEST(Plan, HoldsWhatWasWritten) {
   EXPECT_FALSE(b.required);
   EXPECT_EQ(b.set.at("factor").text, "0.25");
   EXPECT_EQ(b.stop->kind, StopKind::kTetsOf);
+  EXPECT_TRUE(b.keep.empty());
+  EXPECT_EQ(plan.contestants[2].keep,
+            (std::vector<std::string>{"sphere 0 0 0.5 1", "half_space 0 0 1 -0.25"}));
+  EXPECT_EQ(plan.contestants[2].set.at("reach").text, "2");
+  EXPECT_EQ(plan.region, (std::vector<std::string>{"patch 0 0 1 0.5 0.1"}));
   EXPECT_EQ(plan.run.repeats, 3);
   EXPECT_DOUBLE_EQ(plan.run.timeout_s, 1.5);
   EXPECT_EQ(plan.accept.at(0).measure, "inverted_tets");
