@@ -90,7 +90,7 @@ def caption(standing):
     tets, share, least = (values.get(name) for name in ("tets", "percent_above_0_5", "min_dihedral_deg"))
     figures = ", ".join(text for text in (
         None if tets is None else f"{tets:,.0f} tets", None if share is None else f"{share:.1f}% > 0.5",
-        None if least is None else f"{least:.1f}\N{DEGREE SIGN}") if text)
+        None if least is None else f"least angle {least:.1f}\N{DEGREE SIGN}") if text)
     state = "" if standing.state == RANKED else ("rejected" if standing.state == REJECTED else "other count")
     return standing.label + (f" ({state})" if state else ""), figures
 
@@ -115,7 +115,7 @@ def panels_of(run, section):
     if start and isinstance(start.get("mesh_file"), str):
         judge = start.get("judge") or {}
         entries.append(("input", f"{judge.get('tets', 0):,} tets, {judge.get('percent_above_0_5') or 0:.1f}% > 0.5, "
-                                 f"{judge.get('min_dihedral_deg') or 0:.1f}\N{DEGREE SIGN}", start["mesh_file"]))
+                                 f"least angle {judge.get('min_dihedral_deg') or 0:.1f}\N{DEGREE SIGN}", start["mesh_file"]))
     entries += [(*caption(standing), mesh_file_of(standing.group)) for standing in section.standings if standing.state != NONE]
     panels = []
     for title, text, name in entries:
