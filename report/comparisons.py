@@ -255,13 +255,16 @@ def shortfall_lines(row, with_shortfalls):
         yield f"{place}: left out: {', '.join(row.left_out)}."
 
 
+def peers_text(comparison):
+    return ("the best of " if len(comparison.peers) > 1 else "") + ", ".join(comparison.peers)
+
+
 def summary_line(rows):
     comparison = rows[0].comparison
     figures = [finding for row in rows for finding in row.findings if finding.measure != "time"]
     times = [finding for row in rows for finding in row.findings if finding.measure == "time" and finding.verdict != SHOWN]
     met = lambda findings: sum(finding.verdict == MET for finding in findings)
-    text = (f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than the best of "
-            f"{', '.join(comparison.peers)}")
+    text = f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than {peers_text(comparison)}"
     if times and comparison.time_factor is not None:
         text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
     undecided = sum(finding.verdict == OPEN for finding in [*figures, *times])
@@ -274,7 +277,7 @@ def comparisons_text(run, rows, with_shortfalls=True):
     for comparison in dict.fromkeys(map(id, (row.comparison for row in rows))):
         own = [row for row in rows if id(row.comparison) == comparison]
         plan = own[0].comparison
-        title = (f"{plan.of} against the best of {', '.join(plan.peers)}, counts within {100 * tolerance_of(run):g}%: "
+        title = (f"{plan.of} against {peers_text(plan)}, counts within {100 * tolerance_of(run):g}%: "
                  f"by how much it is better (+) or SHORT")
         if plan.input_up_to_ratio >= 0:
             title += f"; up to {100 * plan.input_up_to_ratio:g}% removed the input is a peer too"

@@ -114,9 +114,11 @@ def size_of(run, group):
 def read_series(run):
     """One series a label and point of the sweep, sizes ascending."""
     series = {}
+    several = len({group.sweep for group in run.groups}) > 1
     for group in run.groups:
         if group.records and figure(group.records[0], "mesh", "tets"):
-            series.setdefault(group.name, Series(group.name, group.label)).sizes.append(size_of(run, group))
+            name = group.name if several else group.label
+            series.setdefault(name, Series(name, group.label)).sizes.append(size_of(run, group))
     for entry in series.values():
         entry.sizes.sort(key=lambda size: size.tets)
         timed = [size for size in entry.sizes if size.seconds]
