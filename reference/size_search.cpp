@@ -14,12 +14,12 @@ namespace {
 constexpr double kAim = 0.002;
 constexpr double kEnough = 0.005;
 constexpr int kFineTries = 8;
-constexpr int kMostTries = 16;
+constexpr int kMostTries = 20;
 constexpr int kMostFailures = 3;
 constexpr double kLargestStep = 0.7;  // in log size: a factor of 2
-constexpr double kJump = 1.5e-3;      // a bracket as narrow as that holds a jump of the count
-constexpr double kScanStep = 2e-3;
-constexpr int kMostScans = 6;
+constexpr double kJump = 1e-3;        // a bracket as narrow as that holds a jump of the count
+constexpr double kScanStep = 5e-4;
+constexpr int kMostScans = 10;
 constexpr double kUnanswered = 1e-3;  // change of the log count over a largest step
 
 /// A try in logarithms: x of the size, y of the count over the target.
