@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
+#include "core/simplify/growth_bound.h"
 #include "core/simplify/parking.h"
 
 namespace palpate::simplify {
@@ -135,18 +135,7 @@ class Run {
     reconsider_.clear();
   }
 
-  /// Does the sizing field let tet t grow further in this pass?
-  bool is_small_enough(Index t) const {
-    if (largest_far_ == std::numeric_limits<double>::infinity()) return true;
-    const Tet& tet = mesh_.tets[t];
-    const std::array<Vec3, 4> p{mesh_.points[tet[0]], mesh_.points[tet[1]], mesh_.points[tet[2]],
-                                mesh_.points[tet[3]]};
-    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
-    const auto bound = [&](double size) { return size * size * size * largest_far_; };
-    if (volume >= largest_far_) return false;
-    if (volume < bound(sizing_.near_size())) return true;
-    return volume < bound(sizing_.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3])));
-  }
+  bool is_small_enough(Index t) const { return may_grow(sizing_, largest_far_, mesh_, t); }
 
   /// Fuses the worst candidate that passes the checks. Returns whether there was one.
   bool fuse_worst(SimplifyReport& report) {

@@ -21,6 +21,7 @@ Response run_outcome(const Request& request) {
   if (!left.contains("skip_touched")) left["skip_touched"] = options.common.skip_touched;
   if (!left.contains("last_level")) left["last_level"] = options.common.last_level;
   options.common = take_fusion_options(request.stop, left);
+  options.common.sizing = take_sizing_options(request.keep, left);
   constexpr std::array kObjectives{simplify::OutcomeObjective::kMovedLoss,
                                    simplify::OutcomeObjective::kTotalLoss};
   options.objective = kObjectives[take_choice(left, "objective", {"moved_loss", "total_loss"})];

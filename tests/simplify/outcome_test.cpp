@@ -69,6 +69,20 @@ TEST(Outcome, SameBytesAsTheNaiveRescanWithOtherLevelsMetricsAndStops) {
   for (std::size_t i = 0; i < all.size(); ++i) expect_same_as_naive(mesh, all[i], std::to_string(i));
 }
 
+TEST(Outcome, SameBytesAsTheNaiveRescanWithRegionsToKeep) {
+  const TetMesh mesh = build_kuhn_cube(7, 0.3, 8);
+  for (const int touched : {0, 1, 2}) {
+    OutcomeOptions options;
+    options.common.skip_touched = touched != 0;
+    options.many_passes = touched == 1;
+    options.common.sizing.keep = {
+        {.kind = KeepRegion::Kind::kSphere, .center = {0.7, 0.5, 0.5}, .radius = 0.1}};
+    expect_same_as_naive(mesh, options, "touched " + std::to_string(touched));
+    TetMesh output = mesh;
+    EXPECT_GT(simplify_by_outcome(output, options).rejected.kept, 0U);
+  }
+}
+
 TEST(Outcome, StorageOrderDoesNotShow) {
   const TetMesh input = build_kuhn_cube(12, 0.35, 9);
   OutcomeOptions options;
@@ -104,7 +118,7 @@ TEST(Outcome, EveryTetIsCountedByWhatKeepsIt) {
   options.common.last_level = 2;
   const SimplifyReport report = simplify_by_outcome(mesh, options);
   const Rejections& r = report.rejected;
-  EXPECT_EQ(r.boundary + r.boundary_neighbour + r.quality + r.flip + r.touched, report.tets_out);
+  EXPECT_EQ(r.boundary + r.boundary_neighbour + r.quality + r.flip + r.touched + r.kept, report.tets_out);
   EXPECT_EQ(report.tets_out, mesh.tets.size());
 }
 
