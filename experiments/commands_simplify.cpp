@@ -278,11 +278,7 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command
-      ->add_option(
-          "--keep", arguments->keep,
-          "Region whose tetrahedra stay as they are, as often as needed: \"sphere x y z r\", "
-          "\"half_space nx ny nz offset\" (n . x <= offset), \"patch x y z r depth\" (within depth of the "
-          "skin around a point)")
+      ->add_option("--keep", arguments->keep, "Region whose tetrahedra stay as they are, as often as needed")
       ->allow_extra_args(false)
       ->type_name("REGION");
   command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
@@ -292,11 +288,17 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
-      "Without a stop, the method runs to its limit. Regions are in the mesh's own coordinates; palpate list "
-      "meshes\n"
-      "names the unit of the shapes that palpate make writes (kidney: mm). Around a region, sizes grow from "
-      "--set\n"
-      "near_size=0.5 of the full edge length to all of it at --set reach=DISTANCE.");
+      "Without a stop, the method runs to its limit.\n\n"
+      "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
+      "make\n"
+      "writes: kidney and liver mm, bean cm):\n"
+      "  \"sphere X Y Z R\"               the ball of radius R around a point\n"
+      "  \"half_space NX NY NZ OFFSET\"   all x with N . x <= OFFSET\n"
+      "  \"patch X Y Z R DEPTH\"          all within DEPTH of the skin's faces that have a vertex in the "
+      "ball\n"
+      "Around a region, edge lengths grow smoothly from a share of the full ones (--set near_size=0.5) to "
+      "all of\n"
+      "them (--set reach=DISTANCE; 0 stands for a quarter of the bounding box's diagonal).");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simplify(*arguments); });
 }

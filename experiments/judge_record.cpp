@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "experiments/keep.h"
 #include "core/judge/surface.h"
+#include "experiments/keep.h"
 
 namespace palpate::experiments {
 namespace {

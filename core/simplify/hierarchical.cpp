@@ -9,7 +9,6 @@
 #include "core/base/error.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
-#include "core/simplify/growth_bound.h"
 #include "core/simplify/parking.h"
 
 namespace palpate::simplify {
@@ -27,7 +26,7 @@ class Run {
       const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
         options_(options),
-        sizing_(sizing),
+        growth_(sizing, ideal_volume),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         parking_(mesh.tets.size()),
@@ -39,23 +38,17 @@ class Run {
   /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
   void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      const Tet& tet = mesh_.tets[t];
-      if (std::any_of(tet.begin(), tet.end(),
-                      [&](Index v) { return is_kept[mesh_.origin_of_vertex(v)] != 0; }))
-        state_[t] = State::kKept;
+      if (has_flagged_vertex(mesh_, t, is_kept)) state_[t] = State::kKept;
     }
   }
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
     sort_by_level(report.level_sizes);
-    const double ideal_volume = qualities_.ideal_volume();
-    for (int pass = 0; pass < kGradingPasses && !sizing_.is_empty(); ++pass) {
-      largest_far_ = std::ldexp(ideal_volume, pass);
+    for (int pass = 0; pass <= growth_.passes(); ++pass) {
+      growth_.start_pass(pass);
       if (!simplify_levels(report)) break;
     }
-    largest_far_ = std::numeric_limits<double>::infinity();
-    if (report.stop == "limit") simplify_levels(report);
     count_rejections(report.rejected);
   }
 
@@ -118,7 +111,7 @@ class Run {
     current_level_ = level;
     for (const Index t : members_of_level()) {
       if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
-      if (!is_small_enough(t)) continue;
+      if (!growth_.admits(corners_of(mesh_, t))) continue;
       state_[t] = State::kWaiting;
       qualities_.ensure(mesh_, t);
     }
@@ -134,8 +127,6 @@ class Run {
     }
     reconsider_.clear();
   }
-
-  bool is_small_enough(Index t) const { return may_grow(sizing_, largest_far_, mesh_, t); }
 
   /// Fuses the worst candidate that passes the checks. Returns whether there was one.
   bool fuse_worst(SimplifyReport& report) {
@@ -219,7 +210,7 @@ class Run {
       if (options_.skip_touched) {
         state_[t] = State::kTouched;
       } else if (level_[t] == current_level_) {
-        const bool waits = is_small_enough(t);
+        const bool waits = growth_.admits(corners_of(mesh_, t));
         state_[t] = waits ? State::kWaiting : State::kIdle;
         if (waits) queue_.push(t);
       }
@@ -271,9 +262,7 @@ class Run {
 
   FusionMesh& mesh_;
   const SimplifyOptions& options_;
-  const SizingField& sizing_;
-  double largest_far_ =
-      std::numeric_limits<double>::infinity();  ///< of a tet of relative size 1 that may grow
+  GrowthBound growth_;
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   Parking parking_;

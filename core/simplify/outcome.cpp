@@ -1,13 +1,11 @@
 #include "core/simplify/outcome.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/simplify/candidate_queue.h"
-#include "core/simplify/growth_bound.h"
 #include "core/simplify/outcome_costs.h"
 #include "core/simplify/parking.h"
 
@@ -19,48 +17,51 @@ class OutcomeRun {
   OutcomeRun(FusionMesh& mesh, std::vector<std::uint16_t> level, const std::vector<std::uint8_t>& is_kept,
              const OutcomeOptions& options, const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
+        growth_(sizing, ideal_volume),
         options_(options.common),
         many_passes_(options.many_passes && options.common.skip_touched),
-        sizing_(sizing),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         is_weighed_(mesh.tets.size(), 0),
         parking_(mesh.tets.size()),
-        costs_(mesh, options, ideal_volume),
-        ideal_volume_(ideal_volume) {
-    if (is_kept.empty()) return;
-    const std::vector<std::uint8_t> has_kept_vertex = find_tets_with_vertex(mesh, is_kept);
-    for (Index t = 0; t < mesh.tets.size(); ++t) {
-      if (has_kept_vertex[t] != 0) state_[t] = State::kKept;
+        costs_(mesh, options, ideal_volume) {
+    for (Index t = 0; t < mesh.tets.size() && !is_kept.empty(); ++t) {
+      if (has_flagged_vertex(mesh, t, is_kept)) state_[t] = State::kKept;
     }
   }
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
-    for (int pass = 0; pass < kGradingPasses && !sizing_.is_empty(); ++pass) {
-      largest_far_ = std::ldexp(ideal_volume_, pass);
-      if (!run_pass(report)) return count_rejections(report.rejected);
+    for (int grading = 0; grading <= growth_.passes(); ++grading) {
+      growth_.start_pass(grading);
+      if (!fuse_all(report)) break;
     }
-    largest_far_ = std::numeric_limits<double>::infinity();
-    std::uint64_t fusions_before = 0;
-    do {
-      fusions_before = report.fusions;
-    } while (run_pass(report) && many_passes_ && report.fusions > fusions_before);
     count_rejections(report.rejected);
   }
 
  private:
   static constexpr double kBeforeAll = -std::numeric_limits<double>::infinity();
 
-  /// Fuses until no candidate is left. Returns false if a stop was reached before.
+  /// Fuses, in one pass or many, until no candidate is left. Returns false when a stop was reached first.
+  bool fuse_all(SimplifyReport& report) {
+    std::uint64_t fusions_before = 0;
+    do {
+      fusions_before = report.fusions;
+      if (!run_pass(report)) return false;
+    } while (many_passes_ && report.fusions > fusions_before);
+    return true;
+  }
+
+  /// Fuses until no candidate is left. Returns false when a stop was reached first.
   bool run_pass(SimplifyReport& report) {
     const std::uint64_t target = target_tet_count(options_.stop, report.tets_in);
-    if (reached_stop(options_.stop, target, report.fusions, mesh_.alive) == nullptr) fill_queue();
+    bool is_filled = false;
     do {
       if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
         report.stop = stop;
         return false;
       }
+      if (!std::exchange(is_filled, true)) fill_queue();
     } while (fuse_cheapest(report));
     return true;
   }
@@ -74,7 +75,7 @@ class OutcomeRun {
       if (state_[t] == State::kKept || is_parked(state_[t]) || !mesh_.is_alive(t) || !is_allowed(t)) continue;
       if (state_[t] == State::kTouched && !many_passes_) continue;
       state_[t] = State::kIdle;
-      if (!may_grow(sizing_, largest_far_, mesh_, t)) continue;
+      if (!growth_.admits(corners_of(mesh_, t))) continue;
       if (pass(t, costs_.weigh(t))) queue_.append({key(t), mesh_.origin_of_tet(t), t});
     }
     queue_.heapify();
@@ -157,7 +158,7 @@ class OutcomeRun {
     if (state_[t] == State::kKept || !is_allowed(t)) return;
     if (options_.skip_touched) {
       state_[t] = State::kTouched;
-    } else if (may_grow(sizing_, largest_far_, mesh_, t)) {
+    } else if (growth_.admits(corners_of(mesh_, t))) {
       wait_unweighed(t);
     }
   }
@@ -191,17 +192,15 @@ class OutcomeRun {
   }
 
   FusionMesh& mesh_;
+  GrowthBound growth_;
   const SimplifyOptions& options_;
   bool many_passes_;
-  const SizingField& sizing_;
-  double largest_far_ = 0.0;  ///< volume of a tet of relative size 1 that may still grow
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   std::vector<std::uint8_t> is_weighed_;  ///< of those that wait: its cost is known and up to date
   Parking parking_;
   OutcomeCosts costs_;
   LazyHeap queue_;
-  double ideal_volume_;
 };
 
 void validate(const OutcomeOptions& options) {
