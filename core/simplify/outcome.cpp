@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
 #include "core/simplify/parking.h"
@@ -84,13 +86,13 @@ class OutcomeRun {
   }
 
   void measure_all() {
-    double sum = 0.0;
-    for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      const Tet& v = mesh_.tets[t];
-      quality_[t] = quality_of(measure_positive_tet(options_.metric, mesh_.points[v[0]], mesh_.points[v[1]],
-                                                    mesh_.points[v[2]], mesh_.points[v[3]]));
-      sum += quality_[t];
-    }
+    for_ranges(mesh_.tets.size(), options_.threads, [&](std::size_t first, std::size_t last, std::size_t) {
+      for (std::size_t t = first; t < last; ++t) {
+        const auto p = corners_of(mesh_, static_cast<Index>(t));
+        quality_[t] = quality_of(measure_positive_tet(options_.metric, p[0], p[1], p[2], p[3]));
+      }
+    });
+    const double sum = std::accumulate(quality_.begin(), quality_.end(), 0.0);
     mean_quality_ = round_quality(sum / static_cast<double>(mesh_.tets.size()));
   }
 
@@ -253,8 +255,8 @@ SimplifyReport simplify_by_outcome(TetMesh& mesh, const OutcomeOptions& options)
   const double ideal_volume = mean_tet_volume(mesh);
   const SizingField sizing(options.common.sizing, mesh);
   const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.common.threads);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage, options.common.threads);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.common.levels);
   report.level_sizes = count_levels(level);
   {
