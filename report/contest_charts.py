@@ -40,19 +40,20 @@ def places(section, family, measure):
 
 
 def draw_family(ax, family, found):
-    """A family's points; a curve joins those that count if one option tells them apart."""
+    """A family's points; a curve joins them if one option tells them apart, dotted if some do not count."""
     size, width = (7, 2.0) if family.is_own else (6.5, 1.0)
-    if family.option:
-        line = [(x, y) for _, x, y, counts in found if counts]
-        ax.plot(*zip(*line), color=family.color, linewidth=width, zorder=2 + family.is_own) if line else None
+    size += 1.5 if family.mark in "PX" else 0
+    if family.option and found:
+        ax.plot(*zip(*((x, y) for _, x, y, _ in found)), color=family.color, linewidth=width, zorder=2 + family.is_own,
+                linestyle="-" if all(counts for *_, counts in found) else ":")
     for label, x, y, counts in found:
         ax.plot(x, y, family.mark, color=family.color, markersize=size, zorder=4 + family.is_own, clip_on=False,
                 markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
                 markeredgecolor="white" if counts else family.color)
     if family.option:
-        for label, x, y, _ in found:
-            ax.annotate(f"{family.values[label]:g}", (x, y), xytext=(0, 6), textcoords="offset points", ha="center",
-                        fontsize=7, color=family.color, zorder=7)
+        for place, (label, x, y, _) in enumerate(found):
+            ax.annotate(f"{family.values[label]:g}", (x, y), xytext=(0, -6 if place % 2 else 6), textcoords="offset points",
+                        ha="center", va="top" if place % 2 else "bottom", fontsize=7, color=family.color, zorder=7)
 
 
 def time_range(sections, families):

@@ -18,6 +18,7 @@ constexpr std::array kMethods{
     Method{"palpate.hierarchical", run_hierarchical},
     Method{"palpate.outcome", run_outcome},
     Method{"palpate.refined", run_refined},
+    Method{"palpate.surface", run_surface},
 };
 
 Response run(const Request& request) {

@@ -14,4 +14,7 @@ Response run_outcome(const Request& request);
 /// palpate.refined.
 Response run_refined(const Request& request);
 
+/// palpate.surface.
+Response run_surface(const Request& request);
+
 }  // namespace palpate::reference
