@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/judge/surface.h"
+#include "experiments/keep.h"
 
 namespace palpate::experiments {
 namespace {
@@ -105,7 +106,7 @@ Judgement judge_mesh(const TetMesh& mesh) {
   return judgement;
 }
 
-Judgement judge_output(const TetMesh& output, const TetMesh& input) {
+Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<const std::string> keep) {
   Judgement judgement = judge_mesh(output);
   if (!has_sound_arrays(judgement.validity)) return judgement;
   json& figures = judgement.figures;
@@ -123,8 +124,18 @@ Judgement judge_output(const TetMesh& output, const TetMesh& input) {
   add_real(figures, "volume_drift_relative", comparison.volume_drift_relative);
   figures["euler_unchanged"] = comparison.euler_unchanged;
   figures["components_unchanged"] = comparison.components_unchanged;
+  const judge::RegionFigures kept = judge::compare_in_regions(output, input, judge_regions(keep));
+  figures["kept_tets"] = kept.input_tets;
+  figures["kept_tets_changed"] = kept.changed_tets;
   add_surface_distance(figures, output, input, comparison.boundary_changed_faces == 0);
   return judgement;
+}
+
+void add_region_figures(json& figures, const TetMesh& mesh, const TetMesh& input,
+                        std::span<const std::string> regions) {
+  if (regions.empty() || figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0)
+    return;
+  figures["region_tets"] = judge::compare_in_regions(mesh, input, judge_regions(regions)).output_tets;
 }
 
 }  // namespace palpate::experiments

@@ -39,7 +39,8 @@ class SizeChooser {
     if (!end || (y > 0.0 ? x_ > end->x : x_ < end->x)) end = now;
     if (previous_) {
       const double step = std::fabs(now.x - previous_->x);
-      answers_ = step < 0.99 * kLargestStep || std::fabs(now.y - previous_->y) > kUnanswered;
+      const bool fell = std::fabs(now.y - previous_->y) > kUnanswered;
+      answers_ = y < 0.0 || step < 0.99 * kLargestStep || fell;  // a finer size adds tets sooner or later
     }
     x_ = fine_ && coarse_ ? between() : outward(now);
     previous_ = now;

@@ -147,6 +147,15 @@ def violations_text(record):
     return "; ".join(item if isinstance(item, str) else json.dumps(item, sort_keys=True) for item in violations)
 
 
+def first_reason(group):
+    """The first outcome that is not acceptance, with what the judge or the runner says of it."""
+    for record in group.records:
+        if record.get("outcome") != "accepted" and not record.get("warmup"):
+            why = violations_text(record) or record.get("message") or ""
+            return f"{record.get('outcome')}: {why}" if why else str(record.get("outcome"))
+    return ""
+
+
 def outcome_text(group):
     """"accepted", or how often each outcome occurred."""
     outcomes = group.outcomes()

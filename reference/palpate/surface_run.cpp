@@ -1,5 +1,4 @@
-#include "reference/palpate/surface_run.h"
-
+// palpate.surface at the door.
 #include <chrono>
 #include <cmath>
 
@@ -8,6 +7,7 @@
 #include "core/mesh/medit.h"
 #include "core/simplify/surface.h"
 #include "reference/fusion_options.h"
+#include "reference/palpate/methods.h"
 
 namespace palpate::reference {
 namespace {
@@ -39,6 +39,7 @@ SurfaceRequest read_options(const Request& request) {
                                                     "true or false", result.options.boundary_flips);
   result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
                                                         "true or false", result.options.boundary_smoothing);
+  result.options.sizing = take_sizing_options(request.keep, left);
   require_all_taken(left);
   simplify::validate_options(result.options);
   return result;

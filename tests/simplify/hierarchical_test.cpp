@@ -135,6 +135,8 @@ TEST(Hierarchical, SameBytesAsTheNaiveRescanWithRegionsToKeep) {
         expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere");
         options.stop.ratio = 0.05;
         expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere, stopped");
+        options.sizing.near_size = 1.0;
+        expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere, nothing graded");
       }
     }
   }
