@@ -14,9 +14,9 @@ SurfaceMesh build_boundary(const TetMesh& mesh);
 
 /// How closely distances are bracketed, and how much work that may cost.
 struct SurfaceDistanceOptions {
-  double relative_gap = 0.01;  ///< stop at upper <= (1 + relative_gap) lower ...
-  double absolute_gap = 1e-7;  ///< ... or at upper <= lower + absolute_gap * the diagonal of both boxes
-  double mean_spacing = 0.01;  ///< longest side of a sample's triangle for the mean, over that diagonal
+  double relative_gap = 0.001;  ///< stop at upper <= (1 + relative_gap) lower ...
+  double absolute_gap = 1e-7;   ///< ... or at upper <= lower + absolute_gap * the diagonal of both boxes
+  double mean_spacing = 0.01;   ///< longest side of a sample's triangle for the mean, over that diagonal
   std::uint64_t max_pieces = 5'000'000;  ///< looked at in one direction; then the bracket stays wider
 };
 

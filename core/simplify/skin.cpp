@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kRounding = 1e-13;
 
+/// Of the bound that is asked for. The rest leaves room for a measurement that brackets the distance.
+constexpr double kShareOfBound = 0.998;
+
 std::vector<Triangle> collect_faces(const WorkingMesh& mesh) {
   std::vector<Triangle> faces;
   std::vector<Triangle> at_vertex;
@@ -40,7 +43,7 @@ double at_least_rounding(double max_error, const WorkingMesh& mesh) {
   for (const Vec3& p : mesh.points) {
     largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   }
-  return std::max(max_error, kRounding * largest);
+  return std::max(kShareOfBound * max_error, kRounding * largest);
 }
 
 double mean_edge(const std::vector<TriangleCorners>& faces) {
@@ -140,7 +143,8 @@ SkinVerdict Skin::check(const WorkingMesh& mesh, const SkinChange& change) {
   ++stamp_;
   for (const Index f : change.removed) removed_stamp_[f] = stamp_;
   place_fresh(mesh, change);
-  if (tree_.nearest(change.to, cover_.limit_sq() * (1.0 + 1e-15) + 1e-300).triangle == nullptr) {
+  if (change.moved != kNoIndex &&
+      tree_.nearest(change.to, cover_.limit_sq() * (1.0 + 1e-15) + 1e-300).triangle == nullptr) {
     return SkinVerdict::kTooFar;
   }
   if (touches_others(mesh, change)) return SkinVerdict::kContact;

@@ -18,7 +18,7 @@ namespace palpate::simplify {
 struct SkinChange {
   std::vector<Index> removed;   ///< numbers of faces
   std::vector<Triangle> fresh;  ///< the i-th takes the number of the i-th removed one
-  Index moved = kNoIndex;       ///< the only vertex of `fresh` that has another place ...
+  Index moved = kNoIndex;       ///< the only vertex of `fresh` that has another place, or none ...
   Vec3 to;                      ///< ... namely this one
 };
 

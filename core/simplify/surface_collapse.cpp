@@ -77,6 +77,11 @@ struct PlaneSum {
   }
 };
 
+/// A vertex whose worst tet has this score (q = 0.58) stays where it is; one that moves must better it so
+/// much.
+constexpr double kWellShaped = 0.2;
+constexpr double kWorthAMove = 1.1;
+
 /// Adds the tets around `center` that lack `other` to the cone.
 void add_to_cone(const WorkingMesh& mesh, Index center, Index other, Cone& cone) {
   for (const Index t : mesh.star(center)) {
@@ -208,7 +213,7 @@ class BoundaryCollapser {
 
   bool is_well_shaped(const Vec3& place) const {
     const double worst = cone_.evaluate(scale_, place, options_.least_score).worst;
-    return worst > options_.least_score && (worst >= kSafeScore || cone_.is_positive_exactly(place));
+    return worst > options_.least_score && cone_.is_positive_exactly(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -309,6 +314,7 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
     add_to_cone(mesh, v, kNoIndex, cone);
     const Vec3 from = mesh.points[v];
     const ConeFigures now = cone.evaluate(scale, from, -1.0);
+    if (now.worst > kWellShaped) continue;
     const Vec3 target = tangential_target(mesh, skin, v);
     change.removed.assign(skin.faces_of(v).begin(), skin.faces_of(v).end());
     change.fresh.clear();
@@ -317,9 +323,9 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
     for (const double step : {1.0, 0.4}) {
       change.to = (1.0 - step) * from + step * target;
       const ConeFigures then = cone.evaluate(scale, change.to, -1.0);
-      const bool is_better =
-          then.worst > kSafeScore && then.worst >= std::min(now.worst, 0.05) && then.sum > now.sum;
-      if (!is_better || skin.check(mesh, change) != SkinVerdict::kAllowed) continue;
+      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive_exactly(change.to) ||
+          skin.check(mesh, change) != SkinVerdict::kAllowed)
+        continue;
       skin.apply(mesh, change);
       apply_move(mesh, v, change.to);
       ++report.moves;

@@ -33,6 +33,10 @@ SurfaceRequest read_options(const Request& request) {
   result.options.max_surface_error = result.max_error_m / result.unit_m;
   result.options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", result.options.effort);
+  result.options.boundary_size =
+      take_option<double>(left, "boundary_size", &json::is_number, "a number", result.options.boundary_size);
+  result.options.boundary_flips = take_option<bool>(left, "boundary_flips", &json::is_boolean,
+                                                    "true or false", result.options.boundary_flips);
   result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
                                                         "true or false", result.options.boundary_smoothing);
   result.options.sizing = take_sizing_options(request.keep, left);
@@ -67,6 +71,7 @@ Response run_surface(const Request& request) {
                      {"fusions", 0},
                      {"collapses", report.inner.collapses},
                      {"boundary_collapses", report.surface.collapses},
+                     {"boundary_flips", report.surface.flips},
                      {"boundary_moves", report.surface.moves},
                      {"boundary_faces_in", report.boundary_faces_in},
                      {"boundary_faces_out", report.boundary_faces_out},

@@ -118,7 +118,7 @@ void bm_surface_distance(benchmark::State& state) {
   const SurfaceMesh coarse = build_bean_surface(frequency * 2 / 3);
   for (auto _ : state) {
     const SurfaceDistance distance = measure_surface_distance(coarse, fine);
-    const double gap = std::max(0.01 * distance.lower(), 1e-7 * distance.diagonal);
+    const double gap = std::max(0.001 * distance.lower(), 1e-7 * distance.diagonal);
     if (distance.upper() > distance.lower() + 1.001 * gap) state.SkipWithError("the bracket is too wide");
   }
   set_triangle_rate(state, fine);
