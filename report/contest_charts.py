@@ -6,7 +6,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from chart_style import FAINT, INK, file_name, save
 from contest import NONE, RANKED, short_sweep
 from equal_count import tolerance_of
-from records import figure
+from records import figure, median
 
 MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_quality", "mean quality"),
             ("p1_dihedral_deg", "1st percentile of angles, degrees")]
@@ -51,9 +51,19 @@ def draw_family(ax, family, found):
                 markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
                 markeredgecolor="white" if counts else family.color)
     if len(family.labels) > 1:
-        for place, (label, x, y, _) in enumerate(found):
-            ax.annotate(family.names[label], (x, y), xytext=(0, -6 if place % 2 else 6), textcoords="offset points",
-                        ha="center", va="top" if place % 2 else "bottom", fontsize=7, color=family.color, zorder=7)
+        name_points(ax, family, found)
+
+
+
+def name_points(ax, family, found):
+    """Along a curve numbers above and below in turn; otherwise names, each on the side where the others are not."""
+    middle = median([x for _, x, _, _ in found])
+    for place, (label, x, y, _) in enumerate(found):
+        down, left = place % 2 == 1, x < middle
+        at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
+            (-7 if left else 7, 0), "right" if left else "left", "center")
+        ax.annotate(family.names[label], (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
+                    color=family.color, zorder=7)
 
 
 def time_range(sections, families):
