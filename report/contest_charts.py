@@ -1,6 +1,7 @@
 """Charts of a contest: quality against time."""
 
 import matplotlib.pyplot as plt
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from chart_style import FAINT, INK, file_name, save
@@ -63,7 +64,7 @@ def name_points(ax, family, found):
         at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
             (-7 if left else 7, 0), "right" if left else "left", "center")
         ax.annotate(family.names[label], (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
-                    color=family.color, zorder=7)
+                    color=family.color, zorder=7, path_effects=[withStroke(linewidth=2, foreground="white")])
 
 
 def time_range(sections, families):
