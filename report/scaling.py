@@ -148,8 +148,8 @@ def scaling_text(series):
             f"{last.tets:,.0f}", seconds_text(last.seconds), "" if last.removed_per_s is None else f"{last.removed_per_s:,.0f}",
             "" if last.memory is None else f"{bytes_per_tet(last):,.0f}"]
         rows.append([entry.name, str(sum(bool(size.seconds) for size in entry.sizes)), slope_text(entry.time),
-                     slope_text(entry.memory), *cells, failed])
-    header = ["label", "sizes", "slope of time", "of memory", "largest, tets", "kernel", "tets removed/s", "bytes/tet", "note"]
+                     *cells, failed])
+    header = ["label", "sizes", "slope of time", "largest, tets", "kernel", "tets removed/s", "bytes/tet", "note"]
     return ("Growth with the mesh: time ~ tets^slope, least squares on logarithms [95% interval of the fit]\n\n"
             + align(header, rows))
 
