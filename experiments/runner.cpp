@@ -207,6 +207,7 @@ class Runner {
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
       task.options = c.options;
+      task.keep = contestant.keep;
       task.tuned = tuned_of(index);
       task.threads = threads_;
       task.timeout_s = plan_.run.timeout_s;

@@ -3,25 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/base/error.h"
 #include "core/mesh/medit.h"
+#include "core/simplify/keep_text.h"
 
 namespace palpate::reference {
-namespace {
 
 using nlohmann::json;
-
-/// Removes `key` from `options` and returns its value as T, or `fallback` if it is absent.
-template <typename T>
-T take(json& options, const char* key, bool (json::*is_type)() const noexcept, const char* expected,
-       T fallback) {
-  const auto it = options.find(key);
-  if (it == options.end()) return fallback;
-  if (!((*it).*is_type)()) throw InputError(key, 0, expected, it->dump());
-  T value = it->template get<T>();
-  options.erase(it);
-  return value;
-}
 
 simplify::StopRule read_stop(const json& stop) {
   simplify::StopRule rule;
@@ -40,10 +27,9 @@ simplify::StopRule read_stop(const json& stop) {
   return rule;
 }
 
-}  // namespace
-
 std::size_t take_choice(json& options, const char* key, const std::vector<std::string>& choices) {
-  const std::string value = take<std::string>(options, key, &json::is_string, "a name", choices.front());
+  const std::string value =
+      take_option<std::string>(options, key, &json::is_string, "a name", choices.front());
   const auto it = std::find(choices.begin(), choices.end(), value);
   if (it != choices.end()) return static_cast<std::size_t>(it - choices.begin());
   std::string expected = "one of";
@@ -58,19 +44,28 @@ simplify::SimplifyOptions take_fusion_options(const json& stop, json& options) {
   result.stop = read_stop(stop);
   constexpr std::array kLevels{LevelAdjacency::kVertex, LevelAdjacency::kEdge, LevelAdjacency::kFace};
   result.levels = kLevels[take_choice(options, "levels", {"vertex", "edge", "face"})];
-  result.drop = take<double>(options, "drop", &json::is_number, "a number", result.drop);
+  result.drop = take_option<double>(options, "drop", &json::is_number, "a number", result.drop);
   constexpr std::array kIdeal{IdealVolume::kFixed, IdealVolume::kUpdated};
   result.ideal_volume = kIdeal[take_choice(options, "ideal_volume", {"fixed", "updated"})];
   result.skip_touched =
-      take<bool>(options, "skip_touched", &json::is_boolean, "true or false", result.skip_touched);
+      take_option<bool>(options, "skip_touched", &json::is_boolean, "true or false", result.skip_touched);
   result.last_level =
-      take<int>(options, "last_level", &json::is_number_integer, "a whole number", result.last_level);
+      take_option<int>(options, "last_level", &json::is_number_integer, "a whole number", result.last_level);
   constexpr std::array<simplify::FusionChecks, 4> kChecks{
       {{true, true}, {true, false}, {false, true}, {false, false}}};
   result.checks = kChecks[take_choice(options, "checks", {"all", "flip", "quality", "none"})];
   constexpr std::array kMetrics{simplify::kThesisMetric, simplify::kMeanRatioMetric};
   result.metric = kMetrics[take_choice(options, "metric", {"thesis", "mean_ratio"})];
   return result;
+}
+
+simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, json& options) {
+  simplify::SizingOptions sizing;
+  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_keep_region(region, "keep"));
+  sizing.near_size =
+      take_option<double>(options, "near_size", &json::is_number, "a number", sizing.near_size);
+  sizing.reach = take_option<double>(options, "reach", &json::is_number, "a number", sizing.reach);
+  return sizing;
 }
 
 void require_all_taken(const json& options) {
@@ -102,7 +97,8 @@ Response run_fusion(const Request& request,
                        {"boundary_neighbour", report.rejected.boundary_neighbour},
                        {"quality", report.rejected.quality},
                        {"flip", report.rejected.flip},
-                       {"touched", report.rejected.touched}}}};
+                       {"touched", report.rejected.touched},
+                       {"kept", report.rejected.kept}}}};
   return response;
 }
 

@@ -2,14 +2,35 @@
 // reports.
 #pragma once
 
+#include "core/base/error.h"
 #include "core/simplify/hierarchical.h"
 #include "reference/adapter.h"
 
 namespace palpate::reference {
 
+/// Removes `key` from `options` and returns its value as T, or `fallback` if it is absent. `is_type` is the
+/// test of the JSON value that it must pass. Throws: InputError for another type.
+template <typename T>
+T take_option(nlohmann::json& options, const char* key, bool (nlohmann::json::*is_type)() const noexcept,
+              const char* expected, T fallback) {
+  const auto it = options.find(key);
+  if (it == options.end()) return fallback;
+  if (!((*it).*is_type)()) throw InputError(key, 0, expected, it->dump());
+  T value = it->template get<T>();
+  options.erase(it);
+  return value;
+}
+
+/// Reads "stop" of a request. Throws: InputError for an unknown stop or a value that does not fit.
+simplify::StopRule read_stop(const nlohmann::json& stop);
+
 /// Reads "stop" and the options that the fusion family shares, and removes them from `options`.
 /// Throws: InputError for a wrong type, a value out of range or an unknown stop.
 simplify::SimplifyOptions take_fusion_options(const nlohmann::json& stop, nlohmann::json& options);
+
+/// Reads the regions to keep, and the options "near_size" and "reach", which are removed from `options`.
+/// Throws: InputError for a region or a value that makes no sense.
+simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, nlohmann::json& options);
 
 /// Takes a choice out of `options`: the position of its value in `choices`. Throws: InputError for any other.
 std::size_t take_choice(nlohmann::json& options, const char* key, const std::vector<std::string>& choices);

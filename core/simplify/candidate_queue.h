@@ -77,7 +77,8 @@ enum class State : std::uint8_t {
   kParkedQuality,  ///< its witness would lose too much quality
   kRefusedFlip,    ///< was parked so when its level ended
   kRefusedQuality,
-  kTouched  ///< moved by a fusion, with skip_touched
+  kTouched,  ///< moved by a fusion, with skip_touched
+  kKept      ///< has a vertex that the sizing field keeps
 };
 
 inline bool is_parked(State s) {

@@ -7,39 +7,13 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
+#include "core/simplify/parking.h"
 
 namespace palpate::simplify {
 namespace {
-
-/// Doubly linked lists of the candidates that are parked on each tet.
-struct Parking {
-  std::vector<Index> first;  ///< of the candidates parked on this tet
-  std::vector<Index> next;   ///< of the candidates on the same witness
-  std::vector<Index> previous;
-  std::vector<Index> witness;  ///< of this candidate: the present one, or the last
-
-  explicit Parking(std::size_t tets)
-      : first(tets, kNoIndex), next(tets, kNoIndex), previous(tets, kNoIndex), witness(tets, kNoIndex) {}
-
-  void park(Index candidate, Index on) {
-    witness[candidate] = on;
-    previous[candidate] = kNoIndex;
-    next[candidate] = first[on];
-    if (first[on] != kNoIndex) previous[first[on]] = candidate;
-    first[on] = candidate;
-  }
-
-  void leave(Index candidate) {
-    if (previous[candidate] == kNoIndex) {
-      first[witness[candidate]] = next[candidate];
-    } else {
-      next[previous[candidate]] = next[candidate];
-    }
-    if (next[candidate] != kNoIndex) previous[next[candidate]] = previous[candidate];
-  }
-};
 
 /// What a look at a candidate found.
 struct Verdict {
@@ -49,9 +23,11 @@ struct Verdict {
 
 class Run {
  public:
-  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options, double ideal_volume)
+  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options,
+      const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
         options_(options),
+        growth_(sizing, ideal_volume),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         parking_(mesh.tets.size()),
@@ -60,26 +36,38 @@ class Run {
         total_volume_(ideal_volume * static_cast<double>(mesh.tets.size())),
         drop_cubed_(options.drop * options.drop * options.drop) {}
 
+  /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
+  void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
+    for (Index t = 0; t < mesh_.tets.size(); ++t) {
+      if (has_flagged_vertex(mesh_, t, is_kept)) state_[t] = State::kKept;
+    }
+  }
+
   void simplify(SimplifyReport& report) {
-    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
     report.stop = "limit";
     sort_by_level(report.level_sizes);
-    int level = static_cast<int>(report.level_sizes.size());
-    bool stopped = false;
-    while (--level >= options_.last_level && !stopped) {
-      start_level(static_cast<std::uint16_t>(level));
-      while (true) {
-        if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
-          report.stop = stop;
-          stopped = true;
-          break;
-        }
-        if (!fuse_worst()) break;
-        ++report.fusions;
-      }
-      if (!stopped) end_level();
+    for (int pass = 0; pass <= growth_.passes(); ++pass) {
+      growth_.start_pass(pass);
+      if (!simplify_levels(report)) break;
     }
     count_rejections(report.rejected);
+  }
+
+  /// Fuses level by level. Returns whether all were gone through: false when a stop was reached.
+  bool simplify_levels(SimplifyReport& report) {
+    const std::uint64_t target = target_tet_count(options_.stop, mesh_.tets.size());
+    int level = static_cast<int>(report.level_sizes.size());
+    while (--level >= options_.last_level) {
+      start_level(static_cast<std::uint16_t>(level));
+      do {
+        if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
+          report.stop = stop;
+          return false;
+        }
+      } while (fuse_worst(report));
+      end_level();
+    }
+    return true;
   }
 
   void count_rejections(Rejections& rejected) const {
@@ -91,6 +79,8 @@ class Run {
         ++rejected.boundary_neighbour;
       } else if (state_[t] == State::kTouched) {
         ++rejected.touched;
+      } else if (state_[t] == State::kKept) {
+        ++rejected.kept;
       } else if (state_[t] == State::kParkedFlip || state_[t] == State::kRefusedFlip) {
         ++rejected.flip;
       } else if (state_[t] == State::kParkedQuality || state_[t] == State::kRefusedQuality) {
@@ -120,12 +110,16 @@ class Run {
 
   void start_level(std::uint16_t level) {
     current_level_ = level;
-    for (const Index t : members_of_level()) {
-      if (!mesh_.is_alive(t) || state_[t] == State::kTouched) continue;
-      state_[t] = State::kWaiting;
-      qualities_.ensure(mesh_, t);
-    }
-    queue_.fill(members_of_level());
+    const std::span<const Index> members = members_of_level();
+    for_ranges(members.size(), options_.threads, [&](std::size_t first, std::size_t last, std::size_t) {
+      for (const Index t : members.subspan(first, last - first)) {
+        if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
+        if (!growth_.admits(corners_of(mesh_, t))) continue;
+        state_[t] = State::kWaiting;
+        qualities_.ensure(mesh_, t);
+      }
+    });
+    queue_.fill(members);
   }
 
   /// The level is done with: its candidates leave their witnesses and keep the reason.
@@ -139,7 +133,7 @@ class Run {
   }
 
   /// Fuses the worst candidate that passes the checks. Returns whether there was one.
-  bool fuse_worst() {
+  bool fuse_worst(SimplifyReport& report) {
     while (true) {
       reconsider_for_ideal_volume();
       const Index t = queue_.pop_worst();
@@ -147,6 +141,7 @@ class Run {
       const Verdict verdict = examine(t);
       if (verdict.state == State::kIdle) {
         fuse();
+        ++report.fusions;
         return true;
       }
       state_[t] = verdict.state;
@@ -215,11 +210,13 @@ class Run {
       const Index t = plan_.moved[i].tet;
       qualities_.set(t, plan_.figures[i]);
       if (is_parked(state_[t])) parking_.leave(t);
+      if (state_[t] == State::kKept) continue;
       if (options_.skip_touched) {
         state_[t] = State::kTouched;
       } else if (level_[t] == current_level_) {
-        state_[t] = State::kWaiting;
-        queue_.push(t);
+        const bool waits = growth_.admits(corners_of(mesh_, t));
+        state_[t] = waits ? State::kWaiting : State::kIdle;
+        if (waits) queue_.push(t);
       }
     }
     for (const MovedTet& m : plan_.moved) wake_parked_on(m.tet);
@@ -269,6 +266,7 @@ class Run {
 
   FusionMesh& mesh_;
   const SimplifyOptions& options_;
+  GrowthBound growth_;
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   Parking parking_;
@@ -307,6 +305,7 @@ void validate_options(const SimplifyOptions& options) {
   }
   if (options.last_level < 1)
     throw InputError("last_level", 0, "1 or more", std::to_string(options.last_level));
+  if (options.threads < 1) throw InputError("threads", 0, "1 or more", std::to_string(options.threads));
   const StopRule& stop = options.stop;
   if (stop.ratio && !(*stop.ratio >= 0.0 && *stop.ratio < 1.0)) {
     throw InputError("ratio", 0, "a share from 0 up to, not including, 1", std::to_string(*stop.ratio));
@@ -321,12 +320,15 @@ SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& optio
   report.tets_in = mesh.tets.size();
 
   const double ideal_volume = mean_tet_volume(mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage);
+  const SizingField sizing(options.sizing, mesh);
+  const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.threads);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage, options.threads);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
   report.level_sizes = count_levels(level);
   {
-    Run run(work, std::move(level), options, ideal_volume);
+    Run run(work, std::move(level), options, sizing, ideal_volume);
+    if (!is_kept.empty()) run.keep_vertices(is_kept);
     run.simplify(report);
   }
   mesh = extract_mesh(std::move(work));

@@ -10,6 +10,7 @@
 #include "core/simplify/fusion.h"
 #include "core/simplify/levels.h"
 #include "core/simplify/quality.h"
+#include "core/simplify/sizing.h"
 
 namespace palpate::simplify {
 
@@ -41,7 +42,9 @@ struct SimplifyOptions {
   FusionChecks checks;
   QualityMetric metric = kThesisMetric;
   StopRule stop;
+  SizingOptions sizing;  ///< what is kept, and how sizes grade from there; nothing by default
   StorageOrder storage = StorageOrder::kSpatial;
+  int threads = 1;  ///< the result does not depend on it
 };
 
 /// The tets that are left, by the check that keeps each of them from being fused: as found when its level
@@ -53,6 +56,7 @@ struct Rejections {
   std::uint64_t quality = 0;             ///< check 3
   std::uint64_t flip = 0;                ///< check 4
   std::uint64_t touched = 0;             ///< with skip_touched
+  std::uint64_t kept = 0;                ///< kept by the sizing field, or with a vertex of such a tet
 };
 
 struct SimplifyReport {
@@ -85,6 +89,10 @@ void validate_options(const SimplifyOptions& options);
 /// again only when the witness or the candidate itself changes. That gives the same mesh, to the byte, as
 /// scanning all candidates anew after each fusion. About k log n for k looks at candidates; at most 100 bytes
 /// a tet with the mesh.
+///
+/// With regions to keep (options.sizing), a tet that has a vertex of a kept tet is never fused, so that kept
+/// tets stay as they are, to the bit. Elsewhere tets grow as the field has it: the levels are gone through in
+/// several passes under a rising bound (GrowthBound), the last time without one.
 ///
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done. A mesh without a candidate is left as it is: stop "limit", 0 fusions.

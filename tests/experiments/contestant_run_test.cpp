@@ -180,6 +180,21 @@ TEST(Contestant, OptionsAreTypedAndComplete) {
   EXPECT_EQ(options.size(), method.options.size());
 }
 
+TEST(Contestant, AMethodThatKeepsRegionsHasTheirOptions) {
+  const test::ExperimentFixture fixture;
+  const MethodSpec& keeper = *fixture.registry().find("test.keep")->method;
+  EXPECT_TRUE(keeper.keeps);
+  EXPECT_EQ(resolve_options(keeper, {}).at("near_size"), 0.5);
+  EXPECT_EQ(resolve_options(keeper, {{"reach", {"2.5", "--set"}}}).at("reach"), 2.5);
+  const MethodSpec& other = *fixture.registry().find("test.copy")->method;
+  EXPECT_FALSE(other.keeps);
+  EXPECT_EQ(other.find_option("near_size"), nullptr);
+  EXPECT_THAT(
+      description_error("  - {name: a, summary: s, stops: [limit], keep: true, options: [{name: reach, "
+                        "type: number, default: 1, help: h}]}"),
+      HasSubstr("option \"reach\" twice"));
+}
+
 TEST(Contestant, SameMethodTwiceIsRefused) {
   const auto file = std::filesystem::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml";
   const Contestant once = read_contestant(file, PALPATE_BIN_DIR);

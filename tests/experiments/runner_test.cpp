@@ -98,6 +98,35 @@ TEST(Runner, OutcomesOfBadContestants) {
   EXPECT_EQ(records.at("cube/crash")[0].at("null_reasons").at("kernel_s"), "crashed");
 }
 
+TEST(Runner, ABrokenPromiseToKeepARegionIsAViolation) {
+  const test::ExperimentFixture fixture;
+  // 384 tets in [0, 1]^3; half_space 0 0 -1 -0.9 is z >= 0.9, the top layer of 96.
+  const std::string region = "keep: [half_space 0 0 -1 -0.9]";
+  const auto plan = fixture.add_plan("\n  - {method: test.keep, label: keeps, " + region +
+                                         "}\n  - {method: test.keep, label: breaks, " + region +
+                                         ", set: {behave: drop_tet}}\n  - {method: test.copy, label: free}",
+                                     "region: [half_space 0 0 1 0.1]\naccept: {kept_tets_changed: {max: 0}, "
+                                     "region_tets: {min: 96, max: 96}}\n");
+  run_quietly(fixture, plan, fixture.folder() / "run");
+  const auto records = records_by_case(fixture.folder() / "run");
+  const json& keeps = records.at("cube/keeps").front();
+  EXPECT_EQ(keeps.at("outcome"), "accepted") << keeps.dump();
+  EXPECT_EQ(keeps.at("keep"), json({"half_space 0 0 -1 -0.9"}));
+  EXPECT_EQ(keeps.at("judge").at("kept_tets"), 96);
+  EXPECT_EQ(keeps.at("judge").at("kept_tets_changed"), 0);
+  const json& breaks = records.at("cube/breaks").front();
+  EXPECT_EQ(breaks.at("outcome"), "rejected");
+  EXPECT_EQ(breaks.at("judge").at("kept_tets_changed"), 1);
+  EXPECT_THAT(breaks.at("violations").dump(), HasSubstr("kept_tets_changed is 1, at most 0 is accepted"));
+  const json& free = records.at("cube/free").front();
+  EXPECT_EQ(free.at("outcome"), "accepted");
+  EXPECT_EQ(free.at("judge").at("kept_tets"), 0);
+  EXPECT_EQ(free.at("judge").at("region_tets"), 96);
+  EXPECT_EQ(records.at("cube/input").front().at("judge").at("region_tets"), 96);
+  const json provenance = json::parse(test::bytes_of(fixture.folder() / "run/provenance.json"));
+  EXPECT_THAT(provenance.at("plan_data").dump(), HasSubstr("half_space 0 0 -1 -0.9"));
+}
+
 TEST(Runner, OptionalContestantDoesNotDecide) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -117,6 +118,121 @@ TEST(Hierarchical, StorageOrderDoesNotShow) {
   }
 }
 
+KeepRegion sphere_at(const Vec3& center, double radius) {
+  return {.kind = KeepRegion::Kind::kSphere, .center = center, .radius = radius};
+}
+
+TEST(Hierarchical, SameBytesAsTheNaiveRescanWithRegionsToKeep) {
+  for (const Case& c : small_meshes()) {
+    for (const bool skip_touched : {false, true}) {
+      for (const IdealVolume ideal : {IdealVolume::kFixed, IdealVolume::kUpdated}) {
+        SimplifyOptions options;
+        options.skip_touched = skip_touched;
+        options.ideal_volume = ideal;
+        options.sizing.keep = {sphere_at({0.5, 0.4, 0.3}, 0.15)};
+        options.sizing.near_size = 0.4;
+        options.sizing.reach = 0.5;
+        expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere");
+        options.stop.ratio = 0.05;
+        expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere, stopped");
+        options.sizing.near_size = 1.0;
+        expect_same_as_naive(c.mesh, options, std::string(c.name) + " with a sphere, nothing graded");
+      }
+    }
+  }
+}
+
+/// The tets of a mesh as sorted lists of points, each point as its coordinates.
+std::set<std::vector<std::array<double, 3>>> tets_by_points(const TetMesh& mesh,
+                                                            const std::vector<std::uint8_t>& chosen) {
+  std::set<std::vector<std::array<double, 3>>> all;
+  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+    if (chosen[t] == 0) continue;
+    std::vector<std::array<double, 3>> points;
+    for (const Index v : mesh.tets[t])
+      points.push_back({mesh.points[v].x, mesh.points[v].y, mesh.points[v].z});
+    std::sort(points.begin(), points.end());
+    all.insert(points);
+  }
+  return all;
+}
+
+TEST(Hierarchical, KeptTetsAreInTheOutputToTheBit) {
+  const TetMesh input = build_kuhn_cube(14, 0.3, 6);
+  SimplifyOptions options;
+  options.sizing.keep = {
+      sphere_at({0.5, 0.5, 0.6}, 0.1),
+      {.kind = KeepRegion::Kind::kHalfSpace, .normal = {0, 0, 1}, .offset = 0.2},
+      {.kind = KeepRegion::Kind::kSurfacePatch, .center = {1, 0.5, 0.5}, .radius = 0.2, .depth = 0.25}};
+  const SizingField field(options.sizing, input);
+  const std::vector<std::uint8_t> kept = build_kept_tets(field, input);
+  TetMesh output = input;
+  const SimplifyReport report = simplify_hierarchical(output, options);
+  EXPECT_GT(report.fusions, 50U);
+  EXPECT_GT(report.rejected.kept, 0U);
+  const auto wanted = tets_by_points(input, kept);
+  const auto found = tets_by_points(output, std::vector<std::uint8_t>(output.tets.size(), 1));
+  EXPECT_GT(wanted.size(), 1000U);
+  EXPECT_TRUE(std::includes(found.begin(), found.end(), wanted.begin(), wanted.end()));
+  TetMesh uniform = input;
+  simplify_hierarchical(uniform, {});
+  const auto others = tets_by_points(uniform, std::vector<std::uint8_t>(uniform.tets.size(), 1));
+  EXPECT_FALSE(std::includes(others.begin(), others.end(), wanted.begin(), wanted.end()));
+}
+
+TEST(Hierarchical, TetsAreSmallerNearWhatIsKept) {
+  const TetMesh input = build_kuhn_cube(20, 0.2, 1);
+  const Vec3 center{0.5, 0.5, 0.5};
+  SimplifyOptions options;
+  options.stop.ratio = 0.3;
+  const auto tets_around = [&](double near_size) {
+    TetMesh output = input;
+    options.sizing.keep = {sphere_at(center, 0.05)};
+    options.sizing.near_size = near_size;
+    options.sizing.reach = 0.3;
+    simplify_hierarchical(output, options);
+    return std::count_if(output.tets.begin(), output.tets.end(), [&](const Tet& t) {
+      const Vec3 middle =
+          0.25 * (output.points[t[0]] + output.points[t[1]] + output.points[t[2]] + output.points[t[3]]);
+      return length(middle - center) < 0.2;
+    });
+  };
+  // The same count of tets in all, more of them within 0.2 of the middle the smaller they are to be there.
+  EXPECT_GT(tets_around(0.5), tets_around(0.8));
+  EXPECT_GT(tets_around(0.8), tets_around(1.0));
+}
+
+TEST(Hierarchical, NothingIsFusedWhereAllIsKept) {
+  const TetMesh input = build_kuhn_cube(9, 0.3, 3);
+  SimplifyOptions options;
+  options.sizing.keep = {sphere_at({0.5, 0.5, 0.5}, 2.0)};
+  TetMesh output = input;
+  const SimplifyReport report = simplify_hierarchical(output, options);
+  EXPECT_EQ(output, input);
+  EXPECT_EQ(report.fusions, 0U);
+  EXPECT_EQ(report.stop, "limit");
+}
+
+TEST(Hierarchical, ThreadsDoNotShow) {
+  const TetMesh input = build_kuhn_cube(20, 0.35, 9);  // 48,000 tets: enough for ranges of their own
+  for (const bool graded : {false, true}) {
+    for (const StorageOrder storage : {StorageOrder::kSpatial, StorageOrder::kInput}) {
+      TetMesh expected;
+      for (const int threads : {1, 2, 3}) {
+        SimplifyOptions options;
+        options.storage = storage;
+        options.threads = threads;
+        options.stop.ratio = 0.4;
+        if (graded) options.sizing.keep = {sphere_at({0.5, 0.5, 0.5}, 0.1)};
+        TetMesh output = input;
+        simplify_hierarchical(output, options);
+        if (threads == 1) expected = output;
+        EXPECT_EQ(output, expected) << threads << " threads";
+      }
+    }
+  }
+}
+
 TEST(Hierarchical, KeepsBoundaryVolumeAndOrientation) {
   const TetMesh input = build_kuhn_cube(12, 0.4, 2);
   TetMesh output = input;
@@ -210,6 +326,7 @@ TEST(Hierarchical, RefusesImpossibleOptions) {
   EXPECT_THROW(run([](SimplifyOptions& o) { o.stop.ratio = std::nan(""); }), InputError);
   EXPECT_THROW(run([](SimplifyOptions& o) { o.stop.tets = 0; }), InputError);
   EXPECT_THROW(run([](SimplifyOptions& o) { o.last_level = 0; }), InputError);
+  EXPECT_THROW(run([](SimplifyOptions& o) { o.threads = 0; }), InputError);
 }
 
 TEST(Hierarchical, RejectionsAddUpToTheTetsThatAreLeft) {
@@ -222,7 +339,7 @@ TEST(Hierarchical, RejectionsAddUpToTheTetsThatAreLeft) {
   EXPECT_GT(r.rejected.quality, 0U);
   EXPECT_GT(r.rejected.touched, 0U);
   EXPECT_EQ(r.rejected.boundary + r.rejected.boundary_neighbour + r.rejected.quality + r.rejected.flip +
-                r.rejected.touched,
+                r.rejected.touched + r.rejected.kept,
             mesh.tets.size());
 }
 

@@ -22,7 +22,13 @@ int count_shared(const Tet& a, const Tet& b) {
 class Naive {
  public:
   Naive(const TetMesh& mesh, const SimplifyOptions& options)
-      : mesh_(mesh), options_(options), alive_(mesh.tets.size(), true), touched_(mesh.tets.size(), false) {
+      : mesh_(mesh),
+        options_(options),
+        sizing_(options.sizing, mesh),
+        kept_(simplify::build_kept_vertices(simplify::build_kept_tets(sizing_, mesh), mesh)),
+        alive_(mesh.tets.size(), true),
+        touched_(mesh.tets.size(), false) {
+    kept_.resize(mesh.points.size());
     tets_of_.resize(mesh.points.size());
     for (Index t = 0; t < mesh.tets.size(); ++t) {
       for (const Index v : mesh.tets[t]) tets_of_[v].insert(t);
@@ -35,21 +41,16 @@ class Naive {
 
   NaiveReport run() {
     NaiveReport report;
-    const std::uint64_t target = simplify::target_tet_count(options_.stop, mesh_.tets.size());
-    const int highest = *std::max_element(level_.begin(), level_.end());
-    for (int level = highest; level >= options_.last_level; --level) {
-      while (true) {
-        const bool stop =
-            (options_.stop.fusions && report.fusions >= *options_.stop.fusions) || count_ <= target;
-        if (stop) return report;
-        const Index worst = find_worst(level);
-        if (worst == kNoIndex) break;
-        fuse(worst);
-        ++report.fusions;
-      }
+    const double mean_volume = ideal_volume_;
+    for (int pass = 0; pass < (sizing_.near_size() == 1.0 ? 0 : 8); ++pass) {
+      largest_far_ = mean_volume * static_cast<double>(1U << static_cast<unsigned>(pass));
+      if (!run_levels(report)) return report;
     }
+    largest_far_ = 0.0;
+    if (!run_levels(report)) return report;
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      report.refused += static_cast<std::uint64_t>(alive_[t] && level_[t] >= options_.last_level);
+      report.refused +=
+          static_cast<std::uint64_t>(alive_[t] && level_[t] >= options_.last_level && !has_kept_vertex(t));
     }
     return report;
   }
@@ -73,6 +74,38 @@ class Naive {
   }
 
  private:
+  /// All levels once. Returns whether it went to the end.
+  bool run_levels(NaiveReport& report) {
+    const std::uint64_t target = simplify::target_tet_count(options_.stop, mesh_.tets.size());
+    const int highest = *std::max_element(level_.begin(), level_.end());
+    for (int level = highest; level >= options_.last_level; --level) {
+      while (true) {
+        const bool stop =
+            (options_.stop.fusions && report.fusions >= *options_.stop.fusions) || count_ <= target;
+        if (stop) return false;
+        const Index worst = find_worst(level);
+        if (worst == kNoIndex) break;
+        fuse(worst);
+        ++report.fusions;
+      }
+    }
+    return true;
+  }
+
+  bool has_kept_vertex(Index t) const {
+    return std::any_of(mesh_.tets[t].begin(), mesh_.tets[t].end(), [&](Index v) { return kept_[v] != 0; });
+  }
+
+  /// Smaller than the sizing field lets it grow in this pass? Always, without a bound.
+  bool may_grow(Index t) const {
+    if (largest_far_ == 0.0) return true;
+    const Tet& v = mesh_.tets[t];
+    const double volume =
+        signed_volume(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]);
+    const double size = sizing_.relative_size(barycenter(t));
+    return volume < size * size * size * largest_far_;
+  }
+
   void find_levels() {
     std::map<std::set<Index>, int> face_count;
     for (const Tet& t : mesh_.tets) {
@@ -153,6 +186,7 @@ class Naive {
     double worst_key = 0.0;
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
       if (!alive_[t] || level_[t] != level || (options_.skip_touched && touched_[t])) continue;
+      if (has_kept_vertex(t) || !may_grow(t)) continue;
       const double own = key(measure(mesh_.tets[t], kNoIndex, {}));
       if (worst != kNoIndex && own >= worst_key) continue;
       if (!is_suitable(t)) continue;
@@ -191,6 +225,9 @@ class Naive {
 
   TetMesh mesh_;
   SimplifyOptions options_;
+  simplify::SizingField sizing_;
+  std::vector<std::uint8_t> kept_;
+  double largest_far_ = 0.0;  ///< 0: no bound
   std::vector<bool> alive_;
   std::vector<bool> touched_;
   std::vector<std::set<Index>> tets_of_;

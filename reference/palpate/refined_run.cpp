@@ -1,0 +1,63 @@
+// palpate.refined at the door.
+#include <chrono>
+
+#include "core/mesh/medit.h"
+#include "core/simplify/refined.h"
+#include "reference/fusion_options.h"
+#include "reference/palpate/methods.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+bool take_switch(json& options, const char* key, bool fallback) {
+  return take_option<bool>(options, key, &json::is_boolean, "true or false", fallback);
+}
+
+simplify::RefinedOptions read_options(const Request& request) {
+  json left = request.options;
+  simplify::RefinedOptions options;
+  options.stop = read_stop(request.stop);
+  options.effort =
+      take_option<int>(left, "effort", &json::is_number_integer, "a whole number", options.effort);
+  constexpr std::array kPlacements{simplify::CollapsePlacement::kBest,
+                                   simplify::CollapsePlacement::kMidpoint};
+  options.collapse_placement = kPlacements[take_choice(left, "collapse_placement", {"best", "midpoint"})];
+  options.smoothing = take_switch(left, "smoothing", options.smoothing);
+  options.edge_removal = take_switch(left, "edge_removal", options.edge_removal);
+  options.face_removal = take_switch(left, "face_removal", options.face_removal);
+  options.sizing = take_sizing_options(request.keep, left);
+  require_all_taken(left);
+  simplify::validate_options(options);
+  return options;
+}
+
+}  // namespace
+
+Response run_refined(const Request& request) {
+  const simplify::RefinedOptions options = read_options(request);
+  MeditFile file = read_medit(request.input);
+  Response response;
+  response.notes = std::move(file.notes);
+  const auto start = std::chrono::steady_clock::now();
+  const simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_medit(request.output, file.mesh);
+  response.report = {
+      {"method", request.method},
+      {"vertices_in", report.vertices_in},
+      {"vertices_out", report.vertices_out},
+      {"tets_in", report.tets_in},
+      {"tets_out", report.tets_out},
+      {"fusions", 0},
+      {"collapses", report.collapses},
+      {"moves", report.moves},
+      {"edges_removed", report.edges_removed},
+      {"faces_removed", report.faces_removed},
+      {"stop", report.stop},
+      {"rejected", {{"link", report.rejected.rejected_link}, {"shape", report.rejected.rejected_shape}}}};
+  return response;
+}
+
+}  // namespace palpate::reference
