@@ -134,9 +134,10 @@ PALPATE_WIDER_TOO void find_extremes(std::size_t end, Work& work) {
 /// thesis_shape; the least solid angle is at most 0.5513 sr, so its half's tangent at most 0.2829.
 PALPATE_WIDER_TOO void find_thesis_shape(std::size_t end, Work& work) {
   constexpr double kTwiceOverIdeal = 2.0 / 0.55;
+  constexpr double kTiny = std::numeric_limits<double>::min();  // a tet that is one point has no quotient
   for (std::size_t i = 0; i < end; ++i) {
-    work.largest[i] = work.six_volume[i] / work.largest[i];
-    work.shape[i] = kTwiceOverIdeal * (work.shortest[i] / work.longest[i]);
+    work.largest[i] = work.six_volume[i] / (work.largest[i] + kTiny);
+    work.shape[i] = kTwiceOverIdeal * (work.shortest[i] / (work.longest[i] + kTiny));
   }
   for (std::size_t i = 0; i < end; ++i) work.largest[i] = larger(0.0, smaller(0.3, work.largest[i]));
   for (std::size_t i = 0; i < end; ++i) {
