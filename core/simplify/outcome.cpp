@@ -224,8 +224,8 @@ SimplifyReport simplify_by_outcome(TetMesh& mesh, const OutcomeOptions& options)
   const double ideal_volume = mean_tet_volume(mesh);
   const SizingField sizing(options.common.sizing, mesh);
   const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.common.threads);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage, options.common.threads);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.common.levels);
   report.level_sizes = count_levels(level);
   {
