@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/mesh/orientation.h"
-
 // The loops are compiled a second time for wider vectors, chosen when the program starts. All operations are
 // those of IEEE 754, uncontracted, so both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(PALPATE_SANITIZED)
@@ -206,11 +204,6 @@ void measure_batch(const QualityMetric& metric, double ideal_volume, TetBatch& b
   const double volume_scale =
       metric.has_volume_factor ? 1.0 / (6.0 * ideal_volume) : std::numeric_limits<double>::max();
   find_quality(volume_scale, end, work, batch);
-}
-
-bool is_positive(const TetBatch& batch, std::size_t i) {
-  if (batch.margin[i] > 0.0) return true;
-  return orientation(batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)) > 0;
 }
 
 }  // namespace palpate::simplify
