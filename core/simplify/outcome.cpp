@@ -17,9 +17,9 @@ class OutcomeRun {
   OutcomeRun(FusionMesh& mesh, std::vector<std::uint16_t> level, const std::vector<std::uint8_t>& is_kept,
              const OutcomeOptions& options, const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
+        growth_(sizing, ideal_volume),
         options_(options.common),
         many_passes_(options.many_passes && options.common.skip_touched),
-        growth_(sizing, ideal_volume),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         is_weighed_(mesh.tets.size(), 0),
@@ -32,30 +32,36 @@ class OutcomeRun {
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
-    for (int pass = 0; pass < growth_.passes(); ++pass) {
-      growth_.start_pass(pass);
-      if (!run_pass(report)) return count_rejections(report.rejected);
+    for (int grading = 0; grading <= growth_.passes(); ++grading) {
+      growth_.start_pass(grading);
+      if (!fuse_all(report)) break;
     }
-    growth_.start_pass(growth_.passes());
-    std::uint64_t fusions_before = 0;
-    do {
-      fusions_before = report.fusions;
-    } while (run_pass(report) && many_passes_ && report.fusions > fusions_before);
     count_rejections(report.rejected);
   }
 
  private:
   static constexpr double kBeforeAll = -std::numeric_limits<double>::infinity();
 
-  /// Fuses until no candidate is left. Returns false if a stop was reached before.
+  /// Fuses, in one pass or many, until no candidate is left. Returns false when a stop was reached first.
+  bool fuse_all(SimplifyReport& report) {
+    std::uint64_t fusions_before = 0;
+    do {
+      fusions_before = report.fusions;
+      if (!run_pass(report)) return false;
+    } while (many_passes_ && report.fusions > fusions_before);
+    return true;
+  }
+
+  /// Fuses until no candidate is left. Returns false when a stop was reached first.
   bool run_pass(SimplifyReport& report) {
     const std::uint64_t target = target_tet_count(options_.stop, report.tets_in);
-    if (reached_stop(options_.stop, target, report.fusions, mesh_.alive) == nullptr) fill_queue();
+    bool is_filled = false;
     do {
       if (const char* stop = reached_stop(options_.stop, target, report.fusions, mesh_.alive)) {
         report.stop = stop;
         return false;
       }
+      if (!std::exchange(is_filled, true)) fill_queue();
     } while (fuse_cheapest(report));
     return true;
   }
@@ -186,9 +192,9 @@ class OutcomeRun {
   }
 
   FusionMesh& mesh_;
+  GrowthBound growth_;
   const SimplifyOptions& options_;
   bool many_passes_;
-  GrowthBound growth_;
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   std::vector<std::uint8_t> is_weighed_;  ///< of those that wait: its cost is known and up to date

@@ -42,8 +42,8 @@ struct OutcomeOptions {
 /// its sum. One that fails a check is parked on the moved tet that failed it, its witness, and weighed again,
 /// lazily, when that changes.
 ///
-/// With regions to keep (common.sizing), tets are kept and sizes are graded as by simplify_hierarchical: the
-/// first GrowthBound::passes() passes have only candidates smaller than the field lets them grow.
+/// With regions to keep (common.sizing), a tet that has a vertex of a kept tet is no candidate. Elsewhere the
+/// whole is done in several passes under a rising bound on what may grow (GrowthBound), the last one without.
 ///
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done; `rejected` counts the tets that are left, by what kept them when last looked at.

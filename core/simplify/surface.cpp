@@ -144,6 +144,9 @@ void validate_options(const SurfaceOptions& options) {
     throw InputError("max_surface_error", 0, "a finite number that is not negative",
                      std::to_string(options.max_surface_error));
   }
+  if (!(options.boundary_size > 0.0 && std::isfinite(options.boundary_size))) {
+    throw InputError("boundary_size", 0, "a number above 0", std::to_string(options.boundary_size));
+  }
 }
 
 SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {

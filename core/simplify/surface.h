@@ -36,8 +36,8 @@ struct SurfaceRunReport {
   CollapseReport inner;
 };
 
-/// Throws: InputError for a ratio outside [0, 1), a bound that is negative or not finite, an effort out of
-/// range, or a stop by fusions.
+/// Throws: InputError for a ratio outside [0, 1), a bound that is negative or not finite, a boundary_size
+/// that is not above 0, an effort out of range, or a stop by fusions.
 void validate_options(const SurfaceOptions& options);
 
 /// Simplifies a mesh. Every tet stays positive by exact orientation, mesh and boundary stay manifolds of the

@@ -213,7 +213,7 @@ class BoundaryCollapser {
 
   bool is_well_shaped(const Vec3& place) const {
     const double worst = cone_.evaluate(scale_, place, options_.least_score).worst;
-    return worst > options_.least_score && (worst >= kSafeScore || cone_.is_positive_exactly(place));
+    return worst > options_.least_score && cone_.is_positive_exactly(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -323,7 +323,7 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
     for (const double step : {1.0, 0.4}) {
       change.to = (1.0 - step) * from + step * target;
       const ConeFigures then = cone.evaluate(scale, change.to, -1.0);
-      if (then.worst <= kSafeScore || then.worst < kWorthAMove * now.worst ||
+      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive_exactly(change.to) ||
           skin.check(mesh, change) != SkinVerdict::kAllowed)
         continue;
       skin.apply(mesh, change);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/mesh/orientation.h"
 #include "core/simplify/edge_removal.h"
 
 namespace palpate::simplify {
@@ -127,11 +128,15 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   if (worst >= threshold) return false;
   if (fan.size > 1) {
     const double best = best_triangulation(fan);
-    if (best <= kSafeScore || best <= kGrowth * worst) return false;
+    if (!(best > 0.0 && best > kGrowth * worst)) return false;
   }
-  if (!is_permitted(fan)) return false;
   fresh_.clear();
   list_tets(fan, 0, fan.size);
+  const auto is_positive = [&](const Tet& t) {
+    const std::vector<Vec3>& p = mesh_.points;
+    return orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) > 0;
+  };
+  if (!std::all_of(fresh_.begin(), fresh_.end(), is_positive) || !is_permitted(fan)) return false;
   skin_.apply(mesh_, change_);
   apply_flip(mesh_, std::span<const Index>(fan.tets.data(), fan.size), fresh_, added_);
   return true;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 
@@ -39,31 +38,18 @@ class Naive {
     level_ = simplify::build_levels(work, build_boundary_vertex_flags(mesh), options.common.levels);
     double sum = 0.0;
     for (const Tet& t : mesh.tets) sum += quality(t, kNoIndex, {}).value();
-    mean_quality_ = std::nearbyint(sum / static_cast<double>(count_) * 0x1p36) / 0x1p36;
+    mean_quality_ = on_grid(sum / static_cast<double>(count_));
   }
 
   std::uint64_t run() {
-    const simplify::StopRule& stop = options_.common.stop;
-    const std::uint64_t target = simplify::target_tet_count(stop, mesh_.tets.size());
-    const int grading_passes = sizing_.near_size() == 1.0 ? 0 : 8;
     std::uint64_t fusions = 0;
-    bool is_first = true;
-    for (int pass = 0;; ++pass) {
-      const bool is_graded = pass < grading_passes;
-      largest_far_ = is_graded ? std::ldexp(ideal_volume_, pass) : std::numeric_limits<double>::infinity();
-      if (options_.many_passes && !is_first) touched_.assign(touched_.size(), false);
-      is_first = false;
-      const std::uint64_t before = fusions;
-      while (true) {
-        if ((stop.fusions && fusions >= *stop.fusions) || count_ <= target) return fusions;
-        const Index cheapest = find_cheapest();
-        if (cheapest == kNoIndex) break;
-        fuse(cheapest);
-        ++fusions;
-      }
-      const bool goes_on = options_.common.skip_touched && options_.many_passes && fusions > before;
-      if (!is_graded && !goes_on) return fusions;
+    for (int pass = 0; pass < (sizing_.near_size() == 1.0 ? 0 : 8); ++pass) {
+      largest_far_ = ideal_volume_ * static_cast<double>(1U << static_cast<unsigned>(pass));
+      fuse_all(fusions);
     }
+    largest_far_ = 0.0;
+    fuse_all(fusions);
+    return fusions;
   }
 
   /// Alive tets in their order, and the vertices they use in theirs.
@@ -85,6 +71,41 @@ class Naive {
   }
 
  private:
+  void fuse_all(std::uint64_t& fusions) {
+    const std::uint64_t target = simplify::target_tet_count(options_.common.stop, mesh_.tets.size());
+    std::uint64_t at_start_of_pass = fusions;
+    const bool clears_marks = options_.common.skip_touched && options_.many_passes;
+    if (clears_marks) touched_.assign(touched_.size(), false);
+    while (!(options_.common.stop.fusions && fusions >= *options_.common.stop.fusions) && count_ > target) {
+      const Index cheapest = find_cheapest();
+      if (cheapest != kNoIndex) {
+        fuse(cheapest);
+        ++fusions;
+      } else if (clears_marks && fusions > at_start_of_pass) {
+        touched_.assign(touched_.size(), false);
+        at_start_of_pass = fusions;
+      } else {
+        break;
+      }
+    }
+  }
+
+  bool has_kept_vertex(Index t) const {
+    return std::any_of(mesh_.tets[t].begin(), mesh_.tets[t].end(), [&](Index v) { return kept_[v] != 0; });
+  }
+
+  /// Smaller than the sizing field lets it grow in this pass? Always, without a bound.
+  bool may_grow(Index t) const {
+    if (largest_far_ == 0.0) return true;
+    const Tet& v = mesh_.tets[t];
+    const double volume =
+        signed_volume(mesh_.points[v[0]], mesh_.points[v[1]], mesh_.points[v[2]], mesh_.points[v[3]]);
+    const double size = sizing_.relative_size(barycenter(t));
+    return volume < size * size * size * largest_far_;
+  }
+
+  static double on_grid(double q) { return std::nearbyint(q * 0x1p36) / 0x1p36; }
+
   /// Nothing if the tet is not positive once `from` has moved to `to`.
   std::optional<double> quality(const Tet& t, Index from, const Vec3& to) const {
     std::array<Vec3, 4> p;
@@ -135,23 +156,13 @@ class Naive {
     return lost / removed;
   }
 
-  bool is_candidate(Index t) const {
-    const Tet& tet = mesh_.tets[t];
-    if (!alive_[t] || level_[t] == simplify::kNoLevel || level_[t] < options_.common.last_level) return false;
-    if (options_.common.skip_touched && touched_[t]) return false;
-    if (std::any_of(tet.begin(), tet.end(), [&](Index v) { return kept_[v] != 0; })) return false;
-    if (largest_far_ == std::numeric_limits<double>::infinity()) return true;
-    const double size = sizing_.relative_size(barycenter(t));
-    const double volume =
-        signed_volume(mesh_.points[tet[0]], mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]);
-    return volume < size * size * size * largest_far_;
-  }
-
   Index find_cheapest() const {
     Index cheapest = kNoIndex;
     double least = 0.0;
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (!is_candidate(t)) continue;
+      if (!alive_[t] || level_[t] == simplify::kNoLevel || level_[t] < options_.common.last_level) continue;
+      if (options_.common.skip_touched && touched_[t]) continue;
+      if (has_kept_vertex(t) || !may_grow(t)) continue;
       const std::optional<double> own = cost(t);
       if (!own || (cheapest != kNoIndex && *own >= least)) continue;
       cheapest = t;
@@ -190,7 +201,7 @@ class Naive {
   OutcomeOptions options_;
   simplify::SizingField sizing_;
   std::vector<std::uint8_t> kept_;
-  double largest_far_ = 0.0;
+  double largest_far_ = 0.0;  ///< 0: no bound
   std::vector<bool> alive_;
   std::vector<bool> touched_;
   std::vector<std::set<Index>> tets_of_;
