@@ -16,6 +16,7 @@
 #include "core/judge/judge.h"
 #include "core/judge/surface.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/orientation.h"
 #include "core/mesh/shapes.h"
 #include "core/simplify/edge_removal.h"
 #include "core/simplify/outcome.h"
@@ -75,6 +76,8 @@ void expect_sound(const TetMesh& output, const TetMesh& input, bool same_boundar
     EXPECT_EQ(comparison.boundary_changed_faces, 0U);
     // The same body: n volumes, each rounded to some 2^-50 of the largest product in it.
     EXPECT_LE(comparison.volume_drift_relative, 1e-9);
+  } else if (judge::count_self_intersections(judge::build_boundary(input)) == 0) {
+    EXPECT_EQ(judge::count_self_intersections(judge::build_boundary(output)), 0U);
   }
 }
 
@@ -204,6 +207,7 @@ TEST(Audit, EveryMethodOnEveryHardMeshEndsValidOrRefuses) {
   }
   print("hard meshes", done);
   EXPECT_GT(done.fusions, 0U);
+  EXPECT_GT(done.collapses, 0U);
   EXPECT_GT(done.flips, 0U);
 }
 
@@ -227,11 +231,50 @@ TEST(Audit, RunsThatStopAtRandomLeaveValidMeshes) {
   print("runs", done);
 }
 
+/// Fuses t if no vertex of it is on the boundary and no moved tet would turn over. Returns whether it did.
+bool fuse_if_positive(FusionMesh& mesh, Index t, const std::vector<std::uint8_t>& is_boundary,
+                      FusionPlan& plan) {
+  if (!mesh.is_alive(t) || has_flagged_vertex(mesh, t, is_boundary)) return false;
+  plan_fusion(mesh, t, plan);
+  for (const MovedTet& m : plan.moved) {
+    const auto p = moved_points(mesh, plan, m);
+    if (orientation(p[0], p[1], p[2], p[3]) <= 0) return false;
+  }
+  apply_fusion(mesh, plan);
+  return true;
+}
+
+TEST(Audit, FusionsInAnyOrderKeepTheMeshValid) {
+  const std::uint64_t start = number_from("PALPATE_AUDIT_SEED", 1);
+  Operations done;
+  for (std::uint64_t seed = start; done.changes() < wanted_operations() / 4; ++seed) {
+    SplitMix64 random(seed);
+    const auto meshes = small_hard_meshes(seed);
+    const bool is_large = random.below(2) == 0;
+    const TetMesh input = is_large ? build_kuhn_cube(static_cast<int>(12 + random.below(10)), 0.4, seed)
+                                   : meshes[random.below(meshes.size())].mesh;
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(input);
+    FusionMesh mesh =
+        build_fusion_mesh(TetMesh(input), is_large ? StorageOrder::kSpatial : StorageOrder::kInput);
+    FusionPlan plan;
+    for (std::size_t i = 0; i < 2 * input.tets.size(); ++i) {
+      const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+      done.fusions += fuse_if_positive(mesh, t, is_boundary, plan) ? 1U : 0U;
+      if (random.below(input.tets.size()) != 0 && i + 1 < 2 * input.tets.size()) continue;
+      expect_sound(extract_mesh(FusionMesh(mesh)), input, true);
+      ++done.checks;
+    }
+    if (HasFailure()) return;
+  }
+  print("single fusions", done);
+}
+
 /// Single operations in any order, as no method would do them.
 TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
   const std::uint64_t start = number_from("PALPATE_AUDIT_SEED", 1);
   Operations done;
-  for (std::uint64_t seed = start; done.changes() < wanted_operations() / 2; ++seed) {
+  for (std::uint64_t seed = start; done.changes() < wanted_operations() / 4; ++seed) {
     SplitMix64 random(seed);
     const auto meshes = small_hard_meshes(seed);
     const HardMesh& hard = meshes[random.below(meshes.size())];
