@@ -198,9 +198,9 @@ class OutcomeRun {
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   std::vector<std::uint8_t> is_weighed_;  ///< of those that wait: its cost is known and up to date
-  Parking parking_;
-  OutcomeCosts costs_;
   LazyHeap queue_;
+  Parking parking_;
+  bool many_passes_;
 };
 
 void validate(const OutcomeOptions& options) {
