@@ -16,15 +16,15 @@ class OutcomeRun {
  public:
   OutcomeRun(FusionMesh& mesh, std::vector<std::uint16_t> level, const std::vector<std::uint8_t>& is_kept,
              const OutcomeOptions& options, const SizingField& sizing, double ideal_volume)
-      : mesh_(mesh),
+      : costs_(mesh, options, ideal_volume),
+        mesh_(mesh),
         growth_(sizing, ideal_volume),
         options_(options.common),
-        many_passes_(options.many_passes && options.common.skip_touched),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         is_weighed_(mesh.tets.size(), 0),
         parking_(mesh.tets.size()),
-        costs_(mesh, options, ideal_volume) {
+        many_passes_(options.many_passes && options.common.skip_touched) {
     for (Index t = 0; t < mesh.tets.size() && !is_kept.empty(); ++t) {
       if (has_flagged_vertex(mesh, t, is_kept)) state_[t] = State::kKept;
     }
@@ -191,15 +191,15 @@ class OutcomeRun {
     }
   }
 
+  OutcomeCosts costs_;
   FusionMesh& mesh_;
   GrowthBound growth_;
   const SimplifyOptions& options_;
-  bool many_passes_;
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   std::vector<std::uint8_t> is_weighed_;  ///< of those that wait: its cost is known and up to date
-  LazyHeap queue_;
   Parking parking_;
+  LazyHeap queue_;
   bool many_passes_;
 };
 
