@@ -115,7 +115,9 @@ LanePair Cone::score_pair(const ScoreScale& scale, const Vec3& p, std::size_t i)
   const LanePair least = min(min(min(ww2 * area_wp, uv2 * area_uv), min(vv2 * area_vp, wu2 * area_uw)),
                              min(uu2 * area_up, vw2 * area_vw));
   const LanePair sine_sq = six * six * least / (area_uv * area_wp);
-  return min(cube, sine_sq * LanePair::of(scale.dihedral_weight));
+  // Three points in a line: 0 / 0. min gives its second operand for that, and that one is a number: a bad
+  // score that turned into none would be lost in the worst of the set.
+  return min(sine_sq * LanePair::of(scale.dihedral_weight), cube);
 }
 
 ConeFigures Cone::evaluate(const ScoreScale& scale, const Vec3& p, double bound) const {
