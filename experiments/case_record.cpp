@@ -48,6 +48,8 @@ json base_record(const Plan& plan, const RunMesh& mesh) {
           {"violations", json::array()},
           {"null_reasons", json::object()},
           {"report", nullptr},
+          {"tuned", json::object()},
+          {"searched", false},
           {"notes", json::array()},
           {"judge", nullptr},
           {"output_hash", nullptr},
@@ -105,13 +107,19 @@ void judge_answer(const RepeatFacts& facts, const ContestantAnswer& answer, cons
     if (!record["judge"].value("valid", false))
       record["violations"] = record["judge"].value("findings", json::array());
   } else {
-    const Judgement judgement =
-        judge_output(read_mesh(answer.mesh_out, ReadOrientation::kKeep).mesh, facts.mesh.mesh);
+    const TetMesh output = read_mesh(answer.mesh_out, ReadOrientation::kKeep).mesh;
+    Judgement judgement = judge_output(output, facts.mesh.mesh, facts.contestant.keep);
+    add_region_figures(judgement.figures, output, facts.mesh.mesh, facts.plan.region);
     record["judge"] = judgement.figures;
     record["violations"] = judgement.violations;
   }
   record["output_hash"] = hash;
-  if (differs) record["violations"].push_back(kDiffers);
+  if (!differs) return;
+  if (facts.deterministic) {
+    record["violations"].push_back(kDiffers);
+  } else {
+    record["notes"].push_back(std::string(kDiffers) + ": the method is not deterministic");
+  }
 }
 
 void add_null_reasons(json& record) {
@@ -132,6 +140,7 @@ json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
   record["label"] = facts.contestant.label;
   record["required"] = facts.contestant.required;
   record["options"] = facts.run_case.options;
+  record["keep"] = facts.contestant.keep;
   record["stop"] = describe_stop(facts.stop);
   record["sweep"] = facts.run_case.sweep;
   record["seed"] = or_null(facts.run_case.seed);
@@ -145,6 +154,8 @@ json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
   record["message"] = answer.message;
   if (answer.outcome == "ok") {
     record["report"] = answer.report;
+    record["tuned"] = answer.tuned;
+    record["searched"] = answer.searched;
     record["notes"] = answer.notes;
     try {
       judge_answer(facts, answer, earlier, record);
@@ -168,12 +179,14 @@ json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
 
 json build_input_record(const Plan& plan, const RunMesh& mesh) {
   json record = base_record(plan, mesh);
-  const Judgement judgement = judge_mesh(mesh.mesh);
+  Judgement judgement = judge_mesh(mesh.mesh);
+  add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, plan.region);
   record["case"] = mesh.name + "/input";
   record["contestant"] = nullptr;
   record["label"] = "input";
   record["required"] = true;
   record["options"] = json::object();
+  record["keep"] = json::array();
   record["stop"] = nullptr;
   record["sweep"] = json::object();
   record["seed"] = nullptr;

@@ -21,6 +21,7 @@ struct RepeatFacts {
   Stop stop;  ///< resolved where it could be
   int repeat = 0;
   bool warmup = false;
+  bool deterministic = true;  ///< whether another output than an earlier repeat's is a violation
 };
 
 /// Judges the answer's mesh and builds its record. `earlier` are the records of the case so far: the same

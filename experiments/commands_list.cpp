@@ -52,6 +52,8 @@ json describe_contestant(const Contestant& contestant) {
     methods.push_back({{"name", method.name},
                        {"summary", method.summary},
                        {"stops", method.stops},
+                       {"keep", method.keeps},
+                       {"deterministic", method.deterministic},
                        {"options", std::move(options)}});
   }
   const std::string why = contestant.unavailable();
@@ -64,6 +66,8 @@ json describe_contestant(const Contestant& contestant) {
 void print_method(const MethodSpec& method) {
   std::cout << "  " << colored(method.name, Color::kBold) << ": " << method.summary << '\n';
   std::cout << "    stops at: " << joined(method.stops) << '\n';
+  if (method.keeps) std::cout << "    takes --keep \"sphere x y z r\" and the like\n";
+  if (!method.deterministic) std::cout << "    not deterministic: the same request may give another mesh\n";
   for (const OptionSpec& option : method.options) {
     std::string values = type_name(option.type);
     if (!option.choices.empty()) {

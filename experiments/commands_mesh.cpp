@@ -137,6 +137,7 @@ int quality(const std::string& path, bool as_json) {
                                   {"euler", "V - E + F - T"},
                                   {"volume", "volume"},
                                   {"inverted_tets", "inverted tetrahedra"},
+                                  {"surface_self_intersections", "self-intersections of the skin"},
                                   {"percent_above_0_5", "% of quality above 0.5"},
                                   {"percent_above_0_6", "% of quality above 0.6"},
                                   {"mean_quality", "mean quality"},

@@ -13,6 +13,7 @@
 #include "experiments/commands.h"
 #include "experiments/contestant_run.h"
 #include "experiments/judge_record.h"
+#include "experiments/keep.h"
 #include "experiments/mesh_source.h"
 #include "experiments/nearest_name.h"
 #include "experiments/output_file.h"
@@ -35,6 +36,7 @@ struct SimplifyArguments {
   std::int64_t tets = -1;
   double ratio = -1.0;
   std::vector<std::string> set;
+  std::vector<std::string> keep;
   double timeout_s = 3600.0;
   int threads = 1;
   bool as_json = false;
@@ -77,6 +79,29 @@ MethodEntry find_method(const Registry& registry, const std::string& name) {
   return *entry;
 }
 
+std::vector<std::string> keep_of(const SimplifyArguments& arguments, const MethodSpec& method,
+                                 const Registry& registry) {
+  std::vector<std::string> keep;
+  for (const std::string& region : arguments.keep) keep.push_back(parse_keep(region, "--keep"));
+  if (!keep.empty() && !method.keeps)
+    throw InputError("--keep: method " + method.name + " keeps no regions" + keeping_methods(registry));
+  return keep;
+}
+
+/// Says which tets had to stay. Returns whether they did.
+bool report_kept(const std::vector<std::string>& keep, const TetMesh& in, const TetMesh& out, json& report) {
+  if (keep.empty()) return true;
+  const judge::RegionFigures kept = judge::compare_in_regions(out, in, judge_regions(keep));
+  report["keep"] = keep;
+  report["kept_tets"] = kept.input_tets;
+  report["kept_tets_changed"] = kept.changed_tets;
+  if (kept.input_tets == 0)
+    print_note("no tetrahedron meets a region to keep (regions are in the mesh's own coordinates)");
+  if (kept.changed_tets > 0)
+    print_note(std::to_string(kept.changed_tets) + " tetrahedra that were to be kept are not in the output");
+  return kept.changed_tets == 0;
+}
+
 Stop stop_of(const SimplifyArguments& arguments, const MethodSpec& method) {
   const int given = int{arguments.fusions >= 0} + int{arguments.tets >= 0} + int{arguments.ratio >= 0.0};
   if (given > 1) throw InputError("--fusions, --tets, --ratio", 0, "one stop", std::to_string(given));
@@ -116,7 +141,7 @@ TetMesh read_valid_mesh(const std::string& path) {
 }
 
 /// Names of the report's figures for people, in the order in which they are printed.
-constexpr std::array<std::pair<const char*, const char*>, 12> kReportNames{{
+constexpr std::array<std::pair<const char*, const char*>, 15> kReportNames{{
     {"vertices_in", "vertices before"},
     {"vertices_out", "vertices after"},
     {"tets_in", "tetrahedra before"},
@@ -124,11 +149,14 @@ constexpr std::array<std::pair<const char*, const char*>, 12> kReportNames{{
     {"fusions", "fusions"},
     {"stop", "stopped at"},
     {"kernel_s", "time of the method"},
+    {"kept_tets", "tetrahedra to keep"},
+    {"kept_tets_changed", "of these, not in the output"},
     {"boundary", "not fused: on the boundary"},
     {"boundary_neighbour", "not fused: next to the boundary"},
     {"quality", "not fused: a neighbour would lose too much quality"},
     {"flip", "not fused: a neighbour would turn over"},
     {"touched", "not fused: moved by an earlier fusion"},
+    {"kept", "not fused: in or next to a region to keep"},
 }};
 
 std::string name_of(const std::string& key) {
@@ -186,6 +214,7 @@ int simplify(const SimplifyArguments& arguments) {
   task.method = method;
   task.options = parse_options(*method.method, arguments.set);
   task.stop = stop_of(arguments, *method.method);
+  task.keep = keep_of(arguments, *method.method, registry);
   check_output_file(arguments.out);
   const TetMesh in = read_valid_mesh(arguments.mesh);
   const ScratchFolder scratch;
@@ -207,7 +236,8 @@ int simplify(const SimplifyArguments& arguments) {
   }
   write_mesh(arguments.out, out);
   for (const std::string& note : answer.notes) print_note(note);
-  const json report = full_report(answer, arguments.method, in, out);
+  json report = full_report(answer, arguments.method, in, out);
+  const bool kept = report_kept(task.keep, in, out, report);
   if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
@@ -220,7 +250,7 @@ int simplify(const SimplifyArguments& arguments) {
     print_report(report);
     std::cout << "Written: " << arguments.out << '\n';
   }
-  return kDone;
+  return kept ? kDone : kNotAccepted;
 }
 
 }  // namespace
@@ -247,13 +277,28 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
   command->add_option("--set", arguments->set, "Option of the method, as often as needed")
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
+  command
+      ->add_option("--keep", arguments->keep, "Region whose tetrahedra stay as they are, as often as needed")
+      ->allow_extra_args(false)
+      ->type_name("REGION");
   command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
       ->check(number_from(0.01, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
-  command->footer("Without a stop, the method runs to its limit.");
+  command->footer(
+      "Without a stop, the method runs to its limit.\n\n"
+      "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
+      "make\n"
+      "writes: kidney and liver mm, bean cm):\n"
+      "  \"sphere X Y Z R\"               the ball of radius R around a point\n"
+      "  \"half_space NX NY NZ OFFSET\"   all x with N . x <= OFFSET\n"
+      "  \"patch X Y Z R DEPTH\"          all within DEPTH of the skin's faces that have a vertex in the "
+      "ball\n"
+      "Around a region, edge lengths grow smoothly from a share of the full ones (--set near_size=0.5) to "
+      "all of\n"
+      "them (--set reach=DISTANCE; 0 stands for a quarter of the bounding box's diagonal).");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simplify(*arguments); });
 }

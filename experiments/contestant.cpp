@@ -55,8 +55,19 @@ OptionSpec read_option(const YamlValue& value) {
   return option;
 }
 
+/// The options of every method that honours regions to keep.
+std::vector<OptionSpec> keep_options() {
+  OptionSpec near_size{"near_size", OptionType::kNumber, {}, 1e-3, 1.0, 0.5, ""};
+  near_size.help = "with regions to keep: edge length wanted at a region's border over that far away";
+  OptionSpec reach{"reach", OptionType::kNumber, {}, 0.0, std::nullopt, 0.0, ""};
+  reach.help =
+      "with regions to keep: how far from one sizes reach their full length; 0: a quarter of the "
+      "bounding box's diagonal";
+  return {near_size, reach};
+}
+
 MethodSpec read_method(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "summary", "stops", "options"});
+  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
   MethodSpec method;
   method.name = fields.need("name").identifier();
   method.summary = fields.need("summary").text();
@@ -68,6 +79,9 @@ MethodSpec read_method(const YamlValue& value) {
     method.stops.push_back(kind);
   }
   if (method.stops.empty()) value.fail("method " + method.name + " has no stop");
+  if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
+  if (method.keeps) method.options = keep_options();
+  if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
   const auto options = fields.find("options");
   if (!options) return method;
   for (const YamlValue& item : options->items()) {

@@ -32,6 +32,9 @@ struct MethodSpec {
   std::string summary;
   std::vector<std::string> stops;  ///< of "fusions", "tets", "ratio", "limit"
   std::vector<OptionSpec> options;
+  bool keeps = false;  ///< honours regions to keep, and has the options near_size and reach for them
+  bool deterministic =
+      true;  ///< the same request gives the same bytes; else repeats may differ, and are judged
 
   const OptionSpec* find_option(const std::string& option) const;
   bool takes_stop(const std::string& kind) const;

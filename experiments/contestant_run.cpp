@@ -49,6 +49,7 @@ json build_request(const ContestantTask& task, const std::filesystem::path& mesh
                   {"options", task.options},
                   {"threads", task.threads}};
   if (!task.tuned.empty()) request["tuned"] = task.tuned;
+  if (!task.keep.empty()) request["keep"] = task.keep;
   return request;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiments/contestant.h"
 #include "experiments/plan.h"
@@ -21,6 +22,7 @@ struct ContestantTask {
   Stop stop;                      ///< resolved: not kTetsOf
   nlohmann::json options;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
+  std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 0;                           ///< 0: no bound

@@ -1,6 +1,10 @@
 #include "experiments/judge_record.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/judge/surface.h"
+#include "experiments/keep.h"
 
 namespace palpate::experiments {
 namespace {
@@ -58,6 +62,21 @@ void add_quality(json& figures, const judge::Quality& quality) {
   add_real(figures, "max_dihedral_deg", quality.max_dihedral_deg);
 }
 
+/// How far the skin moved. A skin that is the input's to the bit did not, and costs nothing here.
+void add_surface_distance(json& figures, const TetMesh& output, const TetMesh& input, bool is_unchanged) {
+  judge::SurfaceDistance distance;
+  if (!is_unchanged) {
+    distance = judge::measure_surface_distance(judge::build_boundary(output), judge::build_boundary(input));
+  }
+  add_real(figures, "surface_distance_lower", distance.lower());
+  add_real(figures, "surface_distance_upper", distance.upper());
+  add_real(figures, "surface_distance_relative",
+           distance.diagonal > 0.0 ? distance.upper() / distance.diagonal : distance.upper());
+  add_real(figures, "mean_surface_distance", distance.mean());
+  add_real(figures, "mean_surface_distance_error",
+           std::max(distance.forward.mean_error, distance.backward.mean_error));
+}
+
 bool has_sound_arrays(const judge::Validity& validity) {
   return validity.index_errors == 0 && validity.non_finite_points == 0;
 }
@@ -82,10 +101,12 @@ Judgement judge_mesh(const TetMesh& mesh) {
   if (!has_sound_arrays(judgement.validity)) return judgement;
   add_counts(judgement.figures, judge::count_elements(mesh));
   add_quality(judgement.figures, judge::measure_quality(mesh));
+  judgement.figures["surface_self_intersections"] =
+      judge::count_self_intersections(judge::build_boundary(mesh));
   return judgement;
 }
 
-Judgement judge_output(const TetMesh& output, const TetMesh& input) {
+Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<const std::string> keep) {
   Judgement judgement = judge_mesh(output);
   if (!has_sound_arrays(judgement.validity)) return judgement;
   json& figures = judgement.figures;
@@ -103,7 +124,18 @@ Judgement judge_output(const TetMesh& output, const TetMesh& input) {
   add_real(figures, "volume_drift_relative", comparison.volume_drift_relative);
   figures["euler_unchanged"] = comparison.euler_unchanged;
   figures["components_unchanged"] = comparison.components_unchanged;
+  const judge::RegionFigures kept = judge::compare_in_regions(output, input, judge_regions(keep));
+  figures["kept_tets"] = kept.input_tets;
+  figures["kept_tets_changed"] = kept.changed_tets;
+  add_surface_distance(figures, output, input, comparison.boundary_changed_faces == 0);
   return judgement;
+}
+
+void add_region_figures(json& figures, const TetMesh& mesh, const TetMesh& input,
+                        std::span<const std::string> regions) {
+  if (regions.empty() || figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0)
+    return;
+  figures["region_tets"] = judge::compare_in_regions(mesh, input, judge_regions(regions)).output_tets;
 }
 
 }  // namespace palpate::experiments

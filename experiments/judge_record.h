@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,8 +22,13 @@ struct Judgement {
 Judgement judge_mesh(const TetMesh& mesh);
 
 /// Judges an output: by itself, by the input's ideal volume (keys that end in _input_ideal), and against the
-/// input.
-Judgement judge_output(const TetMesh& output, const TetMesh& input);
+/// input; kept_tets and kept_tets_changed are of the regions to keep (see experiments/keep.h), 0 without any.
+Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<const std::string> keep = {});
+
+/// Adds region_tets, the tets of `mesh` that meet a region of the plan (patches: of the input's boundary), to
+/// figures of a mesh with sound arrays. Adds nothing without regions.
+void add_region_figures(nlohmann::json& figures, const TetMesh& mesh, const TetMesh& input,
+                        std::span<const std::string> regions);
 
 /// A finite number as itself, any other as null; adds "key: reason" to `reasons` for the latter.
 nlohmann::json finite_or_null(double value, const std::string& key, nlohmann::json& reasons);

@@ -5,9 +5,11 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/keep.h"
 #include "experiments/measure.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
+#include "experiments/plan_report.h"
 
 namespace palpate::experiments {
 namespace {
@@ -109,13 +111,6 @@ RunSettings read_run(const YamlValue& value) {
   return run;
 }
 
-const Measure& known_measure(const YamlValue& at, const std::string& name, bool scalar) {
-  const Measure* measure = find_measure(name);
-  if (measure == nullptr) at.fail("unknown measure \"" + name + "\"" + nearest_hint(name, measure_names()));
-  if (scalar && !measure->scalar) at.fail("measure \"" + name + "\" is a list, a single number is needed");
-  return *measure;
-}
-
 std::vector<AcceptBound> read_accept(const YamlValue& value) {
   std::vector<AcceptBound> bounds;
   for (const auto& [name, entry] : value.entries()) {
@@ -129,36 +124,6 @@ std::vector<AcceptBound> read_accept(const YamlValue& value) {
     bounds.push_back(bound);
   }
   return bounds;
-}
-
-std::string claim_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
-  std::vector<std::string> labels;
-  labels.reserve(contestants.size());
-  for (const PlanContestant& contestant : contestants) labels.push_back(contestant.label);
-  std::string label = value.text();
-  if (std::find(labels.begin(), labels.end(), label) == labels.end()) {
-    value.fail("unknown label \"" + label + "\"" + nearest_hint(label, labels));
-  }
-  return label;
-}
-
-Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
-  const YamlFields fields =
-      value.fields({"text", "source", "measure", "better", "than", "spread", "published"});
-  Claim claim;
-  claim.text = fields.need("text").text();
-  if (const auto source = fields.find("source")) claim.source = source->text();
-  const YamlValue measure = fields.need("measure");
-  claim.measure = known_measure(measure, measure.text(), true).name;
-  claim.better = claim_label(fields.need("better"), contestants);
-  claim.than = claim_label(fields.need("than"), contestants);
-  if (const auto spread = fields.find("spread")) claim.spread = claim_label(*spread, contestants);
-  if (const auto published = fields.find("published")) {
-    const YamlFields figures = published->fields({"better", "than"});
-    claim.published_better = figures.need("better").number();
-    claim.published_than = figures.need("than").number();
-  }
-  return claim;
 }
 
 void read_measures(const YamlValue& value, std::vector<std::string>& measures) {
@@ -215,8 +180,9 @@ StopKind SweepAxis::stop_kind() const {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep",
-                                         "run", "measure", "accept", "claim"});
+  const YamlFields fields =
+      root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep", "region", "run",
+                   "measure", "accept", "claim", "equal_count", "comparisons", "charts"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -230,10 +196,16 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   plan.meshes = read_meshes(fields.need("meshes"), path.parent_path());
   if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep);
   plan.contestants = read_contestants(fields.need("contestants"), plan, registry);
+  if (const auto region = fields.find("region")) plan.region = read_keep(*region);
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto claim = fields.find("claim")) plan.claim = read_claim(*claim, plan.contestants);
+  if (const auto equal_count = fields.find("equal_count")) plan.equal_count = equal_count->number(1e-6, 0.1);
+  if (const auto comparisons = fields.find("comparisons")) {
+    plan.comparisons = read_comparisons(*comparisons, plan.contestants);
+  }
+  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts);
   for (const PlanContestant& contestant : plan.contestants) {
     const std::string why = registry.find(contestant.method)->contestant->unavailable();
     if (!why.empty()) plan.notes.push_back(contestant.label + " is unavailable: " + why);

@@ -42,6 +42,7 @@ struct PlanContestant {
   std::string label;
   std::optional<Stop> stop;
   std::map<std::string, GivenOption> set;
+  std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   bool required = true;             ///< false: its outcome does not decide the exit code
 };
@@ -85,6 +86,17 @@ struct Claim {
   std::optional<double> published_than;
 };
 
+/// One label held against the best of others, figure by figure, on every mesh and at every point of the
+/// sweep.
+struct Comparison {
+  std::string of;
+  std::vector<std::string> against_best_of;
+  std::vector<std::string> measures;        ///< each has a better side
+  std::string time_against;                 ///< label whose time is divided by that of `of`; empty: none
+  std::optional<double> time_factor;        ///< how large that ratio is to be; nothing: it is only shown
+  std::optional<double> input_up_to_ratio;  ///< up to this share of removed tets the input is a peer too
+};
+
 struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
@@ -93,11 +105,15 @@ struct Plan {
   std::string contest;
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
+  std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself
   RunSettings run;
   std::vector<std::string> measure;
   std::vector<AcceptBound> accept;
   std::optional<Claim> claim;
-  std::vector<std::string> notes;  ///< worth saying, no error: contestants that are unavailable here
+  std::optional<double> equal_count;  ///< answers are ranked within this share of the count asked for
+  std::vector<Comparison> comparisons;
+  std::vector<std::string> charts;  ///< empty: the report's choice
+  std::vector<std::string> notes;   ///< worth saying, no error: contestants that are unavailable here
 };
 
 /// Reads and checks a plan (palpate/plan/1).

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "experiments/keep.h"
 #include "experiments/nearest_name.h"
 
 namespace palpate::experiments {
@@ -75,7 +76,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     entry.contestant.label = name;
     return entry;
   }
-  const YamlFields fields = value.fields({"method", "label", "stop", "set", "seeds", "required"});
+  const YamlFields fields = value.fields({"method", "label", "stop", "set", "keep", "seeds", "required"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -88,6 +89,11 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     for (const auto& [name, option] : set->entries()) {
       contestant.set[name] = {option.text(), option.file() + ":" + std::to_string(option.line())};
     }
+  }
+  if (const auto keep = fields.find("keep")) {
+    if (!entry.method.method->keeps)
+      keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
+    contestant.keep = read_keep(*keep);
   }
   if (const auto seeds = fields.find("seeds")) {
     if (entry.method.method->find_option("seed") == nullptr) {

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "experiments/file_hash.h"
+#include "experiments/measure.h"
 #include "experiments/process.h"
 
 namespace palpate::experiments {
@@ -102,6 +103,18 @@ json seeds_of(const Plan& plan) {
   return seeds;
 }
 
+/// Unit and direction of the measures that the plan compares: the report knows none by itself.
+json compared_measures(const Plan& plan) {
+  json measures = json::object();
+  for (const Comparison& comparison : plan.comparisons) {
+    for (const std::string& name : comparison.measures) {
+      const Measure& measure = *find_measure(name);
+      measures[name] = {{"unit", measure.unit}, {"better", measure.better}};
+    }
+  }
+  return measures;
+}
+
 }  // namespace
 
 SourceVersion find_source_version() {
@@ -147,6 +160,7 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"warmup", plan.run.warmup},
           {"timeout_s", plan.run.timeout_s},
           {"memory_mib", plan.run.memory_mib},
+          {"measures", compared_measures(plan)},
           {"plan_data", read_yaml(plan.file).json()},
           {"started_at", utc_now()}};
 }

@@ -181,6 +181,15 @@ class Runner {
     return std::nullopt;
   }
 
+  /// The parameters that an earlier repeat of the case searched for; {} if there are none.
+  json tuned_of(std::size_t index) const {
+    for (const json& record : states_[index].records) {
+      json tuned = record.value("tuned", json::object());
+      if (!tuned.empty()) return tuned;
+    }
+    return json::object();
+  }
+
   /// Runs one repeat. Nothing comes back if it was interrupted.
   std::optional<json> run_repeat(std::size_t index, int repeat) {
     const Case& c = cases_[index];
@@ -198,6 +207,8 @@ class Runner {
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
       task.options = c.options;
+      task.keep = contestant.keep;
+      task.tuned = tuned_of(index);
       task.threads = threads_;
       task.timeout_s = plan_.run.timeout_s;
       task.memory_mib = plan_.run.memory_mib;
@@ -209,6 +220,7 @@ class Runner {
       return std::nullopt;
     }
     RepeatFacts facts{plan_, c, contestant, mesh, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
+    facts.deterministic = registry_.find(contestant.method)->method->deterministic;
     json record = build_record(facts, answer, states_[index].records);
     keep_mesh(c, repeat, answer, record);
     return record;

@@ -41,9 +41,10 @@ void require_available(const Plan& plan, const Registry& registry);
 /// Order: repeat 0 of all cases, then repeat 1 of all cases, and so on, so that a drift of the machine meets
 /// all contestants alike. The first `warmup` repeats are recorded with warmup true. A case that timed out,
 /// refused its input or could not start is not repeated. The same output as an earlier repeat's is not judged
-/// again; another output is a violation, since every method here is deterministic for its seed. Throws:
-/// InputError for the folder (in use, not writable, another plan or program than before); UnavailableError if
-/// a required
+/// again; another output is a violation, unless the method's description says that it is not deterministic:
+/// then it is judged. What a method's search found ("tuned") in one repeat is handed back to it in the next.
+/// Throws: InputError for the folder (in use, not writable, another plan or program than before);
+/// UnavailableError if a required
 ///         contestant or a shape is missing, before anything runs.
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options, Progress& progress);
 

@@ -58,6 +58,7 @@ Request parse_request(const std::filesystem::path& path) {
   request.threads = object.value("threads", 1);
   request.tuned = object.value("tuned", json::object());
   check_tuned(request.tuned, where);
+  if (object.contains("keep")) request.keep = field<std::vector<std::string>>(object, "keep", where);
   return request;
 }
 
@@ -79,14 +80,18 @@ int write_failure(const std::filesystem::path& path, const char* status, const s
 
 }  // namespace
 
-int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel) {
+int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel,
+                TakesKeep takes_keep) {
   if (argc != 3) {
     std::cerr << "usage: " << (argc > 0 ? argv[0] : "adapter") << " REQUEST.json RESPONSE.json\n";
     return 2;
   }
   const std::filesystem::path response_path = argv[2];
   try {
-    const Response response = kernel(parse_request(argv[1]));
+    const Request request = parse_request(argv[1]);
+    if (!request.keep.empty() && takes_keep == TakesKeep::kNo)
+      throw InputError("keep", 0, "no region (" + request.method + " keeps none)", request.keep.front());
+    const Response response = kernel(request);
     json answer = {{"schema", "palpate/response/1"},
                    {"status", "ok"},
                    {"kernel_s", response.kernel_s},

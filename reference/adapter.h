@@ -13,7 +13,11 @@ namespace palpate::reference {
 ///
 ///   {"schema": "palpate/request/1", "contest": "simplify", "method": "palpate.hierarchical",
 ///    "mesh_in": "in.mesh", "mesh_out": "out.mesh", "stop": {"fusions": 87} (or "tets", "ratio", "limit":
-///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "tuned": {"edge_length": 0.1}}
+///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "tuned": {"edge_length": 0.1},
+///    "keep": ["sphere 0 0 5 2"]}
+///
+/// "tuned" is there only if an earlier repeat's search found something, "keep" only if the plan or the
+/// command line asks for it.
 struct Request {
   std::string contest;
   std::string method;
@@ -23,6 +27,7 @@ struct Request {
   nlohmann::json options;
   int threads = 1;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {} if nothing
+  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_keep_region reads
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.
@@ -37,9 +42,14 @@ struct Response {
   nlohmann::json tuned = nlohmann::json::object();  ///< name -> number; {} for a method that searches nothing
 };
 
+/// Whether an adapter honours Request::keep.
+enum class TakesKeep { kNo, kYes };
+
 /// Runs an adapter: reads the request named by argv[1], calls `kernel`, writes the response named by argv[2]
 /// (beside it and renamed). InputError becomes status "bad_input" and exit code 2, any other exception status
-/// "error" and exit code 3. Returns the exit code.
-int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel);
+/// "error" and exit code 3. A request with regions to keep is refused unless the adapter honours them.
+/// Returns the exit code.
+int run_adapter(int argc, char** argv, const std::function<Response(const Request&)>& kernel,
+                TakesKeep takes_keep = TakesKeep::kNo);
 
 }  // namespace palpate::reference

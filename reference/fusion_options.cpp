@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "core/mesh/medit.h"
+#include "core/simplify/keep_text.h"
 
 namespace palpate::reference {
 
@@ -58,6 +59,15 @@ simplify::SimplifyOptions take_fusion_options(const json& stop, json& options) {
   return result;
 }
 
+simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, json& options) {
+  simplify::SizingOptions sizing;
+  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_keep_region(region, "keep"));
+  sizing.near_size =
+      take_option<double>(options, "near_size", &json::is_number, "a number", sizing.near_size);
+  sizing.reach = take_option<double>(options, "reach", &json::is_number, "a number", sizing.reach);
+  return sizing;
+}
+
 void require_all_taken(const json& options) {
   if (!options.empty()) throw InputError("options", 0, "known options", options.begin().key());
 }
@@ -87,7 +97,8 @@ Response run_fusion(const Request& request,
                        {"boundary_neighbour", report.rejected.boundary_neighbour},
                        {"quality", report.rejected.quality},
                        {"flip", report.rejected.flip},
-                       {"touched", report.rejected.touched}}}};
+                       {"touched", report.rejected.touched},
+                       {"kept", report.rejected.kept}}}};
   return response;
 }
 

@@ -28,6 +28,10 @@ simplify::StopRule read_stop(const nlohmann::json& stop);
 /// Throws: InputError for a wrong type, a value out of range or an unknown stop.
 simplify::SimplifyOptions take_fusion_options(const nlohmann::json& stop, nlohmann::json& options);
 
+/// Reads the regions to keep, and the options "near_size" and "reach", which are removed from `options`.
+/// Throws: InputError for a region or a value that makes no sense.
+simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, nlohmann::json& options);
+
 /// Takes a choice out of `options`: the position of its value in `choices`. Throws: InputError for any other.
 std::size_t take_choice(nlohmann::json& options, const char* key, const std::vector<std::string>& choices);
 

@@ -188,6 +188,7 @@ TimedMesh run_isolated(const std::function<TimedMesh()>& work, double time_limit
 
 int run_program(const std::vector<std::string>& arguments) {
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (const std::string& argument : arguments) pointers.push_back(const_cast<char*>(argument.c_str()));
   pointers.push_back(nullptr);
   const pid_t child = fork_bound();

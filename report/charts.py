@@ -1,30 +1,23 @@
 """Charts of a run, as SVG and PNG. The same records give the same bytes: no dates, fixed ids, one bundled font."""
 
-import os
 import textwrap
 
-import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from equal_count import TOLERANCE, tets_of
+import contest
+import contest_charts
+import cut_away
+import scaling
+import scaling_charts
+from chart_style import BAND, BETTER, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, file_name, save
+from equal_count import tets_of, tolerance_of
+from families import family_of, read_families
 from records import BUCKETS, figure, histogram, median, quantile
 from tables import timing_of
 from verdict import values_of
 
-# Colours that stay apart for colour-blind eyes (Okabe and Ito), and apart in grey print.
-BETTER, THAN, SPREAD, OTHERS = "#0072B2", "#D55E00", "#CC79A7", "#009E73"
-BAND, QUARTILES = "#F0E442", "#5b3a00"
-INK, FAINT, GRID = "#222222", "#767676", "#dddddd"
-STYLE = {
-    "font.family": "DejaVu Sans", "font.size": 9, "axes.titlesize": 10, "axes.labelsize": 9, "figure.dpi": 100,
-    "savefig.dpi": 160, "svg.hashsalt": "palpate", "svg.fonttype": "path", "axes.edgecolor": FAINT,
-    "axes.labelcolor": INK, "text.color": INK, "xtick.color": INK, "ytick.color": INK, "axes.spines.top": False,
-    "axes.spines.right": False, "axes.axisbelow": True, "grid.color": GRID, "grid.linewidth": 0.7, "legend.frameon": False,
-}
 MEASURE_NAMES = {
     "percent_above_0_5": "tetrahedra of quality above 0.5, %",
     "percent_above_0_6": "tetrahedra of quality above 0.6, %",
@@ -32,20 +25,6 @@ MEASURE_NAMES = {
     "min_dihedral_deg": "least dihedral angle, degrees",
     "mean_quality": "mean quality",
 }
-
-
-def save(fig, folder, name):
-    """Writes NAME.svg and NAME.png, each beside its place and renamed."""
-    for ending, metadata in (("svg", {"Date": None, "Creator": "palpate"}), ("png", {"Software": None})):
-        beside = folder / f"{name}.part.{ending}"
-        fig.savefig(beside, metadata=metadata, facecolor="white")
-        os.replace(beside, folder / f"{name}.{ending}")
-    plt.close(fig)
-    return [f"{name}.svg", f"{name}.png"]
-
-
-def file_name(*parts):
-    return "_".join("".join(c if c.isalnum() or c in "-." else "_" for c in part) for part in parts if part)
 
 
 def shares(record):
@@ -76,11 +55,11 @@ def draw_band(ax, group):
     return bool(columns)
 
 
-def histogram_title(group):
+def histogram_title(group, name=""):
     above = [median(group.figures("judge", f"percent_above_0_{digit}")) for digit in (5, 6)]
     text = ", ".join(f"{value:.1f}% above 0.{digit}" for value, digit in zip(above, (5, 6)) if value is not None)
     tets = "" if tets_of(group) is None else f", {tets_of(group):,.0f} tets"
-    return f"{group.name}{f', {group.count_note}' if group.count_note else tets}\n{text}"
+    return f"{name or group.name}{f', {group.count_note}' if group.count_note else tets}\n{text}"
 
 
 def finish_histogram_axes(ax):
@@ -128,9 +107,9 @@ def draw_pair(run, claim, mesh, sweep, folder):
     return save(fig, folder, file_name("histogram", mesh, sweep))
 
 
-def draw_all_histograms(run, claim, mesh, folder):
-    """One small histogram for each label of a mesh; seeds are pooled into a band."""
-    groups = [group for group in run.of_mesh(mesh) if any(map(shares, group.cases()))]
+def draw_all_histograms(run, claim, mesh, groups, folder, sweep=""):
+    """One small histogram for each of these labels of a mesh; seeds are pooled into a band."""
+    groups = [group for group in groups if any(map(shares, group.cases()))]
     if not groups:
         return []
     columns = min(4, len(groups))
@@ -138,29 +117,34 @@ def draw_all_histograms(run, claim, mesh, folder):
     height = 2.45 * rows + 0.75
     fig, grid = plt.subplots(rows, columns, figsize=(max(5.0, 2.9 * columns), height), sharey=True, squeeze=False)
     outline = shares(run.inputs.get(mesh))
+    families = read_families(run) if sweep else []
     for i, ax in enumerate(grid.flat):
         if i >= len(groups):
             ax.set_visible(False)
             continue
         group = groups[i]
         several = [values for values in map(shares, group.cases()) if values]
-        draw_bars(ax, [median(column) for column in zip(*several)], color_of(group, claim))
+        draw_bars(ax, [median(column) for column in zip(*several)], color_of(group, claim, families))
         if len(several) > 1:
             draw_band(ax, group)
         if outline:
             draw_outline(ax, outline)
-        ax.set_title(histogram_title(group), loc="left", fontsize=8)
+        ax.set_title(histogram_title(group, group.label if sweep else ""), loc="left", fontsize=8)
         finish_histogram_axes(ax)
         ax.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1])
         ax.set_xlabel("quality" if i + columns >= len(groups) else "")
         ax.set_ylabel("tetrahedra, %" if i % columns == 0 else "")
-        ax.set_ylim(0, None)
-    fig.suptitle(subtitle(run, mesh) + "; dashed: input", x=0.01, ha="left", fontsize=11, fontweight="bold")
+    grid[0][0].set_ylim(0, None)
+    place = f" ({contest.short_sweep(sweep)})" if sweep else ""
+    fig.suptitle(subtitle(run, mesh) + place + "; dashed: input", x=0.01, ha="left", fontsize=11, fontweight="bold")
     fig.tight_layout(rect=(0, 0, 1, 1 - 0.1 / height))
-    return save(fig, folder, file_name("histograms_all", mesh))
+    return save(fig, folder, file_name("histograms_all", mesh, sweep))
 
 
-def color_of(group, claim):
+def color_of(group, claim, families=()):
+    family = family_of(families, group.label)
+    if family:
+        return family.color
     if claim and group.label in (claim.better, claim.than, claim.spread):
         return {claim.better: BETTER, claim.than: THAN}.get(group.label, SPREAD)
     return OTHERS if claim else BETTER
@@ -212,7 +196,7 @@ def draw_overview(run, claim, folder):
     handles.append(plt.Line2D([], [], color=FAINT, marker="o", linewidth=1.3, markersize=5, label="median, range over seeds"))
     if any(group.count_note for group in run.groups):
         handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=5,
-                                  label=f"hollow: count not within {100 * TOLERANCE:g}%, not to be compared"))
+                                  label=f"hollow: count not within {100 * tolerance_of(run):g}%, not to be compared"))
     if claim and claim.published_difference is not None:
         for value, color, side in ((claim.published_better, BETTER, claim.better), (claim.published_than, THAN, claim.than)):
             handles.append(plt.Line2D([], [], color=color, linewidth=1.2, label=f"published, {side}: {value:.2f}"))
@@ -300,16 +284,40 @@ def draw_timing(run, claim, folder):
     return save(fig, folder, "timing")
 
 
+DEFAULT_CHARTS = ["histograms", "overview", "timing"]
+
+
+def draw_mesh_histograms(run, claim, mesh, folder):
+    """The pair of the claim, and all labels; a contest at equal count has a figure for each point of its sweep."""
+    drawn = []
+    if claim:
+        for sweep in dict.fromkeys(group.sweep for group in run.find(mesh, claim.better)):
+            drawn += draw_pair(run, claim, mesh, sweep, folder)
+    if "equal_count" not in run.plan_data:
+        return drawn + draw_all_histograms(run, claim, mesh, run.of_mesh(mesh), folder)
+    for sweep in dict.fromkeys(group.sweep for group in run.of_mesh(mesh)):
+        groups = [group for group in run.of_mesh(mesh) if group.sweep == sweep]
+        drawn += draw_all_histograms(run, claim, mesh, groups, folder, sweep)
+    return drawn
+
+
 def draw_charts(run, claim, folder):
-    """Draws all charts that the run has figures for; returns the names of the files."""
+    """Draws the charts that the plan names and the run has figures for; returns the names of the files."""
     folder.mkdir(parents=True, exist_ok=True)
+    names = run.plan_data.get("charts") or DEFAULT_CHARTS
     drawn = []
     with plt.rc_context(STYLE):
-        for mesh in run.meshes():
-            if claim:
-                for sweep in dict.fromkeys(group.sweep for group in run.find(mesh, claim.better)):
-                    drawn += draw_pair(run, claim, mesh, sweep, folder)
-            drawn += draw_all_histograms(run, claim, mesh, folder)
-        drawn += draw_overview(run, claim, folder)
-        drawn += draw_timing(run, claim, folder)
+        if "histograms" in names:
+            for mesh in run.meshes():
+                drawn += draw_mesh_histograms(run, claim, mesh, folder)
+        if "overview" in names:
+            drawn += draw_overview(run, claim, folder)
+        if "timing" in names:
+            drawn += draw_timing(run, claim, folder)
+        if "quality_time" in names:
+            drawn += contest_charts.draw_quality_time(run, contest.read_sections(run), read_families(run), folder)
+        if "scaling" in names:
+            drawn += scaling_charts.draw_scaling(scaling.read_series(run), read_families(run), folder)
+        if "cut_away" in names:
+            drawn += cut_away.draw_cut_away(run, contest.read_sections(run), folder)
     return drawn

@@ -3,6 +3,9 @@
 The reference of a label is the claim's `better` on the same mesh and sweep point, or, in a plan without a claim, the label
 that its stop names (`tets_of`). An answer is at equal count if its tetrahedra are within 1% of the reference's. One fusion
 removes about 20 of 8000 tetrahedra, so two methods that stop at the same count can end up to 0.3% apart.
+
+A plan with the key `equal_count` sets the share itself, and a label that names no other is held against the count that its
+stop asks for.
 """
 
 from records import figure, median
@@ -15,13 +18,28 @@ def tets_of(group):
     return median(group.figures("judge", "tets")) if group else None
 
 
-def is_equal(tets, reference_tets):
-    return None not in (tets, reference_tets) and abs(tets - reference_tets) <= TOLERANCE * reference_tets
+def tolerance_of(run):
+    """The share within which counts are equal: the plan's, else 1%."""
+    share = figure(run.plan_data, "equal_count")
+    return TOLERANCE if share is None else share
 
 
-def equal_cases(group, reference_tets):
+def is_equal(tets, reference_tets, tolerance=TOLERANCE):
+    return None not in (tets, reference_tets) and abs(tets - reference_tets) <= tolerance * reference_tets
+
+
+def equal_cases(group, reference_tets, tolerance=TOLERANCE):
     """The accepted cases of a group that are at equal count."""
-    return [case for case in group.cases() if is_equal(figure(case, "judge", "tets"), reference_tets)]
+    return [case for case in group.cases() if is_equal(figure(case, "judge", "tets"), reference_tets, tolerance)]
+
+
+def asked_tets(record):
+    """The number of tetrahedra that a record's stop asks for, or None if it asks for none."""
+    stop = record.get("stop") if isinstance(record.get("stop"), dict) else {}
+    value, start = figure(stop, "value"), figure(record, "mesh", "tets")
+    if stop.get("kind") == "ratio" and None not in (value, start):
+        return start * (1 - value)
+    return value if stop.get("kind") == "tets" else None
 
 
 def reference_of(run, claim, group):
@@ -32,19 +50,17 @@ def reference_of(run, claim, group):
     return next((other for other in same if other.sweep == group.sweep), same[0] if same else None)
 
 
-def is_early(case):
-    """Whether an answer ended at its limit, short of the stop that it was given."""
-    stop = case.get("stop") if isinstance(case.get("stop"), dict) else {}
-    kind, value, tets = stop.get("kind"), figure(stop, "value"), figure(case, "judge", "tets")
-    if value is None:
+def is_early(case, tolerance=TOLERANCE):
+    """Whether an answer ended at its limit, short of the stop that it was given. One that searched for a parameter did not."""
+    if case.get("searched"):
         return False
-    if kind == "fusions":
+    stop = case.get("stop") if isinstance(case.get("stop"), dict) else {}
+    value, tets = figure(stop, "value"), figure(case, "judge", "tets")
+    if stop.get("kind") == "fusions":
         fusions = figure(case, "report", "fusions")
-        return fusions is not None and fusions < value
-    start = figure(case, "mesh", "tets")
-    if kind == "ratio" and start is not None:
-        kind, value = "tets", start * (1 - value)
-    return kind == "tets" and tets is not None and tets > value * (1 + TOLERANCE)
+        return None not in (fusions, value) and fusions < value
+    asked = asked_tets(case)
+    return None not in (asked, tets) and tets > asked * (1 + tolerance)
 
 
 def describe(group, cases, what):
@@ -57,15 +73,17 @@ def describe(group, cases, what):
 def count_note(run, claim, group):
     """What stands beside a label whose figures are not to be compared, or ended early; else ""."""
     reference = reference_of(run, claim, group)
-    reference_tets = tets_of(reference)
+    reference_tets, tolerance = tets_of(reference), tolerance_of(run)
+    if reference_tets is None and "equal_count" in run.plan_data and group.records:
+        reference_tets = asked_tets(group.records[0])
     cases = [case for case in group.cases() if figure(case, "judge", "tets") is not None]
     if reference_tets is None:
-        early = [case for case in cases if is_early(case)]
+        early = [case for case in cases if is_early(case, tolerance)]
         return describe(group, early, "stopped early") if early else ""
-    off = [case for case in cases if not is_equal(figure(case, "judge", "tets"), reference_tets)]
+    off = [case for case in cases if not is_equal(figure(case, "judge", "tets"), reference_tets, tolerance)]
     if not off:
         return ""
-    early = [case for case in off if is_early(case)]
+    early = [case for case in off if is_early(case, tolerance)]
     if early:
         return describe(group, early, "stopped early")
     to_limit = all(isinstance(case.get("stop"), dict) and case["stop"].get("kind") == "limit" for case in off)

@@ -9,28 +9,47 @@ folder or a record is broken; 3 matplotlib is missing or a file could not be wri
 
 import argparse
 import sys
+from dataclasses import dataclass
 
+import comparisons
+import contest
 import equal_count
 import records
+import scaling
 import tables
 import verdict
 
 
-def print_summary(run, claim, verdicts):
+@dataclass
+class Findings:
+    verdicts: list  # of the claim, mesh by mesh
+    sections: list  # of the contest, if the plan ranks answers at equal count
+    comparisons: list
+    scaling: list  # growth of each label with the mesh, if the plan asks for that chart
+
+
+def print_summary(run, claim, found):
     if run.plan_data.get("question"):
         print(f"{run.plan_data['question']}\n")
-    print("Quality: median over seeds [least, greatest]\n")
-    print(tables.quality_summary(run))
-    print("\nTime of accepted answers: median and range over repeats\n")
-    print(tables.timing_summary(run))
+    if found.sections:
+        print(contest.contest_text(run, found.sections))
+    else:
+        print("Quality: median over seeds [least, greatest]\n")
+        print(tables.quality_summary(run))
+        print("\nTime of accepted answers: median and range over repeats\n")
+        print(tables.timing_summary(run))
+    if found.scaling:
+        print(f"\n{scaling.scaling_text(found.scaling)}")
+    if found.comparisons:
+        print(f"\n{comparisons.comparisons_text(run, found.comparisons)}")
     if claim:
         variants = verdict.variant_summary(run, claim)
         if variants:
             print(f"\n{claim.measure}: change against {claim.better}, largest first; only between answers whose tetrahedra are "
-                  f"within {100 * equal_count.TOLERANCE:g}%\n")
+                  f"within {100 * equal_count.tolerance_of(run):g}%\n")
             print(variants)
         print()
-        print(verdict.verdict_text(claim, verdicts))
+        print(verdict.verdict_text(claim, found.verdicts))
 
 
 def remove_old(folder, names):
@@ -40,21 +59,40 @@ def remove_old(folder, names):
             path.unlink()
 
 
+def find(run, claim):
+    """Everything that is worked out from the records, before anything is written."""
+    return Findings(verdict.judge_run(run, claim) if claim else [],
+                    contest.read_sections(run) if "equal_count" in run.plan_data else [], comparisons.compare_all(run),
+                    scaling.read_series(run) if "scaling" in (run.plan_data.get("charts") or []) else [])
+
+
+def write_tables(run, claim, found):
+    """Writes all tables; takes away those of a former report."""
+    folder = run.folder / "tables"
+    names = {path.name for path in tables.write_tables(run, folder)}
+    if claim:
+        verdict.write_verdict(claim, found.verdicts, folder)
+        names |= {"verdict.csv", "verdict.txt"}
+        if verdict.write_variants(run, claim, folder):
+            names.add("variants.csv")
+    if found.sections:
+        names |= contest.write_contest(run, found.sections, folder)
+    if found.comparisons:
+        names |= comparisons.write_comparisons(run, found.comparisons, folder)
+    if found.scaling:
+        names |= scaling.write_scaling(found.scaling, folder)
+    remove_old(folder, names)
+
+
 def make_report(folder, with_charts):
     """Does all of it; returns the exit code."""
     run = records.read_run(folder)
     claim = verdict.read_claim(run.plan_data)
     equal_count.add_count_notes(run, claim)
-    verdicts = verdict.judge_run(run, claim) if claim else []
-    written = tables.write_tables(run, run.folder / "tables")
-    names = {path.name for path in written}
-    if claim:
-        verdict.write_verdict(claim, verdicts, run.folder / "tables")
-        names |= {"verdict.csv", "verdict.txt"}
-        if verdict.write_variants(run, claim, run.folder / "tables"):
-            names.add("variants.csv")
-    remove_old(run.folder / "tables", names)
-    print_summary(run, claim, verdicts)
+    found = find(run, claim)
+    write_tables(run, claim, found)
+    print_summary(run, claim, found)
+    said = len(run.notes)
     for note in run.notes:
         print(f"\nnote: {note}")
     if with_charts:
@@ -65,6 +103,8 @@ def make_report(folder, with_charts):
             return 3
         drawn = charts.draw_charts(run, claim, run.folder / "charts")
         remove_old(run.folder / "charts", set(drawn))
+        for note in run.notes[said:]:
+            print(f"\nnote: {note}")
         if not drawn:
             print("\nnote: no accepted answers: no charts")
     return 0

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 INPUT_LABEL = "input"
 BUCKETS = 10
-PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure")  # what of the plan the provenance repeats
+PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts")  # what of the plan the provenance repeats
 
 
 class BadRun(Exception):
@@ -35,11 +35,14 @@ class Group:
         return [record for record in self.records if record.get("outcome") == "accepted" and not record.get("warmup")]
 
     def cases(self):
-        """The first accepted answer of each seed: what is judged is the same in every repeat."""
-        first = {}
-        for record in self.accepted():
-            first.setdefault(json.dumps(record.get("seed")), record)
-        return list(first.values())
+        """The first accepted answer of each seed and output: what is judged is the same in every repeat, but for methods
+        that do not promise the same output twice."""
+        return distinct(self.accepted())
+
+    def judged(self):
+        """Accepted answers as `cases` has them; if there are none, those that were judged and rejected."""
+        rejected = [record for record in self.records if record.get("outcome") == "rejected" and not record.get("warmup")]
+        return self.cases() or distinct(rejected)
 
     def figures(self, *keys):
         """A figure of each accepted case, by its path; cases that lack it are left out."""
@@ -57,6 +60,14 @@ class Group:
     @property
     def name(self):
         return f"{self.label} ({self.sweep})" if self.sweep else self.label
+
+
+def distinct(records):
+    """The first record of each seed and output."""
+    first = {}
+    for record in records:
+        first.setdefault(json.dumps([record.get("seed"), record.get("output_hash")]), record)
+    return list(first.values())
 
 
 @dataclass

@@ -88,8 +88,9 @@ def timing_of(group):
     kernel = present(figure(record, "kernel_s") for record in answers)
     if not kernel:
         return None
-    wall = present(figure(record, "wall_s") for record in answers)
-    memory = present(figure(record, "peak_rss_bytes") for record in answers)
+    plain = [record for record in answers if not record.get("searched")] or answers  # a search counts into both
+    wall = present(figure(record, "wall_s") for record in plain)
+    memory = present(figure(record, "peak_rss_bytes") for record in plain)
     rates = []
     for record in answers:
         before, after = figure(record, "report", "tets_in"), figure(record, "report", "tets_out")
@@ -145,6 +146,15 @@ def violations_text(record):
     if not isinstance(violations, list):
         return violations
     return "; ".join(item if isinstance(item, str) else json.dumps(item, sort_keys=True) for item in violations)
+
+
+def first_reason(group):
+    """The first outcome that is not acceptance, with what the judge or the runner says of it."""
+    for record in group.records:
+        if record.get("outcome") != "accepted" and not record.get("warmup"):
+            why = violations_text(record) or record.get("message") or ""
+            return f"{record.get('outcome')}: {why}" if why else str(record.get("outcome"))
+    return ""
 
 
 def outcome_text(group):

@@ -21,7 +21,7 @@ import statistics
 from dataclasses import dataclass
 from typing import Optional
 
-from equal_count import equal_cases, is_equal, tets_of
+from equal_count import equal_cases, is_equal, tets_of, tolerance_of
 from records import figure, median, present
 from tables import align, outcome_text, write_atomically, write_csv
 
@@ -130,11 +130,11 @@ def judge_mesh(run, claim, mesh, sweep):
         return MeshVerdict(mesh, sweep, input_value, better, than, spread, UNDECIDED,
                            f"no accepted answer of {label} ({why})")
     better_tets, than_tets = tets_of(groups[claim.better]), tets_of(groups[claim.than])
-    spread_cases = equal_cases(groups[claim.spread], better_tets) if claim.spread else []
+    spread_cases = equal_cases(groups[claim.spread], better_tets, tolerance_of(run)) if claim.spread else []
     spread = values_of(groups[claim.spread], claim.measure, spread_cases) if claim.spread else []
     left_out = len(groups[claim.spread].cases()) - len(spread_cases) if claim.spread else 0
     outcome, reason = decide(claim, better, than, spread), ""
-    if not is_equal(than_tets, better_tets):
+    if not is_equal(than_tets, better_tets, tolerance_of(run)):
         outcome, reason = UNDECIDED, unequal_text(claim.better, better_tets, claim.than, than_tets)
     elif claim.spread and not spread:
         outcome = UNDECIDED
@@ -253,7 +253,7 @@ def against(run, group, label, measure):
     base = next((other for other in same if other.sweep == group.sweep), same[0] if same else None)
     if base is None:
         return None
-    value, reference = median(values_of(group, measure, equal_cases(group, tets_of(base)))), median(values_of(base, measure))
+    value, reference = median(values_of(group, measure, equal_cases(group, tets_of(base), tolerance_of(run)))), median(values_of(base, measure))
     return None if value is None or reference is None else value - reference
 
 

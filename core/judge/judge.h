@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,28 @@ struct Comparison {
   bool components_unchanged = false;         ///< of the mesh and of its boundary
 };
 
+/// A part of space whose tets had to be left alone. Lengths in the mesh's own unit.
+struct Region {
+  enum class Kind {
+    kSphere,       ///< |x - vector| <= size
+    kHalfSpace,    ///< vector . x <= size
+    kSurfacePatch  ///< within `depth` of the input's boundary faces with a vertex v, |v - vector| <= size
+  };
+  Kind kind = Kind::kSphere;
+  Vec3 vector;
+  double size = 0.0;
+  double depth = 0.0;
+};
+
+/// What became of the tets in regions. Those count that certainly meet one: that come nearer than its border
+/// by 2^-40 of the largest coordinate, or, in a patch of depth 0, share a vertex with a face of it.
+struct RegionFigures {
+  std::uint64_t input_tets = 0;  ///< of the input that meet a region
+  std::uint64_t changed_tets =
+      0;  ///< of these, not in the output: by coordinates, to the bit, and orientation
+  std::uint64_t output_tets = 0;  ///< of the output that meet a region
+};
+
 /// Checks a mesh, whatever its arrays hold. A tet with invalid indices is counted and left out of everything
 /// else; one with a non-finite point has no orientation, but its faces, edges and vertices are checked.
 /// Time:    n log n in the tets of one vertex star, otherwise linear.
@@ -101,5 +124,16 @@ Quality measure_quality(const TetMesh& mesh, double ideal_volume = 0.0);
 /// Compares the boundary faces as oriented triples of points, each point by the bit patterns of its
 /// coordinates; vertex numbers don't matter. Tets with invalid indices are left out of both meshes.
 Comparison compare_with_input(const TetMesh& output, const TetMesh& input);
+
+/// Counts the tets in regions, and those of the input that the output lacks. All zero without regions. Tets
+/// with invalid indices are left out.
+///
+/// A tet meets a ball or the neighbourhood of a triangle if the smallest vector of the set of differences
+/// {p - q : p in the tet, q in the triangle (or the center)} is short enough. Frank and Wolfe's steps bound
+/// it from above by the point they are at and from below by the plane that supports the set there; the few
+/// tets that 1000 steps cannot decide touch the border, and don't count.
+/// Source: Frank and Wolfe, Naval Res. Logist. Q. 3 (1956); Gilbert, SIAM J. Control 4 (1966).
+RegionFigures compare_in_regions(const TetMesh& output, const TetMesh& input,
+                                 std::span<const Region> regions);
 
 }  // namespace palpate::judge

@@ -5,6 +5,7 @@
 #include <emmintrin.h>
 #endif
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -46,8 +47,9 @@ struct FusionMesh {
   std::span<const Index> star(Index v) const { return {star_tets.data() + star_begin[v], star_size[v]}; }
 };
 
-/// Takes a mesh over; its arrays are released as soon as they are copied or moved.
-FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order);
+/// Takes a mesh over; its arrays are released as soon as they are copied or moved. Any number of threads
+/// gives the same.
+FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order, int threads = 1);
 
 /// The alive tets in the input's order and the vertices they use; empties `mesh`.
 TetMesh extract_mesh(FusionMesh&& mesh);
@@ -125,6 +127,18 @@ bool walk_fusion(Mesh& mesh, Index target, FusionPlan& plan, OnMoved&& on_moved)
     visited |= 1U << i;
   }
   return true;
+}
+
+/// The corners of tet t.
+inline std::array<Vec3, 4> corners_of(const FusionMesh& mesh, Index t) {
+  const Tet& tet = mesh.tets[t];
+  return {mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]};
+}
+
+/// One flag a vertex by the input's numbers; does tet t have a flagged one?
+inline bool has_flagged_vertex(const FusionMesh& mesh, Index t, const std::vector<std::uint8_t>& flags) {
+  return std::any_of(mesh.tets[t].begin(), mesh.tets[t].end(),
+                     [&](Index v) { return flags[mesh.origin_of_vertex(v)] != 0; });
 }
 
 /// Collects all tets around `target`.

@@ -7,40 +7,13 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/mesh/geometry.h"
+#include "core/base/parallel.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
+#include "core/simplify/parking.h"
 
 namespace palpate::simplify {
 namespace {
-
-/// Doubly linked lists of the candidates that are parked on each tet.
-struct Parking {
-  std::vector<Index> first;  ///< of the candidates parked on this tet
-  std::vector<Index> next;   ///< of the candidates on the same witness
-  std::vector<Index> previous;
-  std::vector<Index> witness;  ///< of this candidate: the present one, or the last
-
-  explicit Parking(std::size_t tets)
-      : first(tets, kNoIndex), next(tets, kNoIndex), previous(tets, kNoIndex), witness(tets, kNoIndex) {}
-
-  void park(Index candidate, Index on) {
-    witness[candidate] = on;
-    previous[candidate] = kNoIndex;
-    next[candidate] = first[on];
-    if (first[on] != kNoIndex) previous[first[on]] = candidate;
-    first[on] = candidate;
-  }
-
-  void leave(Index candidate) {
-    if (previous[candidate] == kNoIndex) {
-      first[witness[candidate]] = next[candidate];
-    } else {
-      next[previous[candidate]] = next[candidate];
-    }
-    if (next[candidate] != kNoIndex) previous[next[candidate]] = previous[candidate];
-  }
-};
 
 /// What a look at a candidate found.
 struct Verdict {
@@ -54,7 +27,7 @@ class Run {
       const SizingField& sizing, double ideal_volume)
       : mesh_(mesh),
         options_(options),
-        sizing_(sizing),
+        growth_(sizing, ideal_volume),
         level_(std::move(level)),
         state_(mesh.tets.size(), State::kIdle),
         parking_(mesh.tets.size()),
@@ -66,23 +39,17 @@ class Run {
   /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
   void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      const Tet& tet = mesh_.tets[t];
-      if (std::any_of(tet.begin(), tet.end(),
-                      [&](Index v) { return is_kept[mesh_.origin_of_vertex(v)] != 0; }))
-        state_[t] = State::kKept;
+      if (has_flagged_vertex(mesh_, t, is_kept)) state_[t] = State::kKept;
     }
   }
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
     sort_by_level(report.level_sizes);
-    const double ideal_volume = qualities_.ideal_volume();
-    for (int pass = 0; pass < kGradingPasses && !sizing_.is_empty(); ++pass) {
-      largest_far_ = std::ldexp(ideal_volume, pass);
+    for (int pass = 0; pass <= growth_.passes(); ++pass) {
+      growth_.start_pass(pass);
       if (!simplify_levels(report)) break;
     }
-    largest_far_ = std::numeric_limits<double>::infinity();
-    if (report.stop == "limit") simplify_levels(report);
     count_rejections(report.rejected);
   }
 
@@ -143,13 +110,16 @@ class Run {
 
   void start_level(std::uint16_t level) {
     current_level_ = level;
-    for (const Index t : members_of_level()) {
-      if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
-      if (!is_small_enough(t)) continue;
-      state_[t] = State::kWaiting;
-      qualities_.ensure(mesh_, t);
-    }
-    queue_.fill(members_of_level());
+    const std::span<const Index> members = members_of_level();
+    for_ranges(members.size(), options_.threads, [&](std::size_t first, std::size_t last, std::size_t) {
+      for (const Index t : members.subspan(first, last - first)) {
+        if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
+        if (!growth_.admits(corners_of(mesh_, t))) continue;
+        state_[t] = State::kWaiting;
+        qualities_.ensure(mesh_, t);
+      }
+    });
+    queue_.fill(members);
   }
 
   /// The level is done with: its candidates leave their witnesses and keep the reason.
@@ -160,19 +130,6 @@ class Run {
       state_[t] = state_[t] == State::kParkedFlip ? State::kRefusedFlip : State::kRefusedQuality;
     }
     reconsider_.clear();
-  }
-
-  /// Does the sizing field let tet t grow further in this pass?
-  bool is_small_enough(Index t) const {
-    if (largest_far_ == std::numeric_limits<double>::infinity()) return true;
-    const Tet& tet = mesh_.tets[t];
-    const std::array<Vec3, 4> p{mesh_.points[tet[0]], mesh_.points[tet[1]], mesh_.points[tet[2]],
-                                mesh_.points[tet[3]]};
-    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
-    const auto bound = [&](double size) { return size * size * size * largest_far_; };
-    if (volume >= largest_far_) return false;
-    if (volume < bound(sizing_.near_size())) return true;
-    return volume < bound(sizing_.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3])));
   }
 
   /// Fuses the worst candidate that passes the checks. Returns whether there was one.
@@ -257,7 +214,7 @@ class Run {
       if (options_.skip_touched) {
         state_[t] = State::kTouched;
       } else if (level_[t] == current_level_) {
-        const bool waits = is_small_enough(t);
+        const bool waits = growth_.admits(corners_of(mesh_, t));
         state_[t] = waits ? State::kWaiting : State::kIdle;
         if (waits) queue_.push(t);
       }
@@ -309,9 +266,7 @@ class Run {
 
   FusionMesh& mesh_;
   const SimplifyOptions& options_;
-  const SizingField& sizing_;
-  double largest_far_ =
-      std::numeric_limits<double>::infinity();  ///< of a tet of relative size 1 that may grow
+  GrowthBound growth_;
   std::vector<std::uint16_t> level_;
   std::vector<State> state_;
   Parking parking_;
@@ -350,6 +305,7 @@ void validate_options(const SimplifyOptions& options) {
   }
   if (options.last_level < 1)
     throw InputError("last_level", 0, "1 or more", std::to_string(options.last_level));
+  if (options.threads < 1) throw InputError("threads", 0, "1 or more", std::to_string(options.threads));
   const StopRule& stop = options.stop;
   if (stop.ratio && !(*stop.ratio >= 0.0 && *stop.ratio < 1.0)) {
     throw InputError("ratio", 0, "a share from 0 up to, not including, 1", std::to_string(*stop.ratio));
@@ -366,8 +322,8 @@ SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& optio
   const double ideal_volume = mean_tet_volume(mesh);
   const SizingField sizing(options.sizing, mesh);
   const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.threads);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage, options.threads);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
   report.level_sizes = count_levels(level);
   {

@@ -44,6 +44,7 @@ struct SimplifyOptions {
   StopRule stop;
   SizingOptions sizing;  ///< what is kept, and how sizes grade from there; nothing by default
   StorageOrder storage = StorageOrder::kSpatial;
+  int threads = 1;  ///< the result does not depend on it
 };
 
 /// The tets that are left, by the check that keeps each of them from being fused: as found when its level
@@ -90,19 +91,13 @@ void validate_options(const SimplifyOptions& options);
 /// a tet with the mesh.
 ///
 /// With regions to keep (options.sizing), a tet that has a vertex of a kept tet is never fused, so that kept
-/// tets stay as they are, to the bit. Elsewhere tets grow as the field has it: the levels are gone through
-/// several times, and in pass n = 0, 1, ... only tets smaller than their place allows are fused,
-///
-///   volume < r^3 2^n (the input's mean volume),   r = the relative size at the tet's barycenter,
-///
-/// so that a tet near a region waits until the far ones have become as much larger as the field asks for. The
-/// last pass (after kGradingPasses) has no such bound; a run to the limit ends where no fusion passes.
+/// tets stay as they are, to the bit. Elsewhere tets grow as the field has it: the levels are gone through in
+/// several passes under a rising bound (GrowthBound), the last time without one.
 ///
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done. A mesh without a candidate is left as it is: stop "limit", 0 fusions.
 /// Throws:   InputError for impossible options, or a non-manifold face.
 /// Source:   thesis 2.3.3, 2.3.8, 4.2.3.5; docs/errata.md for what is settled otherwise.
-inline constexpr int kGradingPasses = 8;
 SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& options);
 
 }  // namespace palpate::simplify

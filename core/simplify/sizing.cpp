@@ -141,6 +141,19 @@ bool SizingField::meets(const std::array<Vec3, 4>& tet) const {
   });
 }
 
+void GrowthBound::start_pass(int n) {
+  largest_far_ = n < passes() ? std::ldexp(mean_volume_, n) : kInfinity;
+}
+
+bool GrowthBound::admits(const std::array<Vec3, 4>& tet) const {
+  if (largest_far_ == kInfinity) return true;
+  const double volume = signed_volume(tet[0], tet[1], tet[2], tet[3]);
+  const auto allowed = [&](double size) { return size * size * size * largest_far_; };
+  if (volume >= largest_far_) return false;
+  if (volume < allowed(field_->near_size())) return true;
+  return volume < allowed(field_->relative_size(0.25 * (tet[0] + tet[1] + tet[2] + tet[3])));
+}
+
 std::vector<std::uint8_t> build_kept_tets(const SizingField& field, const TetMesh& mesh) {
   if (field.is_empty()) return {};
   std::vector<std::uint8_t> kept(mesh.tets.size());

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
@@ -76,6 +77,34 @@ class SizingField {
   std::vector<TriangleTree> patches_;
   double near_size_ = 1.0;
   double reach_ = 0.0;
+};
+
+/// Passes with a bound on growth, before the last one without.
+inline constexpr int kGradingPasses = 8;
+
+/// How fusions grade a mesh: in pass n = 0, 1, ... only tets smaller than their place allows are fused,
+///
+///   volume < r^3 2^n mean volume,   r = the relative size at the tet's barycenter,
+///
+/// so that a tet near a region waits until the far ones have become as much larger as the field asks for.
+class GrowthBound {
+ public:
+  /// `mean_volume` is that of the input's tets. The field has to outlive the bound.
+  GrowthBound(const SizingField& field, double mean_volume) : field_(&field), mean_volume_(mean_volume) {}
+
+  /// Passes with a bound: none if every relative size is 1.
+  int passes() const { return field_->near_size() < 1.0 ? kGradingPasses : 0; }
+
+  /// Begins pass n; from pass passes() on every tet may grow.
+  void start_pass(int n);
+
+  /// May the positive tet with these corners grow in this pass?
+  bool admits(const std::array<Vec3, 4>& tet) const;
+
+ private:
+  const SizingField* field_;
+  double mean_volume_;
+  double largest_far_ = std::numeric_limits<double>::infinity();  ///< volume allowed where r = 1
 };
 
 /// One flag a tet: 1 if it meets a region. Such a tet is in the output as it was, to the bit. Empty for an

@@ -110,12 +110,13 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   build(first + count / 2, count - count / 2);
 }
 
-double TriangleTree::distance(const Vec3& p, double bound) const {
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double bound_sq) const {
   struct Entry {
     std::size_t node;
     double distance_sq;
   };
-  double best = bound * bound;
+  Nearest found{nullptr, bound_sq};
+  double& best = found.distance_sq;
   std::array<Entry, kDeepest> stack;
   std::size_t size = 0;
   const auto push = [&](std::size_t node, double distance_sq) {
@@ -127,8 +128,10 @@ double TriangleTree::distance(const Vec3& p, double bound) const {
     if (entry.distance_sq >= best) continue;
     const Node& node = nodes_[entry.node];
     if (node.right == 0) {
-      for (std::size_t i = node.first; i < node.first + node.count; ++i)
-        best = std::min(best, distance_sq_to_triangle(p, corners_[i][0], corners_[i][1], corners_[i][2]));
+      for (std::size_t i = node.first; i < node.first + node.count; ++i) {
+        const double here = distance_sq_to_triangle(p, corners_[i][0], corners_[i][1], corners_[i][2]);
+        if (here < best) found = {&corners_[i], here};
+      }
       continue;
     }
     const double left = distance_sq_to_box(p, nodes_[entry.node + 1].box);
@@ -141,7 +144,12 @@ double TriangleTree::distance(const Vec3& p, double bound) const {
       push(node.right, right);
     }
   }
-  return best < bound * bound ? std::sqrt(best) : bound;
+  return found;
+}
+
+double TriangleTree::distance(const Vec3& p, double bound) const {
+  const Nearest found = nearest(p, bound * bound);
+  return found.triangle != nullptr ? std::sqrt(found.distance_sq) : bound;
 }
 
 bool TriangleTree::is_within(const std::array<Vec3, 4>& tet, double reach) const {

@@ -29,6 +29,13 @@ class TriangleTree {
   /// Throws: InputError if there is no triangle.
   TriangleTree(std::span<const Vec3> points, std::span<const Triangle> triangles);
 
+  /// A triangle nearest to p, and the squared distance.
+  struct Nearest {
+    const std::array<Vec3, 3>* triangle = nullptr;  ///< none is nearer than the bound: nullptr
+    double distance_sq = 0.0;
+  };
+  Nearest nearest(const Vec3& p, double bound_sq = std::numeric_limits<double>::infinity()) const;
+
   /// Distance from p to the nearest triangle if that is below `bound`, else `bound`.
   double distance(const Vec3& p, double bound = std::numeric_limits<double>::infinity()) const;
 

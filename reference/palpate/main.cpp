@@ -1,45 +1,37 @@
-// Adapter of our own simplifiers.
+// Adapter of our own simplifiers: one line a method.
 #include <array>
-#include <string_view>
+#include <string>
 
 #include "core/base/error.h"
-#include "core/simplify/hierarchical.h"
-#include "reference/fusion_options.h"
-#include "reference/palpate/refined_run.h"
+#include "reference/palpate/methods.h"
 
 namespace {
 
-using namespace palpate;
-
-reference::Response run_hierarchical(const reference::Request& request) {
-  nlohmann::json left = request.options;
-  const simplify::SimplifyOptions options = reference::take_fusion_options(request.stop, left);
-  reference::require_all_taken(left);
-  return reference::run_fusion(request,
-                               [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
-}
+using namespace palpate::reference;
 
 struct Method {
-  std::string_view name;
-  reference::Response (*run)(const reference::Request& request);
+  const char* name;
+  Response (*run)(const Request&);
 };
 
 constexpr std::array kMethods{
     Method{"palpate.hierarchical", run_hierarchical},
-    Method{"palpate.refined", reference::run_refined},
+    Method{"palpate.outcome", run_outcome},
+    Method{"palpate.refined", run_refined},
+    Method{"palpate.surface", run_surface},
 };
 
-reference::Response run(const reference::Request& request) {
+Response run(const Request& request) {
   std::string names;
   for (const Method& method : kMethods) {
     if (request.method == method.name) return method.run(request);
-    names += (names.empty() ? "" : ", ") + std::string(method.name);
+    names += names.empty() ? method.name : std::string(" or ") + method.name;
   }
-  throw InputError("method", 0, "one of " + names, request.method);
+  throw palpate::InputError("method", 0, names, request.method);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  return reference::run_adapter(argc, argv, run);
+  return run_adapter(argc, argv, run, TakesKeep::kYes);
 }

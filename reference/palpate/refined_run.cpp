@@ -1,10 +1,10 @@
-#include "reference/palpate/refined_run.h"
-
+// palpate.refined at the door.
 #include <chrono>
 
 #include "core/mesh/medit.h"
 #include "core/simplify/refined.h"
 #include "reference/fusion_options.h"
+#include "reference/palpate/methods.h"
 
 namespace palpate::reference {
 namespace {
@@ -27,6 +27,7 @@ simplify::RefinedOptions read_options(const Request& request) {
   options.smoothing = take_switch(left, "smoothing", options.smoothing);
   options.edge_removal = take_switch(left, "edge_removal", options.edge_removal);
   options.face_removal = take_switch(left, "face_removal", options.face_removal);
+  options.sizing = take_sizing_options(request.keep, left);
   require_all_taken(left);
   simplify::validate_options(options);
   return options;

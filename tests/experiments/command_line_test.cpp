@@ -188,6 +188,43 @@ TEST(CommandLine, SimplifyDoesAndRefuses) {
   expect_refusal(run_program({"simplify", in + "x", "-o", out, "--method", "test.copy"}), 2, "cube.meshx");
 }
 
+TEST(CommandLine, SimplifyKeepsRegions) {
+  const test::ExperimentFixture fixture;
+  const std::string in = (fixture.folder() / "cube.mesh").string();
+  const std::string out = (fixture.folder() / "out.mesh").string();
+  const auto run = [&](const std::string& method, const std::vector<std::string>& extra) {
+    std::vector<std::string> arguments{"simplify", in, "-o", out, "--method", method};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    return run_program(arguments);
+  };
+  const ProgramResult kept =
+      run("palpate.hierarchical", {"--json", "--keep", "half_space 0 0 -1 -0.9", "--keep",
+                                   "sphere 0.5 0.5 0.1 1e-3", "--set", "near_size=0.3"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.error;
+  const json report = json::parse(kept.out);
+  EXPECT_EQ(report.at("keep"), json({"half_space 0 0 -1 -0.9", "sphere 0.5 0.5 0.1 1e-3"}));
+  EXPECT_GT(report.at("kept_tets"), 96);
+  EXPECT_EQ(report.at("kept_tets_changed"), 0);
+  EXPECT_THAT(run("palpate.hierarchical", {"--keep", "sphere 9 9 9 1"}).error,
+              HasSubstr("no tetrahedron meets a region to keep"));
+  const ProgramResult broken =
+      run("test.keep", {"--set", "behave=drop_tet", "--keep", "half_space 0 0 -1 -0.9"});
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_THAT(broken.error, HasSubstr("1 tetrahedra that were to be kept are not in the output"));
+  std::filesystem::remove(out);
+  for (const auto& [method, region, part] : std::vector<std::array<std::string, 3>>{
+           {"test.copy", "sphere 0 0 0 1", "--keep: method test.copy keeps no regions; those that do are"},
+           {"tetfusion.sequential", "sphere 0 0 0 1", "keeps no regions"},
+           {"test.keep", "spher 0 0 0 1", "unknown region \"spher\"; did you mean \"sphere\"?"},
+           {"test.keep", "", "unknown region \"\""},
+           {"test.keep", "sphere 0 0 0 1 2", "--keep: expected \"sphere x y z r\", found 5 numbers"},
+           {"test.keep", "sphere 0 0 0 nan", "a finite number in \"sphere x y z r\", found \"nan\""},
+           {"palpate.hierarchical", "patch 5 5 5 1 0.1", "a vertex of the boundary within the radius 1"}}) {
+    expect_refusal(run(method, {"--keep", region}), 2, part);
+    EXPECT_FALSE(std::filesystem::exists(out)) << region;
+  }
+}
+
 TEST(CommandLine, SimplifyRefusesAnInvalidMesh) {
   const test::ExperimentFixture fixture;
   TetMesh mesh = build_kuhn_cube(2, 0.0, 0);

@@ -14,7 +14,8 @@ namespace {
 using testing::HasSubstr;
 
 ContestantAnswer run_behaviour(const test::ExperimentFixture& fixture, const std::string& behave,
-                               double timeout_s = 60.0) {
+                               double timeout_s = 60.0,
+                               const nlohmann::json& tuned = nlohmann::json::object()) {
   const auto scratch = fixture.folder() / behave;
   std::filesystem::create_directory(scratch);
   ContestantTask task;
@@ -22,6 +23,7 @@ ContestantAnswer run_behaviour(const test::ExperimentFixture& fixture, const std
   task.mesh_in = fixture.folder() / "cube.mesh";
   task.scratch = scratch;
   task.options = resolve_options(*task.method.method, {{"behave", {behave, "test"}}});
+  task.tuned = tuned;
   task.timeout_s = timeout_s;
   task.memory_mib = 512;
   return run_contestant(task);
@@ -70,6 +72,7 @@ const Misbehaviour kMisbehaviours[] = {
     {"wrong_keys", "bad_answer", "unknown key \"kernel_seconds\""},
     {"no_mesh", "bad_answer", "wrote no mesh"},
     {"false_status", "bad_answer", "answered \"ok\" and left with exit code 3"},
+    {"tune_text", "bad_answer", "tuned parameter length is no number: \"half\""},
     {"refuse", "bad_input", "not this mesh"},
     {"fail", "error", "not this mesh"},
 #ifndef PALPATE_SANITIZED
@@ -82,6 +85,34 @@ std::string behaviour_name(const testing::TestParamInfo<Misbehaviour>& tested) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Misbehaviours, testing::ValuesIn(kMisbehaviours), behaviour_name);
+
+TEST(ContestantRun, WhatASearchFoundIsHandedBack) {
+  const nlohmann::json given{{"length", 0.25}};
+  {
+    const test::ExperimentFixture fixture;
+    const ContestantAnswer first = run_behaviour(fixture, "tune");
+    EXPECT_EQ(first.outcome, "ok") << first.message;
+    EXPECT_EQ(first.tuned, (nlohmann::json{{"length", 0.5}}));
+    EXPECT_TRUE(first.searched);
+  }
+  {
+    const test::ExperimentFixture fixture;
+    const ContestantAnswer later = run_behaviour(fixture, "tune", 60.0, given);
+    EXPECT_EQ(later.tuned, given);
+    EXPECT_FALSE(later.searched);
+  }
+  const test::ExperimentFixture fixture;
+  const ContestantAnswer changed = run_behaviour(fixture, "tune_anew", 60.0, given);
+  EXPECT_EQ(changed.outcome, "bad_answer");
+  EXPECT_THAT(changed.message, HasSubstr("not those it was given: {\"length\":0.75}"));
+}
+
+TEST(ContestantRun, AMethodWithoutASearchHasNothingTuned) {
+  const test::ExperimentFixture fixture;
+  const ContestantAnswer answer = run_behaviour(fixture, "copy");
+  EXPECT_TRUE(answer.tuned.empty());
+  EXPECT_FALSE(answer.searched);
+}
 
 TEST(ContestantRun, HangEndsAtTheTimeOut) {
   const test::ExperimentFixture fixture;
@@ -125,6 +156,8 @@ TEST(Contestant, DescriptionErrorsNameTheLine) {
               HasSubstr("contestant.yaml:6: unknown stop \"fusion\"; did you mean \"fusions\"?"));
   EXPECT_THAT(description_error("  - {name: a, sumary: s, stops: [limit]}"),
               HasSubstr("did you mean \"summary\"?"));
+  EXPECT_THAT(description_error("  - {name: a, summary: s, stops: [limit], deterministic: perhaps}"),
+              HasSubstr("expected true or false"));
   EXPECT_THAT(description_error("  - {name: a, summary: s, stops: []}"), HasSubstr("has no stop"));
   const std::string method = "  - {name: a, summary: s, stops: [limit], options: [";
   EXPECT_THAT(description_error(method + "{name: o, type: real, default: 1, help: h}]}"),
@@ -145,6 +178,21 @@ TEST(Contestant, OptionsAreTypedAndComplete) {
   EXPECT_EQ(options.at("seed"), 0);
   EXPECT_EQ(options.at("behave"), "copy");
   EXPECT_EQ(options.size(), method.options.size());
+}
+
+TEST(Contestant, AMethodThatKeepsRegionsHasTheirOptions) {
+  const test::ExperimentFixture fixture;
+  const MethodSpec& keeper = *fixture.registry().find("test.keep")->method;
+  EXPECT_TRUE(keeper.keeps);
+  EXPECT_EQ(resolve_options(keeper, {}).at("near_size"), 0.5);
+  EXPECT_EQ(resolve_options(keeper, {{"reach", {"2.5", "--set"}}}).at("reach"), 2.5);
+  const MethodSpec& other = *fixture.registry().find("test.copy")->method;
+  EXPECT_FALSE(other.keeps);
+  EXPECT_EQ(other.find_option("near_size"), nullptr);
+  EXPECT_THAT(
+      description_error("  - {name: a, summary: s, stops: [limit], keep: true, options: [{name: reach, "
+                        "type: number, default: 1, help: h}]}"),
+      HasSubstr("option \"reach\" twice"));
 }
 
 TEST(Contestant, SameMethodTwiceIsRefused) {

@@ -86,6 +86,20 @@ const BadPlan kBadPlans[] = {
     {"seeds_twice", "[{method: test.copy, seeds: [1, 1]}]", "", 5, "seeds that differ"},
     {"seeds_and_seed", "[{method: test.copy, seeds: 2, set: {seed: 1}}]", "", 5, "exclude each other"},
     {"seeds_without_option", "[{method: test.limit_only, seeds: 2}]", "", 5, "no option \"seed\""},
+    {"keep_not_offered", "[{method: test.copy, keep: [sphere 0 0 0 1]}]", "", 5, "those that do are"},
+    {"keep_unknown_kind", "\n  - method: test.keep\n    keep: [spere 0 0 0 1]", "", 7,
+     "unknown region \"spere\"; did you mean \"sphere\"?"},
+    {"keep_too_few", "[{method: test.keep, keep: [sphere 0 0 1]}]", "", 5,
+     "expected \"sphere x y z r\", found 3"},
+    {"keep_no_number", "[{method: test.keep, keep: [patch 0 0 0 1 deep]}]", "", 5, "found \"deep\""},
+    {"keep_no_radius", "[{method: test.keep, keep: [sphere 0 0 0 -1]}]", "", 5, "a radius above 0"},
+    {"keep_no_normal", "[{method: test.keep, keep: [half_space 0 0 0 1]}]", "", 5, "a normal of a length"},
+    {"keep_empty", "[{method: test.keep, keep: []}]", "", 5, "at least one region"},
+    {"keep_no_list", "[{method: test.keep, keep: sphere 0 0 0 1}]", "", 5, "expected a list"},
+    {"keep_misspelt", "[{method: test.keep, kep: [sphere 0 0 0 1]}]", "", 5, "did you mean \"keep\"?"},
+    {"near_size_zero", "[{method: test.keep, keep: [sphere 0 0 0 1], set: {near_size: 0}}]", "", 5,
+     "from 0.001 to 1"},
+    {"region_unknown_kind", "[test.copy]", "region: [halfspace 0 0 1 0]", 6, "did you mean \"half_space\"?"},
     {"unknown_measure", "[test.copy]", "measure: [kernel]", 6, "did you mean \"kernel_s\"?"},
     {"measure_twice", "[test.copy]", "measure: [kernel_s, kernel_s]", 6, "twice"},
     {"accept_unknown", "[test.copy]", "accept: {inverted_tet: {max: 0}}", 6,
@@ -109,6 +123,34 @@ const BadPlan kBadPlans[] = {
      "did you mean \"test.copy\"?"},
     {"claim_missing", "[test.copy]", "claim: {text: t, measure: tets, better: test.copy}", 6,
      "the key \"than\" is missing"},
+    {"equal_count_zero", "[test.copy]", "equal_count: 0", 6, "equal_count: expected a number from"},
+    {"comparisons_empty", "[test.copy]", "comparisons: []", 6, "at least one comparison"},
+    {"comparison_label", "[test.copy]",
+     "comparisons: [{of: test.cop, against_best_of: [test.copy], measures: [kernel_s]}]", 6,
+     "did you mean \"test.copy\"?"},
+    {"comparison_itself", "[test.copy]",
+     "comparisons: [{of: test.copy, against_best_of: [test.copy], measures: [kernel_s]}]", 6,
+     "cannot be compared with itself"},
+    {"comparison_peers_missing", "[test.copy]", "comparisons: [{of: test.copy, measures: [kernel_s]}]", 6,
+     "the key \"against_best_of\" is missing"},
+    {"comparison_no_peer", "[test.copy]",
+     "comparisons: [{of: test.copy, against_best_of: [], measures: [kernel_s]}]", 6, "at least one label"},
+    {"comparison_peer_twice", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons:\n  - {of: a, against_best_of: [b, b], measures: [kernel_s]}", 9, "label \"b\" twice"},
+    {"comparison_no_direction", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons:\n  - of: a\n    against_best_of: [b]\n    measures: [mean_quality, tets]", 11,
+     "neither more nor less is better"},
+    {"comparison_measure", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best_of: [b], measures: [mean_qualty]}]", 8,
+     "did you mean \"mean_quality\"?"},
+    {"comparison_factor_alone", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best_of: [b], measures: [kernel_s], time_factor: 10}]", 8,
+     "\"time_factor\" needs \"time_against\""},
+    {"comparison_unknown_key", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best: [b], measures: [kernel_s]}]", 8,
+     "did you mean \"against_best_of\"?"},
+    {"chart_unknown", "[test.copy]", "charts: [cutaway]", 6, "did you mean \"cut_away\"?"},
+    {"chart_twice", "[test.copy]", "charts: [timing, timing]", 6, "chart \"timing\" twice"},
     {"anchor", "[&a test.copy]", "", 5, "anchors and aliases"},
     {"broken_yaml", "[test.copy", "", 6, "not YAML"},
 };
@@ -171,16 +213,19 @@ TEST(Plan, MissingFileAndFolder) {
 TEST(Plan, HoldsWhatWasWritten) {
   const test::ExperimentFixture fixture;
   const Plan plan =
-      read_plan(fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b, stop: {tets_of: "
-                                 "test.copy}, set: {factor: 0.25}, "
-                                 "seeds: [4, 9], required: false}",
-                                 "run: {repeats: 3, warmup: 1, threads: 2, timeout_s: 1.5, memory_mib: 64}\n"
-                                 "measure: [kernel_s]\naccept: {inverted_tets: {max: 0}}\n"
-                                 "claim: {text: t, source: s, measure: tets, better: b, than: test.copy, "
-                                 "published: {better: 2, than: 1}}\n"),
+      read_plan(fixture.add_plan(
+                    "\n  - test.copy\n  - {method: test.copy, label: b, stop: {tets_of: "
+                    "test.copy}, set: {factor: 0.25}, "
+                    "seeds: [4, 9], required: false}\n"
+                    "  - {method: test.keep, label: c, keep: [sphere 0 0 0.5 1, half_space 0 0 1 "
+                    "-0.25], set: {reach: 2}}",
+                    "run: {repeats: 3, warmup: 1, threads: 2, timeout_s: 1.5, memory_mib: 64}\n"
+                    "region: [patch 0 0 1 0.5 0.1]\nmeasure: [kernel_s]\naccept: {inverted_tets: {max: 0}}\n"
+                    "claim: {text: t, source: s, measure: tets, better: b, than: test.copy, "
+                    "published: {better: 2, than: 1}}\n"),
                 fixture.registry());
   EXPECT_EQ(plan.name, "plan");
-  ASSERT_EQ(plan.contestants.size(), 2U);
+  ASSERT_EQ(plan.contestants.size(), 3U);
   EXPECT_EQ(plan.contestants[0].label, "test.copy");
   EXPECT_TRUE(plan.contestants[0].required);
   const PlanContestant& b = plan.contestants[1];
@@ -188,10 +233,37 @@ TEST(Plan, HoldsWhatWasWritten) {
   EXPECT_FALSE(b.required);
   EXPECT_EQ(b.set.at("factor").text, "0.25");
   EXPECT_EQ(b.stop->kind, StopKind::kTetsOf);
+  EXPECT_TRUE(b.keep.empty());
+  EXPECT_EQ(plan.contestants[2].keep,
+            (std::vector<std::string>{"sphere 0 0 0.5 1", "half_space 0 0 1 -0.25"}));
+  EXPECT_EQ(plan.contestants[2].set.at("reach").text, "2");
+  EXPECT_EQ(plan.region, (std::vector<std::string>{"patch 0 0 1 0.5 0.1"}));
   EXPECT_EQ(plan.run.repeats, 3);
   EXPECT_DOUBLE_EQ(plan.run.timeout_s, 1.5);
   EXPECT_EQ(plan.accept.at(0).measure, "inverted_tets");
   EXPECT_DOUBLE_EQ(*plan.claim->published_better, 2.0);
+  EXPECT_FALSE(plan.equal_count.has_value());
+  EXPECT_TRUE(plan.comparisons.empty());
+}
+
+TEST(Plan, HoldsWhatItAsksOfTheReport) {
+  const test::ExperimentFixture fixture;
+  const Plan plan =
+      read_plan(fixture.add_plan("\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+                                 "equal_count: 0.005\ncharts: [scaling, cut_away]\ncomparisons:\n"
+                                 "  - {of: a, against_best_of: [b], measures: [p1_dihedral_deg, kernel_s], "
+                                 "time_against: b, time_factor: 10, input_up_to_ratio: 0.22}\n"),
+                fixture.registry());
+  EXPECT_DOUBLE_EQ(plan.equal_count.value(), 0.005);
+  EXPECT_EQ(plan.charts, (std::vector<std::string>{"scaling", "cut_away"}));
+  ASSERT_EQ(plan.comparisons.size(), 1U);
+  const Comparison& comparison = plan.comparisons[0];
+  EXPECT_EQ(comparison.of, "a");
+  EXPECT_EQ(comparison.against_best_of, std::vector<std::string>{"b"});
+  EXPECT_EQ(comparison.measures, (std::vector<std::string>{"p1_dihedral_deg", "kernel_s"}));
+  EXPECT_EQ(comparison.time_against, "b");
+  EXPECT_DOUBLE_EQ(comparison.time_factor.value(), 10.0);
+  EXPECT_DOUBLE_EQ(comparison.input_up_to_ratio.value(), 0.22);
 }
 
 }  // namespace

@@ -98,6 +98,35 @@ TEST(Runner, OutcomesOfBadContestants) {
   EXPECT_EQ(records.at("cube/crash")[0].at("null_reasons").at("kernel_s"), "crashed");
 }
 
+TEST(Runner, ABrokenPromiseToKeepARegionIsAViolation) {
+  const test::ExperimentFixture fixture;
+  // 384 tets in [0, 1]^3; half_space 0 0 -1 -0.9 is z >= 0.9, the top layer of 96.
+  const std::string region = "keep: [half_space 0 0 -1 -0.9]";
+  const auto plan = fixture.add_plan("\n  - {method: test.keep, label: keeps, " + region +
+                                         "}\n  - {method: test.keep, label: breaks, " + region +
+                                         ", set: {behave: drop_tet}}\n  - {method: test.copy, label: free}",
+                                     "region: [half_space 0 0 1 0.1]\naccept: {kept_tets_changed: {max: 0}, "
+                                     "region_tets: {min: 96, max: 96}}\n");
+  run_quietly(fixture, plan, fixture.folder() / "run");
+  const auto records = records_by_case(fixture.folder() / "run");
+  const json& keeps = records.at("cube/keeps").front();
+  EXPECT_EQ(keeps.at("outcome"), "accepted") << keeps.dump();
+  EXPECT_EQ(keeps.at("keep"), json({"half_space 0 0 -1 -0.9"}));
+  EXPECT_EQ(keeps.at("judge").at("kept_tets"), 96);
+  EXPECT_EQ(keeps.at("judge").at("kept_tets_changed"), 0);
+  const json& breaks = records.at("cube/breaks").front();
+  EXPECT_EQ(breaks.at("outcome"), "rejected");
+  EXPECT_EQ(breaks.at("judge").at("kept_tets_changed"), 1);
+  EXPECT_THAT(breaks.at("violations").dump(), HasSubstr("kept_tets_changed is 1, at most 0 is accepted"));
+  const json& free = records.at("cube/free").front();
+  EXPECT_EQ(free.at("outcome"), "accepted");
+  EXPECT_EQ(free.at("judge").at("kept_tets"), 0);
+  EXPECT_EQ(free.at("judge").at("region_tets"), 96);
+  EXPECT_EQ(records.at("cube/input").front().at("judge").at("region_tets"), 96);
+  const json provenance = json::parse(test::bytes_of(fixture.folder() / "run/provenance.json"));
+  EXPECT_THAT(provenance.at("plan_data").dump(), HasSubstr("half_space 0 0 -1 -0.9"));
+}
+
 TEST(Runner, OptionalContestantDoesNotDecide) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan(
@@ -105,6 +134,66 @@ TEST(Runner, OptionalContestantDoesNotDecide) {
   const RunResult result = run_quietly(fixture, plan, fixture.folder() / "run");
   EXPECT_FALSE(result.required_failed);
   EXPECT_EQ(result.failures.count("cube/b"), 1U);
+}
+
+TEST(Runner, ASearchIsMadeOnceACase) {
+  const test::ExperimentFixture fixture;
+  const auto plan =
+      fixture.add_plan("[{method: test.copy, label: a, set: {behave: tune}}, {method: test.copy, label: b}]",
+                       "run: {repeats: 2, warmup: 1}\n");
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, plan, folder);
+  const auto records = records_by_case(folder);
+  const auto& a = records.at("cube/a");
+  ASSERT_EQ(a.size(), 3U);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].at("outcome"), "accepted") << a[i].dump();
+    EXPECT_EQ(a[i].at("tuned"), (json{{"length", 0.5}}));
+    EXPECT_EQ(a[i].at("searched"), i == 0);
+  }
+  for (const json& record : records.at("cube/b")) {
+    EXPECT_EQ(record.at("tuned"), json::object());
+    EXPECT_EQ(record.at("searched"), false);
+  }
+}
+
+TEST(Runner, AResumedRunHandsBackWhatASearchFound) {
+  const test::ExperimentFixture fixture;
+  const std::string contestants = "[{method: test.copy, label: a, set: {behave: tune}}]";
+  const auto folder = fixture.folder() / "run";
+  const auto plan = fixture.add_plan(contestants, "run: {repeats: 3}\n");
+  run_quietly(fixture, plan, folder);
+  // As if it had been stopped after the first repeat, with another length found.
+  std::string kept;
+  for (json& record : read_records(folder / "records.jsonl")) {
+    if (record.at("repeat") != 0) continue;
+    if (record.at("label") == "a") record["tuned"] = {{"length", 0.125}};
+    kept += record.dump() + "\n";
+  }
+  fixture.folder().add("run/records.jsonl", kept);
+  run_quietly(fixture, plan, folder, true);
+  const auto records = records_by_case(folder);
+  const auto& a = records.at("cube/a");
+  ASSERT_EQ(a.size(), 3U);
+  for (std::size_t i = 1; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].at("tuned"), (json{{"length", 0.125}}));
+    EXPECT_EQ(a[i].at("searched"), false);
+  }
+}
+
+TEST(Runner, AMethodThatIsNotDeterministicIsJudgedInEachRepeat) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("[{method: test.varying, label: a}]", "run: {repeats: 6}\n");
+  run_quietly(fixture, plan, fixture.folder() / "run");
+  int differing = 0;
+  const auto records = records_by_case(fixture.folder() / "run");
+  for (const json& record : records.at("cube/a")) {
+    EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
+    EXPECT_TRUE(record.at("judge").at("valid").get<bool>());
+    differing +=
+        record.at("notes").dump().find("output differs between repeats") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_GE(differing, 1) << "six times the same of 97 rotations";
 }
 
 TEST(Runner, AnotherOutputInARepeatIsAViolation) {

@@ -66,7 +66,7 @@ TEST(Schema, RecordsOfARun) {
   const test::ExperimentFixture fixture;
   std::string contestants;
   for (const char* behave :
-       {"copy", "invert", "crash", "garbage", "refuse", "fail", "nan_mesh", "drop_tet", "hang"}) {
+       {"copy", "invert", "crash", "garbage", "refuse", "fail", "nan_mesh", "drop_tet", "tune", "hang"}) {
     contestants +=
         std::string("\n  - {method: test.copy, label: ") + behave + ", set: {behave: " + behave + "}}";
   }

@@ -1,6 +1,7 @@
 // Speed of the judge, in tets a second, on jittered Kuhn cubes. PALPATE_BENCH_LARGE=1 adds 4 million tets.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <numeric>
 #include <span>
@@ -8,6 +9,8 @@
 
 #include "core/base/random.h"
 #include "core/judge/judge.h"
+#include "core/judge/surface.h"
+#include "core/mesh/shapes.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::judge {
@@ -96,6 +99,40 @@ void bm_comparison(benchmark::State& state) {
   set_rate(state, mesh);
 }
 BENCHMARK(bm_comparison)->Apply(set_sizes);
+
+void set_frequencies(benchmark::internal::Benchmark* bench) {
+  bench->ArgName("frequency")->Unit(benchmark::kMillisecond);
+  bench->Arg(8)->Arg(22)->Arg(71);  // 1 thousand, 10 thousand, 100 thousand triangles
+}
+
+void set_triangle_rate(benchmark::State& state, const SurfaceMesh& surface) {
+  state.counters["triangles"] = static_cast<double>(surface.triangles.size());
+  state.counters["triangles_per_s"] = benchmark::Counter(static_cast<double>(surface.triangles.size()),
+                                                         benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// The bean against a coarser one.
+void bm_surface_distance(benchmark::State& state) {
+  const auto frequency = static_cast<int>(state.range(0));
+  const SurfaceMesh fine = build_bean_surface(frequency);
+  const SurfaceMesh coarse = build_bean_surface(frequency * 2 / 3);
+  for (auto _ : state) {
+    const SurfaceDistance distance = measure_surface_distance(coarse, fine);
+    const double gap = std::max(0.001 * distance.lower(), 1e-7 * distance.diagonal);
+    if (distance.upper() > distance.lower() + 1.001 * gap) state.SkipWithError("the bracket is too wide");
+  }
+  set_triangle_rate(state, fine);
+}
+BENCHMARK(bm_surface_distance)->Apply(set_frequencies);
+
+void bm_self_intersections(benchmark::State& state) {
+  const SurfaceMesh bean = build_bean_surface(static_cast<int>(state.range(0)));
+  for (auto _ : state) {
+    if (count_self_intersections(bean) != 0) state.SkipWithError("the bean runs through itself");
+  }
+  set_triangle_rate(state, bean);
+}
+BENCHMARK(bm_self_intersections)->Apply(set_frequencies);
 
 }  // namespace
 }  // namespace palpate::judge

@@ -83,6 +83,25 @@ TEST_F(Adapter, SequentialBansTouchedTetsUnlessToldOtherwise) {
   EXPECT_EQ(free["report"]["rejected"]["touched"], 0);
 }
 
+TEST_F(Adapter, RegionsToKeepAreHonouredOrRefused) {
+  json ask = request("palpate.hierarchical");
+  ask["keep"] = {"sphere 0.5 0.5 0.5 0.2"};
+  ask["options"] = {{"near_size", 0.4}, {"reach", 0.3}};
+  json response;
+  ASSERT_EQ(run("palpate_simplify", ask.dump(), response), 0);
+  EXPECT_GT(response["report"]["rejected"]["kept"], 0);
+  TetMesh expected = input_;
+  simplify::SimplifyOptions options;
+  options.stop.fusions = 20;
+  options.sizing = {{{.center = {0.5, 0.5, 0.5}, .radius = 0.2}}, 0.4, 0.3};
+  simplify::simplify_hierarchical(expected, options);
+  EXPECT_EQ(read_medit(folder_ / "out.mesh", ReadOrientation::kKeep).mesh, expected);
+  ask["method"] = "tetfusion.sequential";
+  ask["options"] = json::object();
+  EXPECT_EQ(run("tetfusion_simplify", ask.dump(), response), 2);
+  EXPECT_NE(response["message"].get<std::string>().find("keep: expected no region"), std::string::npos);
+}
+
 TEST_F(Adapter, BadRequestsEndWithOneMessageAndCodeTwo) {
   const auto changed = [&](const char* key, const json& value) {
     json ask = request("palpate.hierarchical");
@@ -95,6 +114,10 @@ TEST_F(Adapter, BadRequestsEndWithOneMessageAndCodeTwo) {
       {changed("options", {{"drop", "half"}}), "drop"},
       {changed("options", {{"drop", 2.0}}), "drop"},
       {changed("options", {{"levels", "corner"}}), "vertex edge face"},
+      {changed("keep", {"cube 0 0 0 1"}), "sphere, half_space or patch"},
+      {changed("keep", "sphere 0 0 0 1"), "another type for \"keep\""},
+      {changed("options", {{"near_size", 2.0}}), "near_size"},
+      {changed("options", {{"reach", -1.0}}), "reach"},
       {changed("stop", {{"ratio", 1.5}}), "ratio"},
       {changed("stop", {{"fusions", -3}}), "fusions"},
       {changed("stop", {{"sometime", true}}), "sometime"},

@@ -1,41 +1,15 @@
 """The report on made-up records: tables, verdict, charts, and what it says of a run that is not whole."""
 
-import contextlib
-import csv
-import io
 import json
-import pathlib
-import sys
-import tempfile
 import unittest
 from unittest import mock
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parents[1] / "report")]
+from support import ReportTest
 import equal_count
-import make_report
 import records
 import synthetic
 import tables
 import verdict
-
-
-class ReportTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name) / "run"
-
-    def report(self, *arguments):
-        """Exit code, standard output and standard error of make_report."""
-        out, err = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            code = make_report.main([str(self.folder), *arguments])
-        return code, out.getvalue(), err.getvalue()
-
-    def table(self, name):
-        with open(self.folder / "tables" / name, encoding="utf-8", newline="") as stream:
-            return list(csv.DictReader(stream))
 
 
 class Tables(ReportTest):
@@ -65,6 +39,15 @@ class Tables(ReportTest):
         self.assertEqual([float(row[f"kernel_{kind}_s"]) for kind in ("median", "min", "max")], [0.02, 0.01, 0.03])
         self.assertEqual((row["n"], row["outcome"]), ("3", "3 accepted, 1 rejected"))
         self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.02)
+
+    def test_memory_and_process_time_of_a_search_are_left_out_where_a_repeat_had_none(self):
+        lines = [synthetic.record("kidney", "a", 70, searched=True, wall_s=9.0, peak_rss_bytes=900),
+                 synthetic.record("kidney", "a", 70, repeat=1, searched=False, wall_s=1.0, peak_rss_bytes=100)]
+        for chosen, wall, memory in ((lines, "1.0", "100"), (lines[:1], "9.0", "900")):
+            synthetic.write_run(self.folder, chosen, {})
+            self.report("--no-charts")
+            row, = self.table("timing.csv")
+            self.assertEqual((row["wall_median_s"], row["peak_rss_max_bytes"], row["n"]), (wall, memory, str(len(chosen))))
 
     def test_interval_of_the_median_is_repeatable_and_holds_the_median(self):
         values = [0.01 * (i % 7 + 1) for i in range(20)]
@@ -234,15 +217,12 @@ class Verdict(ReportTest):
 
 
 class Charts(ReportTest):
-    def chart_bytes(self):
-        return {path.name: path.read_bytes() for path in (self.folder / "charts").iterdir()}
-
     def test_the_same_records_give_the_same_bytes(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
         self.assertEqual(self.report()[0], 0)
-        first = self.chart_bytes()
+        first = self.charts()
         self.assertEqual(self.report()[0], 0)
-        self.assertEqual(first, self.chart_bytes())
+        self.assertEqual(first, self.charts())
         names = ("histogram_kidney", "histograms_all_kidney", "overview", "timing")
         self.assertEqual(set(first), {f"{name}.{ending}" for name in names for ending in ("svg", "png")})
         self.assertTrue(all(data.startswith(b"\x89PNG") for name, data in first.items() if name.endswith("png")))
@@ -250,10 +230,10 @@ class Charts(ReportTest):
     def test_other_records_give_other_bytes(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
         self.report()
-        first = self.chart_bytes()
+        first = self.charts()
         synthetic.write_run(self.folder, synthetic.thesis_records(better=60, meshes=("kidney",)))
         self.report()
-        self.assertNotEqual(first["histogram_kidney.svg"], self.chart_bytes()["histogram_kidney.svg"])
+        self.assertNotEqual(first["histogram_kidney.svg"], self.charts()["histogram_kidney.svg"])
 
     def test_an_answer_at_another_count_is_marked_in_the_overview(self):
         import charts
@@ -277,7 +257,7 @@ class Charts(ReportTest):
         code, out, _ = self.report()
         self.assertEqual(code, 0)
         self.assertIn("a (fusions 20)", out)
-        self.assertEqual(set(self.chart_bytes()), {f"{name}.{ending}" for name in ("histograms_all_kidney", "overview", "timing")
+        self.assertEqual(set(self.charts()), {f"{name}.{ending}" for name in ("histograms_all_kidney", "overview", "timing")
                                                    for ending in ("svg", "png")})
 
     def test_charts_of_a_former_report_are_taken_away(self):
@@ -285,7 +265,7 @@ class Charts(ReportTest):
         self.report()
         synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
         self.report()
-        self.assertFalse([name for name in self.chart_bytes() if "bean" in name])
+        self.assertFalse([name for name in self.charts() if "bean" in name])
 
 
 class BrokenRuns(ReportTest):

@@ -63,11 +63,51 @@ def thesis_records(better=75.0, than=80.0, spread=(78.0, 82.0), meshes=("kidney"
     return lines
 
 
+CONTEST = {
+    "question": "Which simplifier is best?", "equal_count": 0.005, "charts": ["quality_time"],
+    "meshes": [{"name": "kidney"}], "contestants": [{"label": "refined"}, {"label": "cgal_1"}, {"label": "cgal_2"}],
+    "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "time_against": "cgal_1", "time_factor": 10,
+                     "measures": ["percent_above_0_5", "mean_quality", "min_dihedral_deg"], "input_up_to_ratio": 0.22}],
+}
+MEASURES = {"percent_above_0_5": {"better": "higher", "unit": "%"}, "mean_quality": {"better": "higher", "unit": "1"},
+            "min_dihedral_deg": {"better": "higher", "unit": "deg"}, "kernel_s": {"better": "lower", "unit": "s"}}
+
+
+def answer(label, percent, ratio=0.22, tets=None, mesh="kidney", start=8000, mean=0.6, least=10.0, method="cgal.remesh", **other):
+    """An answer of a contest with a sweep: `tets` None is exactly the count that is asked for."""
+    tets = round(start * (1 - ratio)) if tets is None else tets
+    judged = None if percent is None else {**judge(percent, tets), "mean_quality": mean, "min_dihedral_deg": least,
+                                           "boundary_changed_faces": other.pop("changed_faces", 0)}
+    facts = {"name": mesh, "vertices": 1500, "tets": start, "hash": "0"}
+    line = {"contestant": method, "judge": judged, "stop": {"kind": "ratio", "value": ratio},
+            "sweep": {"tets_removed_ratio": ratio}, "case": f"{mesh}/{label}/tets_removed_ratio={ratio}", **other}
+    return {**record(mesh, label, percent, **line), "mesh": facts}
+
+
+def sized(label, tets, seconds, memory=None, **other):
+    """An answer on a mesh of that many tets."""
+    mesh = f"m{tets}"
+    facts = {"name": mesh, "vertices": tets // 5, "tets": tets, "hash": "0"}
+    line = record(mesh, label, None if seconds is None else 70, kernel_s=seconds, peak_rss_bytes=memory,
+                  stop={"kind": "limit", "value": None}, **other)
+    return {**line, "mesh": facts}
+
+
+def write_mesh(path, points, tets):
+    """An ASCII MEDIT file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(len(points))]
+    lines += [" ".join(map(str, (*point, 0))) for point in points]
+    lines += ["Tetrahedra", str(len(tets))] + [" ".join(str(v + 1) for v in tet) + " 0" for tet in tets] + ["End"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
 def write_run(folder, lines, plan=None):
     """Writes a run folder; `plan` None takes PLAN, {} writes no claim."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "records.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-    provenance = {"schema": "palpate/provenance/1", "plan_data": PLAN if plan is None else plan}
+    provenance = {"schema": "palpate/provenance/1", "plan_data": PLAN if plan is None else plan, "timeout_s": 120.0,
+                  "measures": MEASURES}
     (folder / "provenance.json").write_text(json.dumps(provenance), encoding="utf-8")
     return folder

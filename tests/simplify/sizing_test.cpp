@@ -294,6 +294,31 @@ TEST(Sizing, KeptVerticesAreThoseOfKeptTets) {
   EXPECT_THROW(build_kept_vertices({1}, two), ContractError);
 }
 
+TEST(Sizing, TheGrowthBoundFollowsItsFormula) {
+  const SizingField field(options_of({half_space({1, 0, 0}, 0.0)}, 0.5, 1.0), build_kuhn_cube(1, 0.0, 0));
+  GrowthBound growth(field, 1.0);
+  EXPECT_EQ(growth.passes(), kGradingPasses);
+  // A corner tet of side a has the volume a^3 / 6 and its barycenter at x + a / 4.
+  const auto admits = [&](double x, double a) {
+    return growth.admits({Vec3{x, 0, 0}, {x + a, 0, 0}, {x, a, 0}, {x, 0, a}});
+  };
+  for (const double x : {-1.0, 0.1, 0.4, 0.7, 2.0}) {
+    for (int pass = 0; pass < 4; ++pass) {
+      growth.start_pass(pass);
+      for (const double a : {0.5, 0.9, 1.2, 1.6, 2.0, 2.5}) {
+        const double size = field.relative_size({x + 0.25 * a, 0.25 * a, 0.25 * a});
+        EXPECT_EQ(admits(x, a), a * a * a / 6.0 < std::pow(size, 3) * std::pow(2.0, pass))
+            << x << ' ' << a << ' ' << pass;
+      }
+    }
+  }
+  growth.start_pass(kGradingPasses);
+  EXPECT_TRUE(admits(0.0, 100.0));
+  const SizingField flat(options_of({half_space({1, 0, 0}, 0.0)}, 1.0, 1.0), build_kuhn_cube(1, 0.0, 0));
+  EXPECT_EQ(GrowthBound(flat, 1.0).passes(), 0);
+  EXPECT_EQ(GrowthBound(SizingField(), 1.0).passes(), 0);
+}
+
 TEST(Sizing, RefusesWhatMakesNoSense) {
   const TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
   const auto refuse = [&](const SizingOptions& options, const std::string& part) {

@@ -17,6 +17,16 @@ Point to_point(const Vec3& p) {
   return {p.x, p.y, p.z};
 }
 
+using Mesh = CGAL::Surface_mesh<Point>;
+
+Mesh to_mesh(const SurfaceMesh& surface) {
+  Mesh mesh;
+  std::vector<Mesh::Vertex_index> vertices;
+  for (const Vec3& p : surface.points) vertices.push_back(mesh.add_vertex(to_point(p)));
+  for (const Triangle& t : surface.triangles) mesh.add_face(vertices[t[0]], vertices[t[1]], vertices[t[2]]);
+  return mesh;
+}
+
 }  // namespace
 
 int cgal_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -40,12 +50,13 @@ int rational_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3
 }
 
 bool is_self_intersecting(const SurfaceMesh& surface) {
-  using Mesh = CGAL::Surface_mesh<Point>;
-  Mesh mesh;
-  std::vector<Mesh::Vertex_index> vertices;
-  for (const Vec3& p : surface.points) vertices.push_back(mesh.add_vertex(to_point(p)));
-  for (const Triangle& t : surface.triangles) mesh.add_face(vertices[t[0]], vertices[t[1]], vertices[t[2]]);
-  return CGAL::Polygon_mesh_processing::does_self_intersect(mesh);
+  return CGAL::Polygon_mesh_processing::does_self_intersect(to_mesh(surface));
+}
+
+std::uint64_t count_self_intersections(const SurfaceMesh& surface) {
+  std::vector<std::pair<Mesh::Face_index, Mesh::Face_index>> pairs;
+  CGAL::Polygon_mesh_processing::self_intersections(to_mesh(surface), std::back_inserter(pairs));
+  return pairs.size();
 }
 
 }  // namespace palpate::test

@@ -42,7 +42,7 @@ class Naive {
   NaiveReport run() {
     NaiveReport report;
     const double mean_volume = ideal_volume_;
-    for (int pass = 0; pass < (sizing_.is_empty() ? 0 : simplify::kGradingPasses); ++pass) {
+    for (int pass = 0; pass < (sizing_.near_size() == 1.0 ? 0 : 8); ++pass) {
       largest_far_ = mean_volume * static_cast<double>(1U << static_cast<unsigned>(pass));
       if (!run_levels(report)) return report;
     }

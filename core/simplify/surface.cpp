@@ -1,0 +1,185 @@
+#include "core/simplify/surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/simplify/refined.h"
+#include "core/simplify/smoothing.h"
+#include "core/simplify/surface_flip.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// Greatest share of the tets that one stage leaves.
+constexpr double kStage = 0.6;
+
+/// Where the stages end, over the target: simplify_refined does the rest.
+constexpr double kLeftToRefined = 1.1;
+
+/// Below this score (q = 0.67) a tet at the boundary is worth a flip.
+constexpr double kPoorScore = 0.3;
+
+// In a mesh of good tets with mean edge h, a tet has about 0.1 h^3 (a regular one 0.118), a boundary face
+// about 0.41 h^2 (an equilateral one 0.433).
+constexpr double kTetShare = 0.1;
+constexpr double kFaceShare = 0.41;
+
+struct Run {
+  const SurfaceOptions& options;
+  SizingField field;
+  double volume = 0.0;
+  WorkingMesh mesh;
+  Skin skin;
+  SurfaceRunReport report;
+  double area = 0.0;
+  ScoreScale scale;
+
+  Run(TetMesh&& input, const SurfaceOptions& given)
+      : options(given),
+        field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
+        volume(total_volume(input)),
+        mesh(build_working_mesh(std::move(input), field)),
+        skin(mesh, given.max_surface_error) {
+    report.vertices_in = mesh.points.size();
+    report.tets_in = mesh.alive;
+    report.boundary_faces_in = skin.size();
+    for (Index f = 0; f < skin.slots(); ++f) {
+      const Triangle& t = skin.face(f);
+      const Vec3& p = mesh.points[t[0]];
+      area += 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+    }
+  }
+
+  bool has_changed_skin() const { return report.surface.collapses > 0; }
+
+  void aim_at(double tets) { scale = {1.0 / (6.0 * volume / std::max(1.0, tets)), 0.5}; }
+
+  /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
+  std::uint64_t faces_for(double tets) const {
+    const double edge = options.boundary_size * std::cbrt(volume / (kTetShare * tets));
+    return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
+  }
+
+  /// The other way round: tets that go with the boundary as it is.
+  double tets_for_faces() const {
+    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(skin.size())));
+    const double inner = edge / options.boundary_size;
+    return volume / (kTetShare * inner * inner * inner);
+  }
+};
+
+constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
+
+void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
+  SurfaceCollapseOptions options;
+  options.face_target = faces;
+  options.tet_target = tets;
+  for (const double least : kLeastScores) {
+    if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
+    options.least_score = least;
+    collapse_boundary_edges(run.mesh, run.skin, run.scale, run.field, options, run.report.surface);
+  }
+}
+
+void coarsen_inside(Run& run, std::uint64_t tets) {
+  CollapseOptions options;
+  options.target = tets;
+  for (const double least : kLeastScores) {
+    if (run.mesh.alive <= tets) return;
+    options.least_score = least;
+    run.report.inner.collapses += collapse_edges(run.mesh, run.scale, run.field, options).collapses;
+  }
+}
+
+/// Flips and moves in the skin, where it was coarsened, and moves inside.
+void even_out(Run& run) {
+  Smoother smoother(run.mesh, run.scale);
+  smoother.sweep(2);
+  if (!run.has_changed_skin()) return;
+  BoundaryFlipper flipper(run.mesh, run.skin, run.scale);
+  if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scale, run.report.surface);
+}
+
+/// Down to a little more than the target: the rest is left to simplify_refined.
+void coarsen_to(Run& run, double target) {
+  const auto tets_in = static_cast<double>(run.report.tets_in);
+  const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
+  const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
+  for (int k = 1; k <= stages; ++k) {
+    const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
+    run.aim_at(tets);
+    coarsen_boundary(run, run.faces_for(k < stages ? tets : target), static_cast<std::uint64_t>(target));
+    coarsen_inside(run, static_cast<std::uint64_t>(tets));
+    even_out(run);
+  }
+}
+
+/// Until the boundary gets no coarser.
+void coarsen_to_limit(Run& run) {
+  double tets = static_cast<double>(run.report.tets_in);
+  std::size_t before = 0;
+  do {
+    before = run.skin.size();
+    tets = std::max(1.0, kStage * tets);
+    run.aim_at(tets);
+    coarsen_boundary(run, run.faces_for(tets), 0);
+    coarsen_inside(run, static_cast<std::uint64_t>(kLeftToRefined * run.tets_for_faces()));
+    even_out(run);
+  } while (run.skin.size() < before || run.faces_for(tets) > run.skin.size());
+}
+
+}  // namespace
+
+void validate_options(const SurfaceOptions& options) {
+  RefinedOptions common;
+  common.stop = options.stop;
+  common.effort = options.effort;
+  validate_options(common);
+  if (!(options.max_surface_error >= 0.0 && std::isfinite(options.max_surface_error))) {
+    throw InputError("max_surface_error", 0, "a finite number that is not negative",
+                     std::to_string(options.max_surface_error));
+  }
+  if (!(options.boundary_size > 0.0 && std::isfinite(options.boundary_size))) {
+    throw InputError("boundary_size", 0, "a number above 0", std::to_string(options.boundary_size));
+  }
+}
+
+SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
+  validate_options(options);
+  const bool to_limit = !options.stop.tets && !options.stop.ratio;
+  std::uint64_t target = to_limit ? 0 : target_tet_count(options.stop, mesh.tets.size());
+  Run run(std::move(mesh), options);
+  if (to_limit) {
+    coarsen_to_limit(run);
+    target = std::min(run.report.tets_in, static_cast<std::uint64_t>(run.tets_for_faces()));
+  } else {
+    coarsen_to(run, static_cast<double>(target));
+  }
+  run.report.boundary_faces_out = run.skin.size();
+  RefinedOptions inside;
+  inside.stop.tets = std::max<std::uint64_t>(1, target);
+  inside.effort = options.effort;
+  inside.sizing = options.sizing;
+  inside.sizing.reach = run.field.reach();
+  mesh = extract_mesh(std::move(run.mesh));
+  const RefinedReport refined = simplify_refined(mesh, inside);
+  SurfaceRunReport report = std::move(run.report);
+  report.inner.collapses += refined.collapses;
+  report.inner.rejected_link = refined.rejected.rejected_link;
+  report.inner.rejected_shape = refined.rejected.rejected_shape;
+  const char* reached = to_limit ? nullptr : reached_stop(options.stop, target, 0, mesh.tets.size());
+  report.stop = reached != nullptr ? reached : "limit";
+  report.vertices_out = mesh.points.size();
+  report.tets_out = mesh.tets.size();
+  if (run.volume > 0.0) {
+    report.volume_drift_relative = std::fabs(total_volume(mesh) - run.volume) / run.volume;
+  }
+  return report;
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,28 @@
+// What a plan asks of its report: claim, comparisons, charts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/measure.h"
+#include "experiments/plan.h"
+#include "experiments/yaml_value.h"
+
+namespace palpate::experiments {
+
+/// The measure of that name. Throws: InputError at `at` for an unknown one (with the nearest), or for a list
+/// where `scalar` asks for a number.
+const Measure& known_measure(const YamlValue& at, const std::string& name, bool scalar);
+
+/// Reads the claim. Throws: InputError with file and line.
+Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants);
+
+/// Reads the list of comparisons. Throws: InputError with file and line, also where a label is compared with
+/// itself, a measure has no better side, or a time factor is given without a label to time against.
+std::vector<Comparison> read_comparisons(const YamlValue& value,
+                                         const std::vector<PlanContestant>& contestants);
+
+/// Reads the list of charts. Throws: InputError with file and line for an unknown one (with the nearest).
+std::vector<std::string> read_charts(const YamlValue& value);
+
+}  // namespace palpate::experiments

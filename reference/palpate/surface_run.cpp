@@ -1,0 +1,91 @@
+// palpate.surface at the door.
+#include <chrono>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/mesh/medit.h"
+#include "core/simplify/surface.h"
+#include "reference/fusion_options.h"
+#include "reference/palpate/methods.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+/// The options, and how many metres a unit of the mesh is.
+struct SurfaceRequest {
+  simplify::SurfaceOptions options;
+  double max_error_m = 0.0;
+  double unit_m = 1.0;
+};
+
+SurfaceRequest read_options(const Request& request) {
+  json left = request.options;
+  SurfaceRequest result;
+  result.options.stop = read_stop(request.stop);
+  result.max_error_m = take_option<double>(left, "max_surface_error_m", &json::is_number, "a number", 0.0);
+  result.unit_m = take_option<double>(left, "unit_m", &json::is_number, "a number", 1.0);
+  if (!(result.unit_m > 0.0 && std::isfinite(result.unit_m))) {
+    throw InputError("unit_m", 0, "metres in a unit of the mesh, above 0", std::to_string(result.unit_m));
+  }
+  result.options.max_surface_error = result.max_error_m / result.unit_m;
+  result.options.effort =
+      take_option<int>(left, "effort", &json::is_number_integer, "a whole number", result.options.effort);
+  result.options.boundary_size =
+      take_option<double>(left, "boundary_size", &json::is_number, "a number", result.options.boundary_size);
+  result.options.boundary_flips = take_option<bool>(left, "boundary_flips", &json::is_boolean,
+                                                    "true or false", result.options.boundary_flips);
+  result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
+                                                        "true or false", result.options.boundary_smoothing);
+  result.options.sizing = take_sizing_options(request.keep, left);
+  require_all_taken(left);
+  simplify::validate_options(result.options);
+  return result;
+}
+
+}  // namespace
+
+Response run_surface(const Request& request) {
+  const SurfaceRequest asked = read_options(request);
+  MeditFile file = read_medit(request.input);
+  Response response;
+  response.notes = std::move(file.notes);
+  const auto start = std::chrono::steady_clock::now();
+  const simplify::SurfaceRunReport report = simplify::simplify_surface(file.mesh, asked.options);
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  write_medit(request.output, file.mesh);
+  std::string note = "surface within ";
+  append_number(note, asked.max_error_m);
+  note += " m of the input's: ";
+  append_number(note, asked.options.max_surface_error);
+  note += " units of ";
+  append_number(note, asked.unit_m);
+  response.notes.push_back(note + " m");
+  response.report = {{"method", request.method},
+                     {"vertices_in", report.vertices_in},
+                     {"vertices_out", report.vertices_out},
+                     {"tets_in", report.tets_in},
+                     {"tets_out", report.tets_out},
+                     {"fusions", 0},
+                     {"collapses", report.inner.collapses},
+                     {"boundary_collapses", report.surface.collapses},
+                     {"boundary_flips", report.surface.flips},
+                     {"boundary_moves", report.surface.moves},
+                     {"boundary_faces_in", report.boundary_faces_in},
+                     {"boundary_faces_out", report.boundary_faces_out},
+                     {"max_surface_error_unit", asked.options.max_surface_error},
+                     {"volume_drift_relative", report.volume_drift_relative},
+                     {"stop", report.stop},
+                     {"rejected",
+                      {{"link", report.inner.rejected_link},
+                       {"shape", report.inner.rejected_shape},
+                       {"boundary_link", report.surface.rejected_link},
+                       {"boundary_shape", report.surface.rejected_shape},
+                       {"distance", report.surface.rejected_distance},
+                       {"contact", report.surface.rejected_contact}}}};
+  return response;
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,78 @@
+// Adapter of random edge collapses.
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "reference/fusion_options.h"
+#include "reference/random/edge_collapse.h"
+#include "reference/remesh_run.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+EdgeCollapseOptions read_options(json left) {
+  EdgeCollapseOptions options;
+  if (const auto it = left.find("seed"); it != left.end()) {
+    if (!it->is_number_unsigned()) throw InputError("seed", 0, "a whole number, 0 or more", it->dump());
+    options.seed = it->get<std::uint64_t>();
+    left.erase(it);
+  }
+  if (const auto it = left.find("candidates"); it != left.end()) {
+    const bool fits =
+        it->is_number_integer() && it->get<std::int64_t>() >= 1 && it->get<std::int64_t>() <= 1000;
+    if (!fits) throw InputError("candidates", 0, "a whole number from 1 to 1000", it->dump());
+    options.candidates = it->get<int>();
+    left.erase(it);
+  }
+  for (const auto& [key, guard] :
+       {std::pair{"first_guard", &options.first_guard}, {"last_guard", &options.last_guard}}) {
+    const auto it = left.find(key);
+    if (it == left.end()) continue;
+    const bool fits = it->is_number() && it->get<double>() >= 0.0 && it->get<double>() <= 1.0;
+    if (!fits) throw InputError(key, 0, "a number from 0 to 1", it->dump());
+    *guard = it->get<double>();
+    left.erase(it);
+  }
+  options.placement =
+      take_choice(left, "placement", {"best", "midpoint"}) == 0 ? Placement::kBest : Placement::kMidpoint;
+  require_all_taken(left);
+  return options;
+}
+
+Response answer(const Request& request) {
+  if (request.method != "random.edge_collapse") {
+    throw InputError("method", 0, "random.edge_collapse", request.method);
+  }
+  EdgeCollapseOptions options = read_options(request.options);
+  MeditFile file = read_medit(request.input);
+  TetMesh& mesh = file.mesh;
+  const bool to_the_limit = request.stop == json{{"limit", true}};
+  if (!to_the_limit) options.target_tets = read_tet_target(request.stop, mesh.tets.size());
+  Response response;
+  response.notes = std::move(file.notes);
+  response.report = {
+      {"method", request.method}, {"vertices_in", mesh.points.size()}, {"tets_in", mesh.tets.size()}};
+
+  const auto start = std::chrono::steady_clock::now();
+  const EdgeCollapseReport report = collapse_random_edges(mesh, options);
+  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  write_medit(request.output, mesh);
+  response.report["vertices_out"] = mesh.points.size();
+  response.report["tets_out"] = mesh.tets.size();
+  response.report["collapses"] = report.collapses;
+  response.report["stop"] = report.reached_target ? request.stop.begin().key() : "limit";
+  response.report["rejected"] = {{"boundary", report.refused_boundary},
+                                 {"flip", report.refused_flip},
+                                 {"quality", report.refused_quality}};
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}

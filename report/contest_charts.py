@@ -1,0 +1,122 @@
+"""Charts of a contest: quality against time."""
+
+import matplotlib.pyplot as plt
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from chart_style import FAINT, INK, file_name, save
+from contest import NONE, RANKED, short_sweep
+from equal_count import tolerance_of
+from records import figure
+
+MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_quality", "mean quality"),
+            ("p1_dihedral_deg", "1st percentile of angles, degrees")]
+
+
+def time_text(milliseconds):
+    return f"{milliseconds:g} ms" if milliseconds < 1000 else f"{milliseconds / 1000:g} s"
+
+
+def set_time_axis(ax, low, high):
+    """A logarithmic axis over these milliseconds, with as many numbers as there is room for."""
+    ax.set_xscale("log")
+    ax.set_xlim(low / 1.25, high * 1.25)
+    ax.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 60 * low else (1,), numticks=12))
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: time_text(value)))
+    ax.xaxis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def places(section, family, measure):
+    """(label, milliseconds, value, is ranked) of each label of a family that has both."""
+    found = []
+    for label in family.labels:
+        standing = section.find(label)
+        if standing is None or standing.state == NONE:
+            continue
+        seconds, value = standing.values.get("kernel_s"), standing.values.get(measure)
+        if seconds and value is not None:
+            found.append((label, 1000 * seconds, value, standing.state == RANKED))
+    return found
+
+
+def draw_family(ax, family, found):
+    """A family's points; a curve joins them if one option tells them apart, dotted if some do not count."""
+    size, width = (7, 2.0) if family.is_own else (6.5, 1.0)
+    size += 1.5 if family.mark in "PX" else 0
+    if family.option and found:
+        ax.plot(*zip(*((x, y) for _, x, y, _ in found)), color=family.color, linewidth=width, zorder=2 + family.is_own,
+                linestyle="-" if all(counts for *_, counts in found) else ":")
+    for label, x, y, counts in found:
+        ax.plot(x, y, family.mark, color=family.color, markersize=size, zorder=4 + family.is_own, clip_on=False,
+                markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
+                markeredgecolor="white" if counts else family.color)
+    if family.option:
+        for place, (label, x, y, _) in enumerate(found):
+            ax.annotate(f"{family.values[label]:g}", (x, y), xytext=(0, -6 if place % 2 else 6), textcoords="offset points",
+                        ha="center", va="top" if place % 2 else "bottom", fontsize=7, color=family.color, zorder=7)
+
+
+def time_range(sections, families):
+    times = [x for section in sections for family in families for _, x, _, _ in places(section, family, MEASURES[0][0])]
+    return min(times), max(times)
+
+
+def draw_panel(ax, section, families, measure, input_value):
+    for family in families:
+        draw_family(ax, family, places(section, family, measure))
+    if input_value is not None:
+        ax.axhline(input_value, color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+    ax.grid(axis="both")
+    ax.margins(0.08, 0.12)
+
+
+def family_name(family):
+    if not family.option:
+        return family.method if len(family.labels) == 1 else f"{family.method} ({', '.join(family.labels)})"
+    values = [f"{family.values[label]:g}" for label in family.labels]
+    return f"{family.method} ({family.option} {', '.join(values)})"
+
+
+def draw_legend(fig, run, families, sections, height):
+    handles = []
+    for family in families:
+        handles.append(plt.Line2D([], [], color=family.color, marker=family.mark, markersize=7, markeredgecolor="white",
+                                  linewidth=(2.0 if family.is_own else 1.0) if family.option else 0, label=family_name(family)))
+    handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label="input"))
+    if any(standing.state not in (RANKED, NONE) for section in sections for standing in section.standings):
+        handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=7,
+                                  label=f"hollow: rejected, or count not within {100 * tolerance_of(run):g}%"))
+    fig.legend(handles=handles, loc="lower left", ncol=3, fontsize=8, bbox_to_anchor=(0.02, 0.0), handlelength=2.2)
+    return (0.25 + 0.19 * -(-len(handles) // 3)) / height
+
+
+def draw_quality_time(run, sections, families, folder):
+    """One figure a mesh: a row for each measure, a column for each point of the sweep."""
+    drawn = []
+    for mesh in run.meshes():
+        own = [section for section in sections if section.mesh == mesh and any(
+            places(section, family, MEASURES[0][0]) for family in families)]
+        if not own:
+            continue
+        height = 2.5 * len(MEASURES) + 1.6
+        fig, grid = plt.subplots(len(MEASURES), len(own), figsize=(max(5.0, 3.4 * len(own) + 0.5), height), sharex=True,
+                                 squeeze=False)
+        shown = [family for family in families if any(places(section, family, MEASURES[0][0]) for section in own)]
+        for row, (measure, title) in enumerate(MEASURES):
+            for column, section in enumerate(own):
+                ax = grid[row][column]
+                draw_panel(ax, section, shown, measure, figure(run.inputs.get(mesh, {}), "judge", measure))
+                set_time_axis(ax, *time_range(own, shown))
+                if row == 0:
+                    ax.set_title(short_sweep(section.sweep) or mesh, loc="left", fontweight="bold")
+                if row == len(MEASURES) - 1:
+                    ax.set_xlabel("time of the method (kernel, median)")
+                if column == 0:
+                    ax.set_ylabel(title)
+        foot = draw_legend(fig, run, shown, own, height)
+        tets = figure(run.inputs.get(mesh, {}), "judge", "tets")
+        fig.suptitle(f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"),
+                     x=0.01, ha="left", fontsize=11, fontweight="bold")
+        fig.tight_layout(rect=(0, foot, 1, 1 - 0.05 / height))
+        drawn += save(fig, folder, file_name("quality_time", mesh))
+    return drawn

@@ -1,0 +1,164 @@
+"""Cut-away pictures: input and answers of one mesh and count, cut open and coloured by quality, from one point of view.
+
+The cut is a crinkled one: the tets whose centroid lies before a plane through the middle of the input are taken away whole, and
+what is left shows its outer faces. Each face has the colour of its tet's quality, darkened a little by its angle to the light. Faces are
+drawn from back to front.
+"""
+
+from dataclasses import dataclass
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+
+from chart_style import FAINT, INK, file_name, save
+from contest import NONE, REJECTED, RANKED, section_title
+from mesh_file import outer_faces, qualities, read_mesh
+from records import BadRun
+
+COLUMNS = 4
+COLORMAP = "viridis"  # lightness grows with quality, so that it reads in grey and for colour-blind eyes
+LIGHT = np.array([-0.35, 0.45, 0.82])  # in the view's frame: x right, y up, z to the eye
+
+
+@dataclass
+class View:
+    """Where the cut goes, and how the picture is seen; the same for all panels of a figure."""
+
+    centre: np.ndarray
+    normal: np.ndarray  # of the cutting plane; what lies on its side is taken away
+    frame: np.ndarray  # rows: right, up, to the eye
+    low: np.ndarray
+    high: np.ndarray
+
+
+def choose_view(mesh):
+    """Cuts the input in the middle, across its shortest axis, and looks at the cut a little from the side."""
+    centre = (mesh.points.max(axis=0) + mesh.points.min(axis=0)) / 2
+    _, _, axes = np.linalg.svd(mesh.points - mesh.points.mean(axis=0), full_matrices=False)
+    axes = np.array([axis * np.sign(axis[np.argmax(np.abs(axis))]) for axis in axes])  # the sign of an axis is arbitrary
+    longest, middle, normal = axes
+    normal = np.cross(longest, middle)
+    eye = normal + 0.35 * middle + 0.3 * longest
+    eye /= np.linalg.norm(eye)
+    right = longest - eye * longest.dot(eye)
+    right /= np.linalg.norm(right)
+    frame = np.array([right, np.cross(eye, right), eye])
+    flat = (mesh.points - centre) @ frame.T
+    return View(centre, normal, frame, flat[:, :2].min(axis=0), flat[:, :2].max(axis=0))
+
+
+def kept_tets(mesh, view):
+    """Whether the centroid of each tet lies behind the plane."""
+    return (mesh.points[mesh.tets].mean(axis=1) - view.centre) @ view.normal <= 0
+
+
+def visible_faces(mesh, view):
+    """Polygons (faces x 3 x 2) from back to front, the quality of their tets, and their brightness in 0.72..1."""
+    quality = qualities(mesh)
+    kept = kept_tets(mesh, view)
+    faces, owners = outer_faces(mesh.tets[kept])
+    corners = (mesh.points[faces] - view.centre) @ view.frame.T
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    front = (normals[:, 2] > 0) & (lengths > 0)
+    order = np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")
+    light = LIGHT / np.linalg.norm(LIGHT)
+    brightness = 0.72 + 0.28 * np.clip(normals[front] @ light / lengths[front], 0.0, 1.0)
+    return corners[front][order][:, :, :2], quality[kept][owners][front][order], brightness[order]
+
+
+def draw_mesh(ax, mesh, view, norm):
+    polygons, quality, brightness = visible_faces(mesh, view)
+    colors = plt.get_cmap(COLORMAP)(norm(quality))
+    colors[:, :3] *= brightness[:, None]
+    edge = 0.25 if len(polygons) < 4000 else 0.08
+    ax.add_collection(PolyCollection(polygons, facecolors=colors, edgecolors=(0, 0, 0, 0.55), linewidths=edge,
+                                     antialiaseds=True, rasterized=True))
+    margin = 0.03 * (view.high - view.low).max()
+    ax.set_xlim(view.low[0] - margin, view.high[0] + margin)
+    ax.set_ylim(view.low[1] - margin, view.high[1] + margin)
+    ax.set_aspect("equal")
+    ax.axis("off")
+
+
+def caption(standing):
+    """What stands under a panel: the label, and its figures or why it has none that count."""
+    values = standing.values
+    tets, share, least = (values.get(name) for name in ("tets", "percent_above_0_5", "min_dihedral_deg"))
+    figures = ", ".join(text for text in (
+        None if tets is None else f"{tets:,.0f} tets", None if share is None else f"{share:.1f}% > 0.5",
+        None if least is None else f"{least:.1f}\N{DEGREE SIGN}") if text)
+    state = "" if standing.state == RANKED else ("rejected" if standing.state == REJECTED else "other count")
+    return standing.label + (f" ({state})" if state else ""), figures
+
+
+def mesh_file_of(group):
+    """The path in the run folder of the first judged answer that kept its mesh, or ""."""
+    return next((record["mesh_file"] for record in group.judged() if isinstance(record.get("mesh_file"), str)), "")
+
+
+def inside(folder, name):
+    """A path in the run folder. Throws BadRun for one that leads out of it."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise BadRun(f"{name} lies outside the run folder")
+    return path
+
+
+def panels_of(run, section):
+    """(title, caption, mesh) of the input and of every answer that left a mesh; files that cannot be read are noted."""
+    start = run.inputs.get(section.mesh)
+    entries = []
+    if start and isinstance(start.get("mesh_file"), str):
+        judge = start.get("judge") or {}
+        entries.append(("input", f"{judge.get('tets', 0):,} tets, {judge.get('percent_above_0_5') or 0:.1f}% > 0.5, "
+                                 f"{judge.get('min_dihedral_deg') or 0:.1f}\N{DEGREE SIGN}", start["mesh_file"]))
+    entries += [(*caption(standing), mesh_file_of(standing.group)) for standing in section.standings if standing.state != NONE]
+    panels = []
+    for title, text, name in entries:
+        try:
+            if name:
+                panels.append((title, text, read_mesh(inside(run.folder, name))))
+        except BadRun as error:
+            run.notes.append(f"no cut-away of {title} on {section.mesh}: {error}")
+    return panels
+
+
+def draw_cut_away(run, sections, folder):
+    """One figure for each mesh and point of the sweep, with a panel for the input and each answer."""
+    drawn = []
+    for section in sections:
+        panels = panels_of(run, section)
+        if len(panels) < 2:
+            continue
+        view = choose_view(panels[0][2])
+        drawn += draw_figure(run, section, panels, view, folder)
+    return drawn
+
+
+def draw_figure(run, section, panels, view, folder):
+    columns = min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    span = view.high - view.low
+    panel_width = 2.6
+    panel_height = panel_width * span[1] / span[0] + 0.42
+    width, height = columns * panel_width + 0.2, rows * panel_height + 1.0
+    fig = plt.figure(figsize=(width, height))
+    norm = Normalize(0.0, 1.0)
+    for i, (title, text, mesh) in enumerate(panels):
+        row, column = divmod(i, columns)
+        left, top = 0.1 + column * panel_width, 0.4 + row * panel_height
+        ax = fig.add_axes([left / width, 1 - (top + panel_height) / height, panel_width / width,
+                           (panel_height - 0.42) / height])
+        draw_mesh(ax, mesh, view, norm)
+        fig.text((left + 0.05) / width, 1 - (top + 0.14) / height, title, fontsize=9, fontweight="bold", color=INK)
+        fig.text((left + 0.05) / width, 1 - (top + 0.30) / height, text, fontsize=7.5, color=FAINT)
+    bar = fig.add_axes([0.3 / width, 0.38 / height, min(5.0, width - 0.6) / width, 0.12 / height])
+    scale = fig.colorbar(ScalarMappable(norm, COLORMAP), cax=bar, orientation="horizontal")
+    scale.set_label("quality of the tetrahedron", fontsize=8, labelpad=1)
+    bar.tick_params(labelsize=8)
+    fig.text(0.1 / width, 1 - 0.2 / height, section_title(run, section), fontsize=11, fontweight="bold", color=INK)
+    return save(fig, folder, file_name("cut_away", section.mesh, section.sweep))

@@ -1,0 +1,232 @@
+"""The contest's table and its comparisons on made-up answers: who is ranked, who is marked, and what is said of the others."""
+
+import unittest
+
+from support import ReportTest
+import comparisons
+import synthetic
+from synthetic import answer
+
+
+class Contest(ReportTest):
+    def run_contest(self, lines, plan=None):
+        """The rows of contest.csv by label, and what the report prints."""
+        synthetic.write_run(self.folder, lines, plan or synthetic.CONTEST)
+        code, out, _ = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        return {row["label"]: row for row in self.table("contest.csv")}, out
+
+    def line_of(self, out, label):
+        return next(line for line in out.splitlines() if line.startswith(label))
+
+    def test_the_best_of_each_column_is_marked_whoever_it_is(self):
+        rows, out = self.run_contest([answer("refined", 90, kernel_s=0.02, mean=0.66), answer("cgal_1", 95, kernel_s=0.2, mean=0.64)])
+        self.assertIn("percent_above_0_5", rows["cgal_1"]["best_in"])
+        self.assertIn("mean_quality", rows["refined"]["best_in"])
+        self.assertIn("kernel_s", rows["refined"]["best_in"])
+        self.assertNotIn("percent_above_0_5", rows["refined"]["best_in"])
+        self.assertIn("95.00*", self.line_of(out, "cgal_1"))
+        self.assertIn("0.6600*", self.line_of(out, "refined"))
+
+    def test_a_tie_marks_both(self):
+        rows, _ = self.run_contest([answer("refined", 90), answer("cgal_1", 90)])
+        for label in ("refined", "cgal_1"):
+            self.assertIn("percent_above_0_5", rows[label]["best_in"])
+
+    def test_rows_are_sorted_by_the_share_of_good_tets_and_others_follow(self):
+        lines = [answer("late", None, outcome="timed_out", kernel_s=None, message="timed out after 5 s"),
+                 answer("bad", 99, outcome="rejected", violations=["inverted_tets is 3"]), answer("far", 98, tets=7000),
+                 answer("b", 80), answer("a", 90)]
+        self.run_contest(lines)
+        self.assertEqual([(row["label"], row["state"]) for row in self.table("contest.csv")],
+                         [("a", "ranked"), ("b", "ranked"), ("far", "other count"), ("bad", "rejected"), ("late", "no answer")])
+
+    def test_a_rejected_answer_is_shown_in_brackets_with_the_reason_and_wins_nothing(self):
+        rows, out = self.run_contest([answer("refined", 90), answer("vtk", 99, outcome="rejected", kernel_s=0.001,
+                                                                    violations=["inverted_tets is 3, at most 0 is accepted"])])
+        self.assertEqual((rows["vtk"]["best_in"], rows["vtk"]["state"]), ("", "rejected"))
+        line = self.line_of(out, "vtk")
+        self.assertIn("(99.0", line)
+        self.assertIn("rejected: inverted_tets is 3, at most 0 is accepted", line)
+        self.assertIn("kernel_s", rows["refined"]["best_in"])
+
+    def test_what_gave_no_answer_keeps_its_row_and_its_reason(self):
+        rows, out = self.run_contest([answer("refined", 90), answer("slow", None, outcome="timed_out", kernel_s=None,
+                                                                    message="timed out after 120 s")])
+        self.assertEqual((rows["slow"]["percent_above_0_5"], rows["slow"]["kernel_s"]), ("", ""))
+        self.assertIn("timed_out: timed out after 120 s", self.line_of(out, "slow"))
+
+    def test_the_count_is_equal_within_the_share_that_the_plan_gives(self):
+        rows, out = self.run_contest([answer("in", 90, tets=6271), answer("below", 91, tets=6209), answer("off", 92, tets=6272)])
+        self.assertEqual([rows[label]["state"] for label in ("in", "below", "off")], ["ranked", "ranked", "other count"])
+        self.assertIn("stopped early: 6,272 tets", self.line_of(out, "off"))
+        self.assertIn("within 0.5% of the tetrahedra asked for", out)
+
+    def test_an_overshoot_is_another_count_too(self):
+        rows, _ = self.run_contest([answer("a", 90), answer("over", 92, tets=6100)])
+        self.assertEqual((rows["over"]["state"], rows["over"]["note"]), ("other count", "other count: 6,100 tets"))
+
+    def test_the_best_that_keeps_the_boundary_has_a_mark_of_its_own(self):
+        rows, out = self.run_contest([answer("free", 99, changed_faces=12), answer("kept", 90)])
+        self.assertIn("percent_above_0_5", rows["free"]["best_in"])
+        self.assertIn("percent_above_0_5", rows["kept"]["best_with_boundary_kept_in"])
+        self.assertIn("12 faces", self.line_of(out, "free"))
+        self.assertIn("90.00+", self.line_of(out, "kept"))
+
+    def test_outputs_that_differ_between_repeats_count_by_their_median(self):
+        lines = [answer("cgal_1", percent, repeat=i, output_hash=f"h{i}") for i, percent in enumerate((90, 95, 80))]
+        rows, _ = self.run_contest(lines)
+        self.assertAlmostEqual(float(rows["cgal_1"]["percent_above_0_5"]), 90, 1)
+
+    def test_each_mesh_and_ratio_has_its_own_best(self):
+        lines = [answer(label, percent, ratio, mesh=mesh) for mesh in ("kidney", "liver") for ratio in (0.22, 0.5)
+                 for label, percent in (("refined", 90 if mesh == "kidney" else 70), ("cgal_1", 80))]
+        self.run_contest(lines)
+        best = [(row["mesh"], row["label"]) for row in self.table("contest.csv") if "percent_above_0_5" in row["best_in"]]
+        self.assertEqual(best, [("kidney", "refined")] * 2 + [("liver", "cgal_1")] * 2)
+
+
+class Comparisons(ReportTest):
+    def compare(self, lines, plan=None):
+        """The rows of comparisons.csv by measure, and what the report prints."""
+        synthetic.write_run(self.folder, lines, plan or synthetic.CONTEST)
+        code, out, _ = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        return {row["measure"]: row for row in self.table("comparisons.csv")}, out
+
+    def test_against_the_best_peer_figure_by_figure(self):
+        rows, out = self.compare([answer("refined", 96, 0.5, mean=0.66, least=12, kernel_s=0.02),
+                                  answer("cgal_1", 95, 0.5, mean=0.64, least=18, kernel_s=0.21),
+                                  answer("cgal_2", 94, 0.5, mean=0.68, least=17, kernel_s=0.4)])
+        self.assertEqual([rows[m]["verdict"] for m in ("percent_above_0_5", "mean_quality", "min_dihedral_deg", "time")],
+                         ["met", "short", "short", "met"])
+        self.assertEqual([rows[m]["best_label"] for m in ("percent_above_0_5", "mean_quality", "min_dihedral_deg")],
+                         ["cgal_1", "cgal_2", "cgal_1"])
+        self.assertAlmostEqual(float(rows["min_dihedral_deg"]["margin"]), -6)
+        self.assertAlmostEqual(float(rows["time"]["value"]), 10.5)
+        self.assertIn("least angle 12.00, short of cgal_1 (18.00) by 6.00.", out)
+        self.assertIn("refined: 1 of 3 figures no worse than the best of cgal_1, cgal_2; at least 10 times as fast as cgal_1 in 1 of 1.",
+                      out)
+
+    def test_a_tie_is_met_and_the_least_shortfall_is_told_from_zero(self):
+        rows, out = self.compare([answer("refined", 95, 0.5, mean=0.6399999), answer("cgal_1", 95, 0.5, mean=0.64)])
+        self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["mean_quality"]["verdict"]), ("met", "short"))
+        self.assertIn("by 1e-07", out)
+
+    def test_too_slow_is_short(self):
+        rows, out = self.compare([answer("refined", 96, 0.5, kernel_s=0.1), answer("cgal_1", 95, 0.5, kernel_s=0.5)])
+        self.assertEqual(rows["time"]["verdict"], "short")
+        self.assertIn("5.00 times as fast as cgal_1, 10 times is asked for.", out)
+
+    def test_without_a_factor_the_time_is_shown_and_not_judged(self):
+        entry = {key: value for key, value in synthetic.CONTEST["comparisons"][0].items() if key != "time_factor"}
+        rows, out = self.compare([answer("refined", 96, 0.5, kernel_s=0.1), answer("cgal_1", 95, 0.5, kernel_s=0.05)],
+                                 {**synthetic.CONTEST, "comparisons": [entry]})
+        self.assertEqual((rows["time"]["verdict"], float(rows["time"]["value"])), ("shown", 0.5))
+        self.assertIn("0.5x", out)
+        self.assertNotIn("times as fast", out)
+
+    def test_the_time_ratio_is_taken_round_by_round(self):
+        lines = []
+        for i, load in enumerate((1, 5, 1)):  # the machine is five times slower in the second round
+            lines += [answer("refined", 96, 0.5, repeat=i, kernel_s=0.01 * load), answer("cgal_1", 95, 0.5, repeat=i, kernel_s=0.12 * load)]
+        rows, _ = self.compare(lines)
+        self.assertAlmostEqual(float(rows["time"]["value"]), 12)
+        self.assertAlmostEqual(float(rows["time"]["ratio_low"]), 12)
+        self.assertEqual(rows["time"]["repeats"], "3")
+
+    def test_a_peer_at_another_count_or_rejected_is_left_out_and_said(self):
+        rows, out = self.compare([answer("refined", 90, 0.5), answer("cgal_1", 99, 0.5, tets=4100),
+                                  answer("cgal_2", 99, 0.5, outcome="rejected", violations=["flat_tets 1"])])
+        self.assertEqual(rows["percent_above_0_5"]["verdict"], "cannot be decided")
+        self.assertIn("left out: cgal_1 (4,100 tets), cgal_2 (1 rejected).", out)
+        self.assertIn("3 cannot be decided.", out)
+
+    def test_counts_are_held_against_each_other_not_against_what_was_asked(self):
+        rows, _ = self.compare([answer("refined", 90, 0.5, tets=3985), answer("cgal_1", 95, 0.5, tets=4015)])
+        self.assertEqual(rows["percent_above_0_5"]["verdict"], "cannot be decided")
+
+    def test_without_an_own_answer_nothing_is_decided(self):
+        rows, out = self.compare([answer("refined", None, 0.5, outcome="crashed", kernel_s=None), answer("cgal_1", 95, 0.5)])
+        self.assertEqual({row["verdict"] for row in rows.values()}, {"cannot be decided"})
+        self.assertIn("no accepted answer of refined", out)
+        self.assertIn("no accepted time of refined", out)
+
+    def test_a_figure_that_the_judge_could_not_give_is_not_decided(self):
+        lines = [answer("refined", 90, 0.5), answer("cgal_1", 80, 0.5)]
+        lines[0]["judge"]["mean_quality"] = None
+        rows, out = self.compare(lines)
+        self.assertEqual((rows["mean_quality"]["verdict"], rows["percent_above_0_5"]["verdict"]), ("cannot be decided", "met"))
+        self.assertIn("mean cannot be decided: refined has no such figure.", out)
+
+    def test_the_input_is_a_peer_up_to_its_ratio(self):
+        start = {**answer("input", 97, 0), "judge": {**synthetic.judge(97, 8000), "mean_quality": 0.5, "min_dihedral_deg": 1.0}}
+        for ratio, verdict, best in ((0.22, "short", "input"), (0.5, "met", "cgal_1")):
+            rows, _ = self.compare([start, answer("refined", 96, ratio), answer("cgal_1", 95, ratio)])
+            self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["percent_above_0_5"]["best_label"]), (verdict, best))
+
+    def test_a_measure_where_less_is_better(self):
+        plan = {**synthetic.CONTEST, "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["kernel_s"]}]}
+        lines = [answer("refined", 90, kernel_s=0.3), answer("cgal_1", 90, kernel_s=0.2), answer("cgal_2", 90, kernel_s=0.4)]
+        rows, _ = self.compare(lines, plan)
+        self.assertEqual((rows["kernel_s"]["verdict"], rows["kernel_s"]["best_label"]), ("short", "cgal_1"))
+        self.assertAlmostEqual(float(rows["kernel_s"]["margin"]), -0.1)
+
+    def test_the_rule(self):
+        self.assertEqual(comparisons.decide(1.0, [("a", 1.0), ("b", None)], 1), ("met", 1.0, "a", 0.0))
+        self.assertEqual(comparisons.decide(1.0, [("a", 2.0), ("b", 3.0)], 1), ("short", 3.0, "b", -2.0))
+        self.assertEqual(comparisons.decide(1.0, [("a", 2.0), ("b", 3.0)], -1), ("met", 2.0, "a", 1.0))
+        self.assertEqual(comparisons.decide(1.0, [], 1)[0], "cannot be decided")
+        self.assertEqual(comparisons.decide(None, [("a", 1.0)], 1)[0], "cannot be decided")
+
+
+class QualityTimeChart(ReportTest):
+    CURVE = [answer("refined_0", 90, kernel_s=0.01, method="palpate.refined", options={"effort": 0, "flips": True}),
+             answer("refined_2", 97, kernel_s=0.04, method="palpate.refined", options={"effort": 2, "flips": True}),
+             answer("refined_1", 95, kernel_s=0.02, method="palpate.refined", options={"effort": 1, "flips": True})]
+
+    def families(self, lines):
+        import families
+        import records
+        synthetic.write_run(self.folder, lines, synthetic.CONTEST)
+        return {family.method: family for family in families.read_families(records.read_run(self.folder))}
+
+    def test_one_numeric_option_makes_a_curve_in_its_order(self):
+        family = self.families(self.CURVE)["palpate.refined"]
+        self.assertEqual((family.option, family.labels), ("effort", ["refined_0", "refined_1", "refined_2"]))
+
+    def test_two_differing_options_or_names_make_none(self):
+        other = answer("refined_9", 90, method="palpate.refined", options={"effort": 3, "flips": False})
+        self.assertEqual(self.families([*self.CURVE, other])["palpate.refined"].option, "")
+        named = [answer(f"c_{cost}", 90, method="cgal.collapse", options={"cost": cost}) for cost in ("lt", "gh")]
+        self.assertEqual(self.families(named)["cgal.collapse"].option, "")
+
+    def test_the_chart_holds_every_answer_that_has_a_time(self):
+        from unittest import mock
+        import charts
+        import contest_charts
+        import records
+        lines = [*self.CURVE, answer("vtk", 70, method="vtk.quadric", kernel_s=0.005, outcome="rejected", violations=["flat_tets 1"])]
+        synthetic.write_run(self.folder, lines, synthetic.CONTEST)
+        drawn = {}
+        with mock.patch.object(contest_charts, "save", lambda figure, _, name: drawn.update({name: figure}) or [name]):
+            charts.draw_charts(records.read_run(self.folder), None, self.folder / "charts")
+        ax = drawn["quality_time_kidney"].axes[0]
+        marks = [line for line in ax.get_lines() if line.get_marker() not in ("None", None) and len(line.get_xdata()) == 1]
+        self.assertEqual(sorted(float(line.get_xdata()[0]) for line in marks), [5.0, 10.0, 20.0, 40.0])
+        hollow = [line for line in marks if line.get_markerfacecolor() == "white"]
+        self.assertEqual([float(line.get_xdata()[0]) for line in hollow], [5.0])
+        curve, = [line for line in ax.get_lines() if len(line.get_xdata()) == 3]
+        self.assertEqual(list(curve.get_xdata()), [10.0, 20.0, 40.0])
+
+    def test_the_same_records_give_the_same_bytes(self):
+        synthetic.write_run(self.folder, self.CURVE, synthetic.CONTEST)
+        self.assertEqual(self.report()[0], 0)
+        first = self.charts()
+        self.assertEqual(set(first), {"quality_time_kidney.svg", "quality_time_kidney.png"})
+        self.report()
+        self.assertEqual(first, self.charts())
+
+
+if __name__ == "__main__":
+    unittest.main()
