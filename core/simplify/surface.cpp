@@ -20,6 +20,9 @@ constexpr double kStage = 0.6;
 /// Where the stages end, over the target: simplify_refined does the rest.
 constexpr double kLeftToRefined = 1.1;
 
+/// Shares of the bound that are used up one after another.
+constexpr std::array kErrorLevels{0.125, 0.25, 0.5, 1.0};
+
 /// Below this score (q = 0.67) a tet at the boundary is worth a flip.
 constexpr double kPoorScore = 0.3;
 
@@ -33,6 +36,7 @@ struct Run {
   SizingField field;
   double volume = 0.0;
   WorkingMesh mesh;
+  std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
   Skin skin;
   SurfaceRunReport report;
   double area = 0.0;
@@ -43,7 +47,8 @@ struct Run {
         field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
         volume(total_volume(input)),
         mesh(build_working_mesh(std::move(input), field)),
-        skin(mesh, given.max_surface_error) {
+        level(given.sparing ? 0 : kErrorLevels.size() - 1),
+        skin(mesh, kErrorLevels[level] * given.max_surface_error) {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
     report.boundary_faces_in = skin.size();
@@ -74,14 +79,19 @@ struct Run {
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
+/// Takes what a small part of the bound permits first, and more of it only if that is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
   SurfaceCollapseOptions options;
   options.face_target = faces;
   options.tet_target = tets;
-  for (const double least : kLeastScores) {
-    if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
-    options.least_score = least;
-    collapse_boundary_edges(run.mesh, run.skin, run.scale, run.field, options, run.report.surface);
+  for (;; ++run.level) {
+    run.skin.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
+    for (const double least : kLeastScores) {
+      if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
+      options.least_score = least;
+      collapse_boundary_edges(run.mesh, run.skin, run.scale, run.field, options, run.report.surface);
+    }
+    if (run.level + 1 == kErrorLevels.size()) return;
   }
 }
 
