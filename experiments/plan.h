@@ -93,7 +93,7 @@ struct Comparison {
   std::vector<std::string> against_best_of;
   std::vector<std::string> measures;        ///< each has a better side
   std::string time_against;                 ///< label whose time is divided by that of `of`; empty: none
-  double time_factor = 1.0;                 ///< how large that ratio is to be
+  std::optional<double> time_factor;        ///< how large that ratio is to be; nothing: it is only shown
   std::optional<double> input_up_to_ratio;  ///< up to this share of removed tets the input is a peer too
 };
 

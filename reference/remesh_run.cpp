@@ -91,7 +91,7 @@ Response run_remesher(const Request& request, const Remesher& remesher) {
   const bool searched = request.tuned.empty();
   FoundSize found;
   if (searched) {
-    found = search_size(run_once, first_size(mesh, target), target);
+    found = search_size(run_once, remesher.first_factor * first_size(mesh, target), target);
   } else {
     found = {tuned_size(request, remesher.size_name), {}, 1};
     found.result = run_once(found.size);

@@ -16,7 +16,9 @@ struct Remesher {
   /// The timed kernel: a new mesh of about `target` tets with edges of about `size`. Throws
   /// std::runtime_error where the vendor fails.
   std::function<TimedMesh(const TetMesh& mesh, std::uint64_t target, double size)> remesh;
-  std::string size_name;               ///< name of the size among the tuned parameters: "edge_length"
+  std::string size_name;  ///< name of the size among the tuned parameters: "edge_length"
+  double first_factor =
+      1.0;  ///< first size over the edge of a regular tet of the mean volume that the target leaves
   double time_limit_per_tet_s = 0.02;  ///< a try is stopped after a minute and this time for each tet
 };
 

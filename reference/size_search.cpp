@@ -14,10 +14,12 @@ namespace {
 constexpr double kAim = 0.002;
 constexpr double kEnough = 0.005;
 constexpr int kFineTries = 8;
-constexpr int kMostTries = 16;
+constexpr int kMostTries = 20;
 constexpr int kMostFailures = 3;
 constexpr double kLargestStep = 0.7;  // in log size: a factor of 2
-constexpr double kNarrowest = 1e-6;   // relative width of a bracket
+constexpr double kJump = 1e-3;        // a bracket as narrow as that holds a jump of the count
+constexpr double kScanStep = 5e-4;
+constexpr int kMostScans = 10;
 constexpr double kUnanswered = 1e-3;  // change of the log count over a largest step
 
 /// A try in logarithms: x of the size, y of the count over the target.
@@ -34,6 +36,10 @@ class SizeChooser {
   double x() const { return x_; }
 
   void add(double y) {
+    if (fine_ && coarse_ && std::fabs(coarse_->x - fine_->x) < kJump) {
+      scan();
+      return;
+    }
     const Sample now{x_, y};
     std::optional<Sample>& end = y > 0.0 ? fine_ : coarse_;
     if (!end || (y > 0.0 ? x_ > end->x : x_ < end->x)) end = now;
@@ -49,11 +55,17 @@ class SizeChooser {
   /// Leaves a size at which nothing could be made.
   void step_aside(int failures) { x_ += failures % 2 == 1 ? 0.01 * failures : -0.01 * failures; }
 
-  bool is_exhausted() const {
-    return !answers_ || (fine_ && coarse_ && std::fabs(coarse_->x - fine_->x) < kNarrowest);
-  }
+  bool is_exhausted() const { return !answers_ || scans_ > kMostScans; }
 
  private:
+  /// Around the jump, by turns on either side: counts that jump there jump elsewhere too, and may land
+  /// nearer.
+  void scan() {
+    ++scans_;
+    const double away = kScanStep * ((scans_ + 1) / 2);
+    x_ = 0.5 * (fine_->x + coarse_->x) + (scans_ % 2 == 1 ? away : -away);
+  }
+
   /// Between the ends: the secant's root, by turns the middle, so that both ends move.
   double between() {
     bisect_ = !bisect_;
@@ -82,6 +94,7 @@ class SizeChooser {
   double x_;
   bool bisect_ = true;
   bool answers_ = true;
+  int scans_ = 0;
   std::optional<Sample> fine_;    ///< the coarsest size that left too many tets
   std::optional<Sample> coarse_;  ///< the finest size that left too few
   std::optional<Sample> previous_;

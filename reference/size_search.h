@@ -25,8 +25,9 @@ double count_mismatch(std::uint64_t tets, std::uint64_t target);
 /// Searches for the size at which `mesher` leaves `target` tets.
 ///
 /// The count falls about as size^-3: from `first_size` on, each next size follows from that, later from the
-/// secant of the logarithms, between the sizes that enclose the target by bisection where the count jumps.
-/// Ends within 0.2%, after eight tries within 0.5%, else after sixteen tries, or when a size twice as
+/// secant of the logarithms, between the sizes that enclose the target by bisection where the count jumps;
+/// where they close in on a jump, a few sizes beside it.
+/// Ends within 0.2%, after eight tries within 0.5%, else after twenty tries, or when a size twice as
 /// large leaves as many tets; the nearest try is returned. A size at which `mesher` throws is left by 1%.
 /// Throws: what `mesher` threw, if it did three times in a row.
 FoundSize search_size(const SizedMesher& mesher, double first_size, std::uint64_t target);

@@ -11,8 +11,8 @@ count asked for: two answers can lie on either side of that). A peer that does n
 share `input_up_to_ratio` of removed tetrahedra the input is a peer too, whatever its count. A measure that `of` or all peers
 lack cannot be decided.
 
-The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together; it is
-to be at least `time_factor`.
+The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together. If
+the comparison has a `time_factor`, the ratio is to be at least that; otherwise it is only shown.
 """
 
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from equal_count import is_equal, tets_of, tolerance_of
 from records import figure, median, present
 from tables import align, median_interval, outcome_text, write_atomically, write_csv
 
-MET, SHORT, OPEN = "met", "short", "cannot be decided"
+MET, SHORT, OPEN, SHOWN = "met", "short", "cannot be decided", "shown"
 TITLES = {
     "percent_above_0_5": "% > 0.5", "percent_above_0_6": "% > 0.6", "mean_quality": "mean", "min_dihedral_deg": "least angle",
     "p1_dihedral_deg": "1% angle", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
@@ -36,7 +36,7 @@ class Comparison:
     peers: list
     measures: list
     time_against: str = ""
-    time_factor: float = 1.0
+    time_factor: object = None
     input_up_to_ratio: float = -1.0
 
 
@@ -68,8 +68,9 @@ class Row:
     repeats: int = 0
 
     @property
-    def met(self):
-        return sum(finding.verdict == MET for finding in self.findings)
+    def met_text(self):
+        judged = [finding for finding in self.findings if finding.verdict != SHOWN]
+        return f"{sum(finding.verdict == MET for finding in judged)} of {len(judged)}"
 
 
 def read_comparisons(plan_data):
@@ -79,9 +80,9 @@ def read_comparisons(plan_data):
     for entry in entries if isinstance(entries, list) else []:
         if not isinstance(entry, dict) or not all(entry.get(key) for key in ("of", "against_best_of", "measures")):
             continue
-        factor, ratio = figure(entry, "time_factor"), figure(entry, "input_up_to_ratio")
+        ratio = figure(entry, "input_up_to_ratio")
         found.append(Comparison(entry["of"], list(entry["against_best_of"]), list(entry["measures"]),
-                                str(entry.get("time_against") or ""), 1.0 if factor is None else factor,
+                                str(entry.get("time_against") or ""), figure(entry, "time_factor"),
                                 -1.0 if ratio is None else ratio))
     return found
 
@@ -152,8 +153,10 @@ def time_finding(run, comparison, mesh, sweep, own):
     ratio = median(ratios)
     low, high = median_interval(ratios)
     low, high = (min(ratios), max(ratios)) if low is None else (low, high)
-    verdict = MET if ratio >= comparison.time_factor else SHORT
-    finding = Finding("time", verdict, ratio, comparison.time_factor, comparison.time_against, ratio - comparison.time_factor)
+    factor = comparison.time_factor
+    if factor is None:
+        return Finding("time", SHOWN, ratio), low, high, len(ratios)
+    finding = Finding("time", MET if ratio >= factor else SHORT, ratio, factor, comparison.time_against, ratio - factor)
     return finding, low, high, len(ratios)
 
 
@@ -213,7 +216,7 @@ def cell(finding):
     if finding.verdict == OPEN:
         return "?"
     if finding.measure == "time":
-        return f"{finding.own:.1f}x" + (" SHORT" if finding.verdict == SHORT else "")
+        return f"{finding.own:.3g}x" + (" SHORT" if finding.verdict == SHORT else "")
     text = amount(finding.measure, finding.margin)
     return f"+{text}" if finding.verdict == MET else f"{text} SHORT"
 
@@ -224,7 +227,7 @@ def comparison_table(rows):
     header = ["mesh", "", "tets", *(TITLES.get(measure, measure) for measure in comparison.measures)]
     header += ["time ratio"] if comparison.time_against else []
     lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
-              *map(cell, row.findings), f"{row.met} of {len(row.findings)}"] for row in rows]
+              *map(cell, row.findings), row.met_text] for row in rows]
     return align([*header, "met"], lines)
 
 
@@ -250,11 +253,11 @@ def shortfall_lines(row):
 def summary_line(rows):
     comparison = rows[0].comparison
     figures = [finding for row in rows for finding in row.findings if finding.measure != "time"]
-    times = [finding for row in rows for finding in row.findings if finding.measure == "time"]
+    times = [finding for row in rows for finding in row.findings if finding.measure == "time" and finding.verdict != SHOWN]
     met = lambda findings: sum(finding.verdict == MET for finding in findings)
     text = (f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than the best of "
             f"{', '.join(comparison.peers)}")
-    if times:
+    if times and comparison.time_factor is not None:
         text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
     undecided = sum(finding.verdict == OPEN for finding in [*figures, *times])
     return text + (f"; {undecided} cannot be decided." if undecided else ".")

@@ -42,7 +42,7 @@ COLUMNS = [
     Column("min_dihedral_deg", "least angle", ".2f", 1),
     Column("p1_dihedral_deg", "1% angle", ".2f", 1),
     Column("boundary_changed_faces", "boundary", "boundary"),
-    Column("surface_distance", "distance", ".2g"),
+    Column("surface_distance_upper", "distance", ".3g"),
     Column("volume_drift_relative", "volume", ".1e"),
     Column("kernel_s", "kernel", "time", -1),
     Column("peak_rss_bytes", "memory", "MiB", -1),

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 
 namespace palpate {
 namespace {
@@ -51,7 +52,9 @@ struct HalfFaceRows {
   std::vector<HalfFace> faces;
 };
 
-HalfFaceRows build_half_faces(const TetMesh& mesh) {
+/// Each thread fills and sorts the rows of a range of vertices. It reads all tets for that, which costs less
+/// than handing the faces out.
+HalfFaceRows build_half_faces(const TetMesh& mesh, int threads) {
   require(mesh.tets.size() < (1U << 30U), "build_half_faces: too many tets for 32-bit codes");
   HalfFaceRows rows;
   rows.offsets.assign(mesh.points.size() + 1, 0);
@@ -63,21 +66,28 @@ HalfFaceRows build_half_faces(const TetMesh& mesh) {
   for (std::size_t v = 1; v < rows.offsets.size(); ++v) rows.offsets[v] += rows.offsets[v - 1];
   rows.faces.resize(codes);
   std::vector<std::uint64_t> next(rows.offsets.begin(), rows.offsets.end() - 1);
-  for (Index code = 0; code < codes; ++code) {
-    const Triangle face = sorted(oriented_face(mesh, code));
-    rows.faces[next[face[0]]++] = {face[1], face[2], code};
-  }
-  for (std::size_t v = 0; v + 1 < rows.offsets.size(); ++v) {
-    std::sort(rows.faces.begin() + static_cast<std::ptrdiff_t>(rows.offsets[v]),
-              rows.faces.begin() + static_cast<std::ptrdiff_t>(rows.offsets[v + 1]));
-  }
+  for_ranges(mesh.points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (Index code = 0; code < codes; ++code) {
+      const Triangle face = oriented_face(mesh, code);
+      const Index least = std::min({face[0], face[1], face[2]});
+      if (least < first || least >= last) continue;
+      const Triangle in_order = sorted(face);
+      rows.faces[next[least]++] = {in_order[1], in_order[2], code};
+    }
+    for (std::size_t v = first; v < last; ++v) {
+      std::sort(rows.faces.begin() + static_cast<std::ptrdiff_t>(rows.offsets[v]),
+                rows.faces.begin() + static_cast<std::ptrdiff_t>(rows.offsets[v + 1]));
+    }
+  });
   return rows;
 }
 
 /// Calls visit(first, count) for each group of half faces with the same vertices, in sorted order.
 template <typename Visit>
-void for_each_face(const HalfFaceRows& rows, Visit&& visit) {
-  for (std::size_t v = 0; v + 1 < rows.offsets.size(); ++v) {
+void for_each_face(const HalfFaceRows& rows, Visit&& visit, std::size_t first_vertex = 0,
+                   std::size_t end_vertex = kNoIndex) {
+  end_vertex = std::min(end_vertex, rows.offsets.size() - 1);
+  for (std::size_t v = first_vertex; v < end_vertex; ++v) {
     std::uint64_t first = rows.offsets[v];
     while (first < rows.offsets[v + 1]) {
       std::uint64_t last = first + 1;
@@ -118,7 +128,7 @@ std::vector<Triangle> collect_unpaired(const TetMesh& mesh, const HalfFaceRows& 
 
 }  // namespace
 
-VertexStars build_vertex_stars(const TetMesh& mesh) {
+VertexStars build_vertex_stars(const TetMesh& mesh, int threads) {
   require(mesh.tets.size() < (1U << 30U), "build_vertex_stars: too many tets for 32-bit rows");
   VertexStars stars;
   stars.offsets.assign(mesh.points.size() + 1, 0);
@@ -128,9 +138,13 @@ VertexStars build_vertex_stars(const TetMesh& mesh) {
   for (std::size_t v = 1; v < stars.offsets.size(); ++v) stars.offsets[v] += stars.offsets[v - 1];
   stars.tets.resize(4 * mesh.tets.size());
   // The row starts double as cursors; shifting them back afterwards saves a second array.
-  for (Index t = 0; t < mesh.tets.size(); ++t) {
-    for (const Index v : mesh.tets[t]) stars.tets[stars.offsets[v]++] = t;
-  }
+  for_ranges(mesh.points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (Index t = 0; t < mesh.tets.size(); ++t) {
+      for (const Index v : mesh.tets[t]) {
+        if (v >= first && v < last) stars.tets[stars.offsets[v]++] = t;
+      }
+    }
+  });
   for (std::size_t v = stars.offsets.size() - 1; v > 0; --v) stars.offsets[v] = stars.offsets[v - 1];
   stars.offsets[0] = 0;
   return stars;
@@ -164,7 +178,7 @@ std::vector<Edge> build_edges(const TetMesh& mesh) {
 }
 
 std::vector<Face> build_faces(const TetMesh& mesh) {
-  const HalfFaceRows rows = build_half_faces(mesh);
+  const HalfFaceRows rows = build_half_faces(mesh, 1);
   std::size_t face_count = 0;
   for_each_face(rows, [&](Index, std::uint64_t, std::uint64_t) { ++face_count; });
   std::vector<Face> faces;
@@ -178,24 +192,27 @@ std::vector<Face> build_faces(const TetMesh& mesh) {
   return faces;
 }
 
-std::vector<Triangle> build_boundary(const TetMesh& mesh) {
-  const HalfFaceRows rows = build_half_faces(mesh);
-  for_each_face(rows, [&](Index v, std::uint64_t first, std::uint64_t count) {
-    const HalfFace& half = rows.faces[first];
-    const Triangle vertices{v, half.middle, half.largest};
-    check_face_count(vertices, count);
-    if (count == 2) check_opposite_sides(mesh, vertices, half.code, rows.faces[first + 1].code);
+std::vector<Triangle> build_boundary(const TetMesh& mesh, int threads) {
+  const HalfFaceRows rows = build_half_faces(mesh, threads);
+  for_ranges(mesh.points.size(), threads, [&](std::size_t begin, std::size_t end, std::size_t) {
+    const auto check = [&](Index v, std::uint64_t first, std::uint64_t count) {
+      const HalfFace& half = rows.faces[first];
+      const Triangle vertices{v, half.middle, half.largest};
+      check_face_count(vertices, count);
+      if (count == 2) check_opposite_sides(mesh, vertices, half.code, rows.faces[first + 1].code);
+    };
+    for_each_face(rows, check, begin, end);
   });
   return collect_unpaired(mesh, rows);
 }
 
 std::vector<Triangle> build_unpaired_faces(const TetMesh& mesh) {
-  return collect_unpaired(mesh, build_half_faces(mesh));
+  return collect_unpaired(mesh, build_half_faces(mesh, 1));
 }
 
-std::vector<std::uint8_t> build_boundary_vertex_flags(const TetMesh& mesh) {
+std::vector<std::uint8_t> build_boundary_vertex_flags(const TetMesh& mesh, int threads) {
   std::vector<std::uint8_t> flags(mesh.points.size(), 0);
-  for (const Triangle& face : build_boundary(mesh)) {
+  for (const Triangle& face : build_boundary(mesh, threads)) {
     for (const Index v : face) flags[v] = 1;
   }
   return flags;

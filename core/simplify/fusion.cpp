@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::simplify {
@@ -25,7 +26,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
 }
 
 /// Vertices along the Morton curve through the bounding box; equal keys by number.
-std::vector<Index> order_in_space(const std::vector<Vec3>& points) {
+std::vector<Index> order_in_space(const std::vector<Vec3>& points, int threads) {
   const BoundingBox box = bounding_box(points);
   const Vec3 size = box.high - box.low;
   const double longest = std::max({size.x, size.y, size.z});
@@ -35,14 +36,16 @@ std::vector<Index> order_in_space(const std::vector<Vec3>& points) {
     Index vertex;
   };
   std::vector<Entry> entries(points.size());
-  for (Index v = 0; v < points.size(); ++v) {
-    const Vec3 p = scale * (points[v] - box.low);
-    entries[v] = {spread_bits(static_cast<std::uint64_t>(p.x)) |
-                      spread_bits(static_cast<std::uint64_t>(p.y)) << 1U |
-                      spread_bits(static_cast<std::uint64_t>(p.z)) << 2U,
-                  v};
-  }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+  for_ranges(points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t v = first; v < last; ++v) {
+      const Vec3 p = scale * (points[v] - box.low);
+      entries[v] = {spread_bits(static_cast<std::uint64_t>(p.x)) |
+                        spread_bits(static_cast<std::uint64_t>(p.y)) << 1U |
+                        spread_bits(static_cast<std::uint64_t>(p.z)) << 2U,
+                    static_cast<Index>(v)};
+    }
+  });
+  sort_on_threads(entries, threads, [](const Entry& a, const Entry& b) {
     return a.key != b.key ? a.key < b.key : a.vertex < b.vertex;
   });
   std::vector<Index> order(points.size());
@@ -51,18 +54,22 @@ std::vector<Index> order_in_space(const std::vector<Vec3>& points) {
 }
 
 /// Renumbers vertices along the curve, then tets by their smallest new vertex (a counting sort, so stable).
-void sort_in_space(TetMesh& mesh, FusionMesh& result) {
-  result.vertex_origin = order_in_space(mesh.points);
+void sort_in_space(TetMesh& mesh, FusionMesh& result, int threads) {
+  result.vertex_origin = order_in_space(mesh.points, threads);
   std::vector<Index> new_number(mesh.points.size());
   std::vector<Vec3> points(mesh.points.size());
-  for (Index v = 0; v < points.size(); ++v) {
-    new_number[result.vertex_origin[v]] = v;
-    points[v] = mesh.points[result.vertex_origin[v]];
-  }
+  for_ranges(points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t v = first; v < last; ++v) {
+      new_number[result.vertex_origin[v]] = static_cast<Index>(v);
+      points[v] = mesh.points[result.vertex_origin[v]];
+    }
+  });
   mesh.points = std::move(points);
-  for (Tet& tet : mesh.tets) {
-    for (Index& v : tet) v = new_number[v];
-  }
+  for_ranges(mesh.tets.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t t = first; t < last; ++t) {
+      for (Index& v : mesh.tets[t]) v = new_number[v];
+    }
+  });
   const auto first_vertex = [](const Tet& t) { return std::min({t[0], t[1], t[2], t[3]}); };
   std::vector<Index>& begin = new_number;  // its memory serves as the rows' cursors
   begin.assign(mesh.points.size() + 1, 0);
@@ -71,7 +78,9 @@ void sort_in_space(TetMesh& mesh, FusionMesh& result) {
   result.tet_origin.resize(mesh.tets.size());
   for (Index t = 0; t < mesh.tets.size(); ++t) result.tet_origin[begin[first_vertex(mesh.tets[t])]++] = t;
   std::vector<Tet> tets(mesh.tets.size());
-  for (Index t = 0; t < tets.size(); ++t) tets[t] = mesh.tets[result.tet_origin[t]];
+  for_ranges(tets.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t t = first; t < last; ++t) tets[t] = mesh.tets[result.tet_origin[t]];
+  });
   mesh.tets = std::move(tets);
 }
 
@@ -131,10 +140,10 @@ void erase_from_star(FusionMesh& mesh, Index v, Index tet) {
 
 }  // namespace
 
-FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order) {
+FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order, int threads) {
   FusionMesh result;
-  if (order == StorageOrder::kSpatial) sort_in_space(mesh, result);
-  VertexStars stars = build_vertex_stars(mesh);
+  if (order == StorageOrder::kSpatial) sort_in_space(mesh, result, threads);
+  VertexStars stars = build_vertex_stars(mesh, threads);
   const std::size_t vertices = mesh.points.size();
   result.star_begin.resize(vertices);
   result.star_size.resize(vertices);

@@ -47,8 +47,9 @@ struct FusionMesh {
   std::span<const Index> star(Index v) const { return {star_tets.data() + star_begin[v], star_size[v]}; }
 };
 
-/// Takes a mesh over; its arrays are released as soon as they are copied or moved.
-FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order);
+/// Takes a mesh over; its arrays are released as soon as they are copied or moved. Any number of threads
+/// gives the same.
+FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order, int threads = 1);
 
 /// The alive tets in the input's order and the vertices they use; empties `mesh`.
 TetMesh extract_mesh(FusionMesh&& mesh);

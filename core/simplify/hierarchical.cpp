@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/parallel.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/candidate_queue.h"
 #include "core/simplify/parking.h"
@@ -109,13 +110,16 @@ class Run {
 
   void start_level(std::uint16_t level) {
     current_level_ = level;
-    for (const Index t : members_of_level()) {
-      if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
-      if (!growth_.admits(corners_of(mesh_, t))) continue;
-      state_[t] = State::kWaiting;
-      qualities_.ensure(mesh_, t);
-    }
-    queue_.fill(members_of_level());
+    const std::span<const Index> members = members_of_level();
+    for_ranges(members.size(), options_.threads, [&](std::size_t first, std::size_t last, std::size_t) {
+      for (const Index t : members.subspan(first, last - first)) {
+        if (!mesh_.is_alive(t) || state_[t] == State::kTouched || state_[t] == State::kKept) continue;
+        if (!growth_.admits(corners_of(mesh_, t))) continue;
+        state_[t] = State::kWaiting;
+        qualities_.ensure(mesh_, t);
+      }
+    });
+    queue_.fill(members);
   }
 
   /// The level is done with: its candidates leave their witnesses and keep the reason.
@@ -301,6 +305,7 @@ void validate_options(const SimplifyOptions& options) {
   }
   if (options.last_level < 1)
     throw InputError("last_level", 0, "1 or more", std::to_string(options.last_level));
+  if (options.threads < 1) throw InputError("threads", 0, "1 or more", std::to_string(options.threads));
   const StopRule& stop = options.stop;
   if (stop.ratio && !(*stop.ratio >= 0.0 && *stop.ratio < 1.0)) {
     throw InputError("ratio", 0, "a share from 0 up to, not including, 1", std::to_string(*stop.ratio));
@@ -317,8 +322,8 @@ SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& optio
   const double ideal_volume = mean_tet_volume(mesh);
   const SizingField sizing(options.sizing, mesh);
   const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage);
+  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.threads);
+  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage, options.threads);
   std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
   report.level_sizes = count_levels(level);
   {

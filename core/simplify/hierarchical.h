@@ -44,6 +44,7 @@ struct SimplifyOptions {
   StopRule stop;
   SizingOptions sizing;  ///< what is kept, and how sizes grade from there; nothing by default
   StorageOrder storage = StorageOrder::kSpatial;
+  int threads = 1;  ///< the result does not depend on it
 };
 
 /// The tets that are left, by the check that keeps each of them from being fused: as found when its level

@@ -33,13 +33,14 @@ struct OutcomeOptions {
 ///          / number of tets removed
 ///
 /// with the quality factor q, gains counted as negative losses, over all candidates of all levels; equal
-/// costs by number. So that sums do not depend on their order, q is rounded to multiples of 2^-36 beforehand.
-/// Candidates are tets of level last_level or higher that pass both checks (and, with skip_touched, that no
-/// fusion has moved).
+/// costs by number. So that sums do not depend on their order, q is rounded to multiples of 2^-36
+/// (batch_quality.h). Candidates are tets of level last_level or higher that pass both checks (and, with
+/// skip_touched, that no fusion has moved in this pass).
 ///
-/// Costs are looked up lazily: a fusion only marks the candidates around it and lowers their keys to a bound
-/// below their cost; a candidate is weighed anew when its bound comes up. That gives the same mesh, to the
-/// byte, as weighing all candidates anew after each fusion.
+/// All costs are up to date at every fusion: the mesh is the same, to the byte, as if all candidates were
+/// weighed anew after each. A candidate is weighed in full once; later a fusion nearby changes a few terms of
+/// its sum. One that fails a check is parked on the moved tet that failed it, its witness, and weighed again,
+/// lazily, when that changes.
 ///
 /// With regions to keep (common.sizing), a tet that has a vertex of a kept tet is no candidate. Elsewhere the
 /// whole is done in several passes under a rising bound on what may grow (GrowthBound), the last one without.

@@ -61,7 +61,7 @@ struct Run {
 
   bool has_changed_skin() const { return report.surface.collapses > 0; }
 
-  void aim_at(double tets) { scale = {1.0 / (6.0 * volume / std::max(1.0, tets)), 0.5}; }
+  void aim_at(double tets) { scale = scale_of_ideal_volume(volume / std::max(1.0, tets)); }
 
   /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
   std::uint64_t faces_for(double tets) const {
@@ -101,13 +101,15 @@ void coarsen_inside(Run& run, std::uint64_t tets) {
   for (const double least : kLeastScores) {
     if (run.mesh.alive <= tets) return;
     options.least_score = least;
-    run.report.inner.collapses += collapse_edges(run.mesh, run.scale, run.field, options).collapses;
+    run.report.inner.collapses +=
+        collapse_edges(run.mesh, ScoreRule(run.scale, run.field), options).collapses;
   }
 }
 
 /// Flips and moves in the skin, where it was coarsened, and moves inside.
 void even_out(Run& run) {
-  Smoother smoother(run.mesh, run.scale);
+  const ScoreRule scores(run.scale, run.field);
+  Smoother smoother(run.mesh, scores);
   smoother.sweep(2);
   if (!run.has_changed_skin()) return;
   BoundaryFlipper flipper(run.mesh, run.skin, run.scale);
@@ -148,6 +150,7 @@ void coarsen_to_limit(Run& run) {
 void validate_options(const SurfaceOptions& options) {
   RefinedOptions common;
   common.stop = options.stop;
+  if (!common.stop.fusions && !common.stop.ratio && !common.stop.tets) common.stop.tets = 1;  // to the limit
   common.effort = options.effort;
   validate_options(common);
   if (!(options.max_surface_error >= 0.0 && std::isfinite(options.max_surface_error))) {
@@ -179,9 +182,9 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   mesh = extract_mesh(std::move(run.mesh));
   const RefinedReport refined = simplify_refined(mesh, inside);
   SurfaceRunReport report = std::move(run.report);
-  report.inner.collapses += refined.collapses;
-  report.inner.rejected_link = refined.rejected.rejected_link;
-  report.inner.rejected_shape = refined.rejected.rejected_shape;
+  report.inner.collapses += refined.collapses.collapses;
+  report.inner.rejected_link = refined.collapses.rejected_link;
+  report.inner.rejected_shape = refined.collapses.rejected_shape;
   const char* reached = to_limit ? nullptr : reached_stop(options.stop, target, 0, mesh.tets.size());
   report.stop = reached != nullptr ? reached : "limit";
   report.vertices_out = mesh.points.size();

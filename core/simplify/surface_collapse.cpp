@@ -82,18 +82,6 @@ struct PlaneSum {
 constexpr double kWellShaped = 0.2;
 constexpr double kWorthAMove = 1.1;
 
-/// Adds the tets around `center` that lack `other` to the cone.
-void add_to_cone(const WorkingMesh& mesh, Index center, Index other, Cone& cone) {
-  for (const Index t : mesh.star(center)) {
-    const Tet& tet = mesh.tets[t];
-    if (corners_that_are(tet, other) != 0U) continue;
-    const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, center)))];
-    cone.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
-             mesh.points[tet[static_cast<std::size_t>(face[1])]],
-             mesh.points[tet[static_cast<std::size_t>(face[2])]]);
-  }
-}
-
 bool is_frozen(const WorkingMesh& mesh, Index v) {
   return (mesh.vertex_flags[v] & kFrozen) != 0;
 }
@@ -212,8 +200,8 @@ class BoundaryCollapser {
   }
 
   bool is_well_shaped(const Vec3& place) const {
-    const double worst = cone_.evaluate(scale_, place, options_.least_score).worst;
-    return worst > options_.least_score && cone_.is_positive_exactly(place);
+    const double worst = cone_.evaluate(place, options_.least_score).worst;
+    return worst > options_.least_score && cone_.is_positive(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -225,10 +213,11 @@ class BoundaryCollapser {
       ++report_.rejected_link;
       return false;
     }
-    cone_.clear();
-    add_to_cone(mesh_, gone, kept, cone_);
-    if (kept_moves) add_to_cone(mesh_, kept, gone, cone_);
+    cone_.start(scale_, mesh_.points[kept]);
+    add_star(mesh_, gone, kept, cone_);
+    if (kept_moves) add_star(mesh_, kept, gone, cone_);
     if (cone_.size() == 0) return false;
+    cone_.close();
     plan(gone, kept, kept_moves);
     std::array<Vec3, 3> places;
     const std::size_t count = list_places(gone, kept, kept_moves, places);
@@ -310,10 +299,11 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
   SkinChange change;
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v) || is_frozen(mesh, v)) continue;
-    cone.clear();
-    add_to_cone(mesh, v, kNoIndex, cone);
     const Vec3 from = mesh.points[v];
-    const ConeFigures now = cone.evaluate(scale, from, -1.0);
+    cone.start(scale, from);
+    add_star(mesh, v, kNoIndex, cone);
+    cone.close();
+    const ConeFigures now = cone.evaluate(from);
     if (now.worst > kWellShaped) continue;
     const Vec3 target = tangential_target(mesh, skin, v);
     change.removed.assign(skin.faces_of(v).begin(), skin.faces_of(v).end());
@@ -322,8 +312,8 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
     change.moved = v;
     for (const double step : {1.0, 0.4}) {
       change.to = (1.0 - step) * from + step * target;
-      const ConeFigures then = cone.evaluate(scale, change.to, -1.0);
-      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive_exactly(change.to) ||
+      const ConeFigures then = cone.evaluate(change.to);
+      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive(change.to) ||
           skin.check(mesh, change) != SkinVerdict::kAllowed)
         continue;
       skin.apply(mesh, change);

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/mesh/orientation.h"
-#include "core/simplify/edge_removal.h"
+#include "core/simplify/flips.h"
 
 namespace palpate::simplify {
 namespace {

@@ -9,6 +9,7 @@ namespace palpate::reference {
 Response run_hierarchical(const Request& request) {
   nlohmann::json left = request.options;
   simplify::SimplifyOptions options = take_fusion_options(request.stop, left);
+  options.threads = request.threads;
   options.sizing = take_sizing_options(request.keep, left);
   require_all_taken(left);
   return run_fusion(request, [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
@@ -21,6 +22,7 @@ Response run_outcome(const Request& request) {
   if (!left.contains("skip_touched")) left["skip_touched"] = options.common.skip_touched;
   if (!left.contains("last_level")) left["last_level"] = options.common.last_level;
   options.common = take_fusion_options(request.stop, left);
+  options.common.threads = request.threads;
   options.common.sizing = take_sizing_options(request.keep, left);
   constexpr std::array kObjectives{simplify::OutcomeObjective::kMovedLoss,
                                    simplify::OutcomeObjective::kTotalLoss};

@@ -262,7 +262,7 @@ TEST(Plan, HoldsWhatItAsksOfTheReport) {
   EXPECT_EQ(comparison.against_best_of, std::vector<std::string>{"b"});
   EXPECT_EQ(comparison.measures, (std::vector<std::string>{"p1_dihedral_deg", "kernel_s"}));
   EXPECT_EQ(comparison.time_against, "b");
-  EXPECT_DOUBLE_EQ(comparison.time_factor, 10.0);
+  EXPECT_DOUBLE_EQ(comparison.time_factor.value(), 10.0);
   EXPECT_DOUBLE_EQ(comparison.input_up_to_ratio.value(), 0.22);
 }
 

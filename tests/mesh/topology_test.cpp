@@ -222,19 +222,20 @@ TEST(Topology, NamesAFaceWithThreeTets) {
                      {{0, 1, 2, 3}, {0, 2, 1, 4}, {0, 1, 2, 5}}};
   const std::string expected = "face (1, 2, 3): expected one or two tetrahedra, found 3 (non-manifold)";
   EXPECT_EQ(message_of(build_faces, mesh), expected);
-  EXPECT_EQ(message_of(build_boundary, mesh), expected);
-  EXPECT_EQ(message_of(build_boundary_vertex_flags, mesh), expected);
+  EXPECT_EQ(message_of([](const TetMesh& m) { build_boundary(m); }, mesh), expected);
+  EXPECT_EQ(message_of([](const TetMesh& m) { build_boundary_vertex_flags(m); }, mesh), expected);
   EXPECT_EQ(build_unpaired_faces(mesh).size(), 9U);
 }
 
 TEST(Topology, NamesTwoTetsOnTheSameSideOfAFace) {
   const TetMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 2}}, {{0, 1, 2, 3}, {1, 2, 0, 4}}};
-  EXPECT_THAT(message_of(build_boundary, mesh),
+  EXPECT_THAT(message_of([](const TetMesh& m) { build_boundary(m); }, mesh),
               AllOf(HasSubstr("face (1, 2, 3)"), HasSubstr("tetrahedra 1 and 2 on the same side")));
   EXPECT_EQ(build_unpaired_faces(mesh).size(), 6U);
   TetMesh duplicate = unit_tet();
   duplicate.tets.push_back(duplicate.tets[0]);
-  EXPECT_THAT(message_of(build_boundary, duplicate), HasSubstr("on the same side"));
+  EXPECT_THAT(message_of([](const TetMesh& m) { build_boundary(m); }, duplicate),
+              HasSubstr("on the same side"));
   EXPECT_TRUE(build_unpaired_faces(duplicate).empty());
 }
 
@@ -267,6 +268,22 @@ TEST(Topology, RemovesIsolatedVerticesAndKeepsTheOrder) {
   EXPECT_EQ(mesh, original);
   EXPECT_EQ(remove_isolated_vertices(mesh), 0U);
   EXPECT_EQ(mesh, original);
+}
+
+TEST(Topology, ThreadsDoNotShow) {
+  const TetMesh mesh = build_kuhn_cube(18, 0.3, 7);  // 35,000 tets and 6,859 vertices
+  const VertexStars stars = build_vertex_stars(mesh);
+  const std::vector<Triangle> boundary = build_boundary(mesh);
+  for (const int threads : {2, 3, 8}) {
+    const VertexStars same = build_vertex_stars(mesh, threads);
+    EXPECT_EQ(same.offsets, stars.offsets);
+    EXPECT_EQ(same.tets, stars.tets);
+    EXPECT_EQ(build_boundary(mesh, threads), boundary);
+    EXPECT_EQ(build_boundary_vertex_flags(mesh, threads), build_boundary_vertex_flags(mesh));
+  }
+  TetMesh broken = mesh;
+  broken.tets.push_back(broken.tets[20'000]);
+  for (const int threads : {1, 2, 3}) EXPECT_THROW(build_boundary(broken, threads), InputError);
 }
 
 }  // namespace

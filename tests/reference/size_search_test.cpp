@@ -65,7 +65,21 @@ TEST(SizeSearch, AJumpOverTheTargetGivesTheNearerSide) {
       },
       1.0, 1000);
   EXPECT_EQ(found.result.mesh.tets.size(), 950U);
-  EXPECT_LE(sizes.size(), 16U);
+  EXPECT_LE(sizes.size(), 20U);
+}
+
+/// A count that jumps by some percent at every turn.
+TEST(SizeSearch, JumpsAreLookedAround) {
+  const auto jumpy = [](double size) {
+    const double step = std::floor(1000.0 * std::log(size));
+    const double wobble = 0.03 * std::sin(12.9898 * step);
+    return mesh_of(100000.0 * (1.0 + wobble) * std::exp(-3.0 * step / 1000.0));
+  };
+  for (const std::uint64_t target : {100000U, 110000U, 130000U, 200000U, 70000U}) {
+    const FoundSize found = search_size(jumpy, 1.0, target);
+    EXPECT_LE(std::fabs(count_mismatch(found.result.mesh.tets.size(), target)), 0.01) << target;
+    EXPECT_LE(found.tries, 20);
+  }
 }
 
 TEST(SizeSearch, ACountThatDoesNotAnswerEndsEarly) {

@@ -118,6 +118,14 @@ class Comparisons(ReportTest):
         self.assertEqual(rows["time"]["verdict"], "short")
         self.assertIn("5.00 times as fast as cgal_1, 10 times is asked for.", out)
 
+    def test_without_a_factor_the_time_is_shown_and_not_judged(self):
+        entry = {key: value for key, value in synthetic.CONTEST["comparisons"][0].items() if key != "time_factor"}
+        rows, out = self.compare([answer("refined", 96, 0.5, kernel_s=0.1), answer("cgal_1", 95, 0.5, kernel_s=0.05)],
+                                 {**synthetic.CONTEST, "comparisons": [entry]})
+        self.assertEqual((rows["time"]["verdict"], float(rows["time"]["value"])), ("shown", 0.5))
+        self.assertIn("0.5x", out)
+        self.assertNotIn("times as fast", out)
+
     def test_the_time_ratio_is_taken_round_by_round(self):
         lines = []
         for i, load in enumerate((1, 5, 1)):  # the machine is five times slower in the second round

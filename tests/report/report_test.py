@@ -40,6 +40,15 @@ class Tables(ReportTest):
         self.assertEqual((row["n"], row["outcome"]), ("3", "3 accepted, 1 rejected"))
         self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.02)
 
+    def test_memory_and_process_time_of_a_search_are_left_out_where_a_repeat_had_none(self):
+        lines = [synthetic.record("kidney", "a", 70, searched=True, wall_s=9.0, peak_rss_bytes=900),
+                 synthetic.record("kidney", "a", 70, repeat=1, searched=False, wall_s=1.0, peak_rss_bytes=100)]
+        for chosen, wall, memory in ((lines, "1.0", "100"), (lines[:1], "9.0", "900")):
+            synthetic.write_run(self.folder, chosen, {})
+            self.report("--no-charts")
+            row, = self.table("timing.csv")
+            self.assertEqual((row["wall_median_s"], row["peak_rss_max_bytes"], row["n"]), (wall, memory, str(len(chosen))))
+
     def test_interval_of_the_median_is_repeatable_and_holds_the_median(self):
         values = [0.01 * (i % 7 + 1) for i in range(20)]
         low, high = tables.median_interval(values)

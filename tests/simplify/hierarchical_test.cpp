@@ -213,6 +213,26 @@ TEST(Hierarchical, NothingIsFusedWhereAllIsKept) {
   EXPECT_EQ(report.stop, "limit");
 }
 
+TEST(Hierarchical, ThreadsDoNotShow) {
+  const TetMesh input = build_kuhn_cube(20, 0.35, 9);  // 48,000 tets: enough for ranges of their own
+  for (const bool graded : {false, true}) {
+    for (const StorageOrder storage : {StorageOrder::kSpatial, StorageOrder::kInput}) {
+      TetMesh expected;
+      for (const int threads : {1, 2, 3}) {
+        SimplifyOptions options;
+        options.storage = storage;
+        options.threads = threads;
+        options.stop.ratio = 0.4;
+        if (graded) options.sizing.keep = {sphere_at({0.5, 0.5, 0.5}, 0.1)};
+        TetMesh output = input;
+        simplify_hierarchical(output, options);
+        if (threads == 1) expected = output;
+        EXPECT_EQ(output, expected) << threads << " threads";
+      }
+    }
+  }
+}
+
 TEST(Hierarchical, KeepsBoundaryVolumeAndOrientation) {
   const TetMesh input = build_kuhn_cube(12, 0.4, 2);
   TetMesh output = input;
@@ -306,6 +326,7 @@ TEST(Hierarchical, RefusesImpossibleOptions) {
   EXPECT_THROW(run([](SimplifyOptions& o) { o.stop.ratio = std::nan(""); }), InputError);
   EXPECT_THROW(run([](SimplifyOptions& o) { o.stop.tets = 0; }), InputError);
   EXPECT_THROW(run([](SimplifyOptions& o) { o.last_level = 0; }), InputError);
+  EXPECT_THROW(run([](SimplifyOptions& o) { o.threads = 0; }), InputError);
 }
 
 TEST(Hierarchical, RejectionsAddUpToTheTetsThatAreLeft) {

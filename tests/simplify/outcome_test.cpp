@@ -106,6 +106,20 @@ TEST(Outcome, TheJudgeFindsEveryTetThatWasToBeKept) {
   EXPECT_GT(judge::compare_in_regions(free, input, {&region, 1}).changed_tets, 0U);
 }
 
+TEST(Outcome, ThreadsDoNotShow) {
+  const TetMesh input = build_kuhn_cube(14, 0.35, 9);
+  TetMesh expected;
+  for (const int threads : {1, 2, 3}) {
+    OutcomeOptions options;
+    options.common.threads = threads;
+    options.common.stop.ratio = 0.3;
+    TetMesh output = input;
+    simplify_by_outcome(output, options);
+    if (threads == 1) expected = output;
+    EXPECT_EQ(output, expected) << threads << " threads";
+  }
+}
+
 TEST(Outcome, StorageOrderDoesNotShow) {
   const TetMesh input = build_kuhn_cube(12, 0.35, 9);
   OutcomeOptions options;

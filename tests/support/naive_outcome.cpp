@@ -6,6 +6,8 @@
 #include <set>
 
 #include "core/mesh/geometry.h"
+#include "core/mesh/orientation.h"
+#include "core/simplify/batch_quality.h"
 
 namespace palpate::test_support {
 namespace {
@@ -108,9 +110,11 @@ class Naive {
   std::optional<double> quality(const Tet& t, Index from, const Vec3& to) const {
     std::array<Vec3, 4> p;
     for (std::size_t i = 0; i < 4; ++i) p[i] = t[i] == from ? to : mesh_.points[t[i]];
-    const auto f = simplify::measure_tet(options_.common.metric, p[0], p[1], p[2], p[3]);
-    if (!f.is_positive) return std::nullopt;
-    return on_grid(simplify::quality_factor(options_.common.metric, f, ideal_volume_));
+    if (orientation(p[0], p[1], p[2], p[3]) <= 0) return std::nullopt;
+    simplify::TetBatch batch;
+    batch.add(p[0], p[1], p[2], p[3]);
+    simplify::measure_batch(options_.common.metric, ideal_volume_, batch);
+    return batch.quality[0];
   }
 
   std::set<Index> around(Index t) const {
