@@ -148,7 +148,7 @@ class Comparisons(ReportTest):
         rows, out = self.compare([answer("refined", 90, 0.5), answer("cgal_1", 99, 0.5, tets=4100),
                                   answer("cgal_2", 99, 0.5, outcome="rejected", violations=["flat_tets 1"])])
         self.assertEqual(rows["percent_above_0_5"]["verdict"], "cannot be decided")
-        self.assertIn("left out: cgal_1 (4,100 tets), cgal_2 (1 rejected).", out)
+        self.assertIn("left out: cgal_1 (4,100 tets, better in % > 0.5), cgal_2 (1 rejected).", out)
         self.assertIn("3 cannot be decided.", out)
 
     def test_counts_are_held_against_each_other_not_against_what_was_asked(self):
