@@ -8,9 +8,8 @@ answers, and "better" the side that the measure has:
 
 A peer counts if its answer is accepted and its tetrahedra are within the plan's `equal_count` of those of `of` (not of the
 count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason, and with the
-measures in which it is better at its count. Up to the
-share `input_up_to_ratio` of removed tetrahedra the input is a peer too, whatever its count. A measure that `of` or all peers
-lack cannot be decided.
+measures in which it is better at its count. Up to the share `input_up_to_ratio` of removed tetrahedra the input is a peer too,
+whatever its count. A measure that `of` or all peers lack cannot be decided.
 
 The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together. If
 the comparison has a `time_factor`, the ratio is to be at least that; otherwise it is only shown.
