@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
-#include "core/simplify/fusion.h"
+#include "core/simplify/cone.h"
 
 namespace palpate::simplify {
 namespace {
@@ -27,9 +27,8 @@ struct Candidate {
 
 class Collapser {
  public:
-  Collapser(WorkingMesh& mesh, const ScoreScale& scale, const SizingField& field,
-            const CollapseOptions& options)
-      : mesh_(mesh), scale_(scale), field_(field), options_(options), versions_(mesh.points.size(), 0) {}
+  Collapser(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options)
+      : mesh_(mesh), rule_(rule), options_(options), versions_(mesh.points.size(), 0) {}
 
   CollapseReport run() {
     enter_all();
@@ -45,6 +44,18 @@ class Collapser {
   }
 
  private:
+  void enter_all() {
+    heap_.reserve(8 * mesh_.points.size());
+    for (Index a = 0; a < mesh_.points.size(); ++a) {
+      if (!mesh_.is_vertex_alive(a)) continue;
+      collect_neighbours(a);
+      for (const Index b : neighbours_) {
+        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) heap_.push_back({key_of(a, b), a, b, 0});
+      }
+    }
+    std::make_heap(heap_.begin(), heap_.end());
+  }
+
   void empty_heap() {
     while (mesh_.alive > options_.target && !heap_.empty()) {
       std::pop_heap(heap_.begin(), heap_.end());
@@ -54,23 +65,14 @@ class Collapser {
     }
   }
 
+  /// Both versions only ever grow, so their sum tells whether either has.
   std::uint32_t versions_of(Index a, Index b) const { return versions_[a] + versions_[b]; }
 
   double key_of(Index a, Index b) const {
-    const Vec3 edge = mesh_.points[b] - mesh_.points[a];
-    if (field_.is_empty()) return length_sq(edge);
-    const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
-    return length_sq(edge) / (size * size);
-  }
-
-  void enter_all() {
-    for (Index a = 0; a < mesh_.points.size(); ++a) {
-      collect_neighbours(a);
-      for (const Index b : neighbours_) {
-        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) heap_.push_back({key_of(a, b), a, b, 0});
-      }
-    }
-    std::make_heap(heap_.begin(), heap_.end());
+    const double key = length_sq(mesh_.points[b] - mesh_.points[a]);
+    if (rule_.field().is_empty()) return key;
+    const double size = rule_.field().relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
+    return key / (size * size);
   }
 
   void collect_neighbours(Index v) {
@@ -79,62 +81,61 @@ class Collapser {
     neighbours_.clear();
     for (const Index t : mesh_.star(v)) {
       for (const Index w : mesh_.tets[t]) {
-        if (marks_.of(w) == 0) {
-          marks_.set(w, 1);
-          neighbours_.push_back(w);
-        }
+        if (marks_.of(w) != 0) continue;
+        marks_.set(w, 1);
+        neighbours_.push_back(w);
       }
     }
   }
 
-  /// Fills the cone with the tets around `center` that lack `other`; returns the worst known score of all
-  /// tets around it.
-  void add_cone(Index center, Index other) {
-    for (const Index t : mesh_.star(center)) {
-      const Tet& tet = mesh_.tets[t];
-      if (corners_that_are(tet, other) != 0U) continue;
-      const auto corner = static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, center)));
-      const auto& face = kTetFaces[corner];
-      cone_.add(mesh_.points[tet[static_cast<std::size_t>(face[0])]],
-                mesh_.points[tet[static_cast<std::size_t>(face[1])]],
-                mesh_.points[tet[static_cast<std::size_t>(face[2])]]);
-      link_sum_ = link_sum_ + mesh_.points[tet[static_cast<std::size_t>(face[0])]] +
-                  mesh_.points[tet[static_cast<std::size_t>(face[1])]] +
-                  mesh_.points[tet[static_cast<std::size_t>(face[2])]];
+  /// Mean of the cone's base vertices, counted as often as they occur.
+  Vec3 link_centroid(Index gone, Index kept) {
+    Vec3 sum{};
+    std::size_t count = 0;
+    for (const Index center : {gone, kept}) {
+      collect_neighbours(center);
+      for (const Index v : neighbours_) {
+        if (v != gone && v != kept) sum = sum + mesh_.points[v];
+      }
+      count += neighbours_.size() - 1;
     }
+    return (1.0 / static_cast<double>(count)) * sum;
+  }
+
+  /// Whether there is a place where all tets are good enough; `place_` is set to it.
+  bool find_place(Index gone, Index kept) {
+    const Vec3 at_gone = mesh_.points[gone];
+    const Vec3 at_kept = mesh_.points[kept];
+    if (!mesh_.is_free(kept)) return try_place(at_kept, options_.least_score) > options_.least_score;
+    double best = try_place(0.5 * (at_gone + at_kept), options_.least_score);
+    const bool passes = best > options_.least_score;
+    if (options_.placement == CollapsePlacement::kMidpoint) return passes;
+    if (options_.placement == CollapsePlacement::kFirst && passes) return true;
+    for (const Vec3& place : {link_centroid(gone, kept), at_kept, at_gone}) {
+      best = try_place(place, best);
+      if (options_.placement == CollapsePlacement::kFirst && best > options_.least_score) return true;
+    }
+    return best > options_.least_score;
+  }
+
+  /// The larger of `best` and the worst score with the apex at `place`, which is taken if that is larger.
+  double try_place(const Vec3& place, double best) {
+    const double worst = cone_.evaluate(place, best).worst;
+    if (!(worst > best)) return best;
+    place_ = place;
+    return worst;
   }
 
   bool try_collapse(Index a, Index b) {
     Index gone = a;
     Index kept = b;
     if (!mesh_.is_free(gone)) std::swap(gone, kept);
-    const bool kept_moves = mesh_.is_free(kept);
-    cone_.clear();
-    link_sum_ = {};
-    add_cone(gone, kept);
-    if (kept_moves) add_cone(kept, gone);
+    cone_.start(rule_.at(mesh_.points[kept]), mesh_.points[kept]);
+    add_star(mesh_, gone, kept, cone_);
+    if (mesh_.is_free(kept)) add_star(mesh_, kept, gone, cone_);
     if (cone_.size() == 0) return false;
-    std::array<Vec3, 4> places{mesh_.points[kept]};
-    std::size_t count = 1;
-    if (kept_moves) {
-      places[0] = 0.5 * (mesh_.points[a] + mesh_.points[b]);
-      if (options_.placement == CollapsePlacement::kBest) {
-        places[1] = (1.0 / (3.0 * static_cast<double>(cone_.size()))) * link_sum_;
-        places[2] = mesh_.points[kept];
-        places[3] = mesh_.points[gone];
-        count = 4;
-      }
-    }
-    double best = options_.least_score;
-    const Vec3* place = nullptr;
-    for (std::size_t i = 0; i < count; ++i) {
-      const double worst = cone_.evaluate(scale_, places[i], best).worst;
-      if (worst > best) {
-        best = worst;
-        place = &places[i];
-      }
-    }
-    if (place == nullptr || (best < kSafeScore && !cone_.is_positive_exactly(*place))) {
+    cone_.close();
+    if (!find_place(gone, kept) || !cone_.is_positive(place_)) {
       ++report_.rejected_shape;
       return false;
     }
@@ -142,24 +143,23 @@ class Collapser {
       ++report_.rejected_link;
       return false;
     }
-    apply_collapse(mesh_, gone, kept, *place);
+    apply_collapse(mesh_, gone, kept, place_);
     ++report_.collapses;
-    collect_neighbours(kept);
     ++versions_[kept];
     ++versions_[gone];
-    for (const Index w : neighbours_) reenter(kept, w);
+    collect_neighbours(kept);
+    for (const Index w : neighbours_) enter(kept, w);
     return true;
   }
 
-  void reenter(Index a, Index b) {
+  void enter(Index a, Index b) {
     if (!mesh_.is_free(a) && !mesh_.is_free(b)) return;
     heap_.push_back({key_of(a, b), a, b, versions_of(a, b)});
     std::push_heap(heap_.begin(), heap_.end());
   }
 
   WorkingMesh& mesh_;
-  const ScoreScale& scale_;
-  const SizingField& field_;
+  const ScoreRule& rule_;
   const CollapseOptions& options_;
   CollapseReport report_;
   std::vector<std::uint32_t> versions_;
@@ -168,14 +168,13 @@ class Collapser {
   std::vector<Index> neighbours_;
   VertexMarks marks_;
   Cone cone_;
-  Vec3 link_sum_;
+  Vec3 place_;
 };
 
 }  // namespace
 
-CollapseReport collapse_edges(WorkingMesh& mesh, const ScoreScale& scale, const SizingField& field,
-                              const CollapseOptions& options) {
-  return Collapser(mesh, scale, field, options).run();
+CollapseReport collapse_edges(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options) {
+  return Collapser(mesh, rule, options).run();
 }
 
 }  // namespace palpate::simplify

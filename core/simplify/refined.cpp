@@ -1,57 +1,197 @@
 #include "core/simplify/refined.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/simplify/edge_removal.h"
-#include "core/simplify/fusion.h"
-#include "core/simplify/smoothing.h"
+#include "core/mesh/geometry.h"
 
 namespace palpate::simplify {
 namespace {
 
-struct Run {
-  WorkingMesh mesh;
-  const RefinedOptions& options;
-  SizingField field;
-  ScoreScale scale;
-  FlipRule rule;
-  RefinedReport report;
+/// What an effort means.
+struct Effort {
+  double stage_share;      ///< a stage collapses down to this share of its tets
+  double stage_threshold;  ///< during the stages, tets below this score are flipped
+  int stage_steps;         ///< gradient steps of a stage's sweep
+  double final_threshold;  ///< the same at the wanted count
+  int final_steps;
+  int passes;  ///< least number of stages and final rounds together
+  double repair_threshold;
+  double compound_threshold;
+  int repair_rounds;
 };
 
-void flip_all(Run& run) {
-  Flipper flipper(run.mesh, run.rule);
-  const Index end = static_cast<Index>(run.mesh.tets.size());
-  for (Index t = 0; t < end; ++t) {
-    for (std::size_t e = 0; e < 6 && run.mesh.is_alive(t) && run.options.edge_removal; ++e) {
-      const Tet tet = run.mesh.tets[t];
-      const Index a = tet[static_cast<std::size_t>(kTetEdges[e][0])];
-      const Index b = tet[static_cast<std::size_t>(kTetEdges[e][1])];
-      if (flipper.try_remove_edge(a, b)) ++run.report.edges_removed;
-    }
-    for (std::size_t c = 0; c < 4 && run.mesh.is_alive(t) && run.options.face_removal; ++c) {
-      if (flipper.try_remove_face(t, c)) ++run.report.faces_removed;
-    }
-  }
+constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1, 2, 0.08, 0.03, 1},
+                                                        {0.78, 0.07, 0, 0.18, 2, 4, 0.12, 0.06, 2},
+                                                        {0.78, 0.08, 0, 0.25, 2, 6, 0.16, 0.08, 3},
+                                                        {0.80, 0.10, 0, 0.30, 2, 9, 0.18, 0.10, 4},
+                                                        {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
+                                                        {0.90, 0.20, 1, 1.00, 3, 24, 0.25, 0.14, 8}}};
+
+/// Counts, relative to the wanted one, that stages aim at: the first flips of a mesh take more tets away than
+/// later ones do.
+constexpr double kFirstAim = 1.06;
+constexpr double kLaterAim = 1.02;
+constexpr double kLastAim = 1.012;
+
+/// Flips never take a mesh further below the wanted count.
+constexpr double kLeastShareInStages = 0.9975;
+constexpr double kLeastShare = 0.995;
+
+/// What collapses may leave, from strict to anything positive.
+constexpr std::array kLeastScores{0.003, 1e-9};
+
+std::uint64_t share_of(std::uint64_t count, double share) {
+  return static_cast<std::uint64_t>(static_cast<double>(count) * share);
 }
 
-double mean_gain(WorkingMesh& mesh, const ScoreScale& scale) {
-  double sum = 0.0;
-  for (Index t = 0; t < mesh.tets.size(); ++t) {
-    if (!mesh.is_alive(t)) continue;
-    const Tet& tet = mesh.tets[t];
-    mesh.score[t] =
-        score_tet(scale, mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
-    sum += gain_of_score(mesh.score[t]);
+class Run {
+ public:
+  Run(WorkingMesh&& mesh, const ScoreRule& scores, const RefinedOptions& options, std::uint64_t target)
+      : mesh_(std::move(mesh)),
+        scores_(scores),
+        options_(options),
+        effort_(kEfforts[static_cast<std::size_t>(options.effort)]),
+        target_(target),
+        smoother_(mesh_, scores_),
+        flipper_(mesh_, scores_, {}) {}
+
+  void simplify() {
+    const int stages = options_.interleave ? go_down() : 0;
+    collapse_to(share_of(target_, kLastAim));
+    set_window(kLeastShareInStages, mesh_.alive);
+    const int rounds = std::max(1, effort_.passes - stages);
+    for (int i = 0; i < rounds; ++i) {
+      sweep(effort_.final_steps);
+      flip_below(effort_.final_threshold);
+    }
+    // Room for splits is there before the last collapses only.
+    if (options_.repair)
+      repair(0, 0.5 * effort_.compound_threshold,
+             rule_of(kLeastShareInStages, share_of(mesh_.alive, kLastAim)));
+    collapse_to(target_);
+    sweep(1);
+    if (options_.repair) {
+      const FlipRule rule = rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive));
+      repair(effort_.repair_rounds, effort_.compound_threshold, rule);
+    }
   }
-  return sum / static_cast<double>(std::max<std::size_t>(1, mesh.alive));
+
+  WorkingMesh& mesh() { return mesh_; }
+  const CollapseReport& collapses() const { return collapses_; }
+  const RepairCounts& counts() const { return counts_; }
+
+ private:
+  static constexpr int kCompoundSteps = 3;
+
+  /// Returns the number of stages.
+  int go_down() {
+    int stages = 0;
+    double aim = kFirstAim;
+    while (mesh_.alive > share_of(target_, aim)) {
+      const std::uint64_t before = mesh_.alive;
+      collapse_to(std::max(share_of(target_, aim), share_of(before, effort_.stage_share)));
+      if (mesh_.alive == before) break;
+      set_window(kLeastShareInStages, before - 1);  // so that the count falls from stage to stage
+      sweep(effort_.stage_steps);
+      flip_below(effort_.stage_threshold);
+      aim = kLaterAim;
+      ++stages;
+    }
+    return stages;
+  }
+
+  void collapse_to(std::uint64_t count) {
+    CollapseOptions collapse;
+    collapse.placement = options_.collapse_placement;
+    collapse.target = std::max(count, target_);
+    for (const double least : kLeastScores) {
+      if (mesh_.alive <= collapse.target) return;
+      collapse.least_score = least;
+      const CollapseReport report = collapse_edges(mesh_, scores_, collapse);
+      collapses_.collapses += report.collapses;
+      collapses_.rejected_link += report.rejected_link;
+      collapses_.rejected_shape += report.rejected_shape;
+    }
+  }
+
+  void sweep(int steps) {
+    if (options_.tools.smoothing) counts_.moves += smoother_.sweep(steps);
+  }
+
+  void flip_below(double threshold) {
+    const auto end = static_cast<Index>(mesh_.tets.size());
+    for (Index t = 0; t < end; ++t) {
+      if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
+      if (options_.tools.edge_removal && flipper_.try_edges_of(t)) {
+        ++counts_.edges_removed;
+        continue;
+      }
+      for (std::size_t corner = 0; corner < 4 && options_.tools.face_removal; ++corner) {
+        if (!flipper_.try_remove_face(t, corner)) continue;
+        ++counts_.faces_removed;
+        break;
+      }
+    }
+  }
+
+  void repair(int rounds, double compound_threshold, const FlipRule& rule) {
+    Repairer repairer(mesh_, scores_, rule, options_.tools);
+    for (int i = 0; i < rounds; ++i) repairer.round(effort_.repair_threshold, 0.0, effort_.final_steps + i);
+    repairer.round(compound_threshold, compound_threshold, kCompoundSteps);
+    counts_.moves += repairer.counts().moves;
+    counts_.edges_removed += repairer.counts().edges_removed;
+    counts_.faces_removed += repairer.counts().faces_removed;
+    counts_.splits += repairer.counts().splits;
+  }
+
+  FlipRule rule_of(double least_share, std::uint64_t most) const {
+    FlipRule rule;
+    rule.fewest_tets = share_of(target_, least_share) + 1;
+    rule.most_tets = most;
+    return rule;
+  }
+
+  void set_window(double least_share, std::uint64_t most) { flipper_.set_rule(rule_of(least_share, most)); }
+
+  WorkingMesh mesh_;
+  const ScoreRule& scores_;
+  const RefinedOptions& options_;
+  const Effort effort_;
+  const std::uint64_t target_;
+  Smoother smoother_;
+  Flipper flipper_;
+  CollapseReport collapses_;
+  RepairCounts counts_;
+};
+
+/// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the
+/// mesh: the integral of 1 / size^3 over the target.
+double ideal_volume(const TetMesh& mesh, const SizingField& field, std::uint64_t target) {
+  double sum = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const std::array<Vec3, 4> p{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]};
+    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
+    if (field.is_empty()) {
+      sum += volume;
+    } else {
+      const double size = field.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3]));
+      sum += volume / (size * size * size);
+    }
+  }
+  return sum / static_cast<double>(std::max<std::uint64_t>(1, target));
 }
 
 }  // namespace
 
 void validate_options(const RefinedOptions& options) {
-  if (options.stop.fusions) throw InputError("stop", 0, "tets, ratio or limit", "fusions");
+  if (options.stop.fusions || (!options.stop.tets && !options.stop.ratio)) {
+    throw InputError("stop", 0, "tets or ratio", options.stop.fusions ? "fusions" : "limit");
+  }
   if (options.stop.ratio && !(*options.stop.ratio >= 0.0 && *options.stop.ratio < 1.0)) {
     throw InputError("ratio", 0, "a number in [0, 1)", std::to_string(*options.stop.ratio));
   }
@@ -62,43 +202,24 @@ void validate_options(const RefinedOptions& options) {
 
 RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   validate_options(options);
-  const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
-  const double volume = mean_tet_volume(mesh) * static_cast<double>(mesh.tets.size());
   RefinedReport report;
   report.vertices_in = mesh.points.size();
   report.tets_in = mesh.tets.size();
-  SizingField field = options.sizing.keep.empty() ? SizingField() : SizingField(options.sizing, mesh);
-  Run run{build_working_mesh(std::move(mesh), field), options, std::move(field), {}, {}, report};
-  const double ideal = volume / static_cast<double>(std::max<std::uint64_t>(1, target));
-  run.scale = {1.0 / (6.0 * ideal), 0.5};
-  run.rule.scale = run.scale;
-  run.rule.most_tets = std::max<std::uint64_t>(target, 1);
-  run.rule.fewest_tets = static_cast<std::uint64_t>(static_cast<double>(target) * 0.995) + 1;
-  CollapseOptions collapse;
-  collapse.placement = options.collapse_placement;
-  collapse.target = target;
-  for (const double least : {0.03, 0.003, 1e-9}) {
-    if (run.mesh.alive <= target) break;
-    collapse.least_score = least;
-    const CollapseReport c = collapse_edges(run.mesh, run.scale, run.field, collapse);
-    run.report.collapses += c.collapses;
-    run.report.rejected.rejected_link += c.rejected_link;
-    run.report.rejected.rejected_shape += c.rejected_shape;
+  const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
+  const SizingField field = options.sizing.keep.empty() ? SizingField() : SizingField(options.sizing, mesh);
+  if (mesh.tets.size() > target) {
+    const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
+    Run run(build_working_mesh(std::move(mesh), field), scores, options, target);
+    run.simplify();
+    report.collapses = run.collapses();
+    report.counts = run.counts();
+    mesh = extract_mesh(std::move(run.mesh()));
   }
-  Smoother smoother(run.mesh, run.scale);
-  run.rule.mean_gain = mean_gain(run.mesh, run.scale);
-  for (int round = 0; round <= options.effort; ++round) {
-    if (options.smoothing) run.report.moves += smoother.sweep(2);
-    run.rule.mean_gain = mean_gain(run.mesh, run.scale);
-    flip_all(run);
-  }
-  if (options.smoothing) run.report.moves += smoother.sweep(2);
-  const char* reached = reached_stop(options.stop, target, 0, run.mesh.alive);
-  run.report.stop = reached != nullptr ? reached : "limit";
-  mesh = extract_mesh(std::move(run.mesh));
-  run.report.vertices_out = mesh.points.size();
-  run.report.tets_out = mesh.tets.size();
-  return run.report;
+  report.vertices_out = mesh.points.size();
+  report.tets_out = mesh.tets.size();
+  const char* reached = reached_stop(options.stop, target, 0, report.tets_out);
+  report.stop = reached != nullptr ? reached : "limit";
+  return report;
 }
 
 }  // namespace palpate::simplify

@@ -92,6 +92,12 @@ Skin::Skin(const WorkingMesh& mesh, double max_error)
   }
 }
 
+void Skin::raise_bound(const WorkingMesh& mesh, double max_error) {
+  const CoverTest raised(at_least_rounding(max_error, mesh));
+  require(raised.limit_sq() >= cover_.limit_sq(), "skin: a bound may only grow");
+  cover_ = raised;
+}
+
 void Skin::link(Index f) {
   for (const Index v : faces_[f]) of_vertex_[v].push_back(f);
 }

@@ -36,6 +36,9 @@ class Skin {
   /// (1e-13 of the largest coordinate) it is taken for that.
   Skin(const WorkingMesh& mesh, double max_error);
 
+  /// Changes the bound for what comes. It may only grow: what was proven for a smaller one still holds.
+  void raise_bound(const WorkingMesh& mesh, double max_error);
+
   std::size_t size() const { return alive_; }
   std::size_t slots() const { return faces_.size(); }
   bool is_alive(Index f) const { return faces_[f][0] != kNoIndex; }

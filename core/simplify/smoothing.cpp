@@ -2,74 +2,80 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
-
-#include "core/simplify/fusion.h"
+#include <cstddef>
 
 namespace palpate::simplify {
+namespace {
 
-void add_star_to_cone(const WorkingMesh& mesh, Index v, Cone& cone) {
-  for (const Index t : mesh.star(v)) {
-    const Tet& tet = mesh.tets[t];
-    const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, v)))];
-    cone.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
-             mesh.points[tet[static_cast<std::size_t>(face[1])]],
-             mesh.points[tet[static_cast<std::size_t>(face[2])]]);
-  }
+/// Steps towards the centroid of the star, the longest first.
+constexpr std::array kCentroidSteps{1.0, 0.5, 0.2};
+
+/// First step along the gradient, and the difference that the gradient is got by, in lengths of an edge.
+constexpr double kFirstStep = 0.15;
+constexpr double kDifference = 0.01 * kFirstStep;
+constexpr double kShorter = 0.4;  ///< factor of a step that was too long
+constexpr int kTriesPerStep = 3;
+
+/// Share of the worst score that has to stay.
+constexpr double kLeastOfWorst = 0.5;
+
+}  // namespace
+
+bool Smoother::try_place(const Vec3& place) {
+  const double least = kLeastOfWorst * figures_.worst;
+  const ConeFigures there = cone_.evaluate(place, least);
+  if (!(there.worst > 0.0) || there.worst < least || !(there.sum > figures_.sum)) return false;
+  place_ = place;
+  figures_ = there;
+  return true;
 }
 
-bool Smoother::is_better(const ConeFigures& now, const ConeFigures& then) const {
-  return then.worst > 0.0 && then.sum > now.sum && then.worst >= 0.5 * now.worst;
-}
-
-bool Smoother::smooth(Index v, int steps) {
-  cone_.clear();
-  add_star_to_cone(mesh_, v, cone_);
-  Vec3 p = mesh_.points[v];
-  ConeFigures now = cone_.evaluate(scale_, p, -1e300);
-  bool moved = false;
-  const Vec3 center = cone_.volume_centroid(p);
-  const auto try_at = [&](const Vec3& q) {
-    const ConeFigures then = cone_.evaluate(scale_, q, 0.5 * now.worst);
-    if (!is_better(now, then)) return false;
-    if (then.worst < kSafeScore && !cone_.is_positive_exactly(q)) return false;
-    p = q;
-    now = then;
-    moved = true;
-    return true;
-  };
-  for (const double step : {1.0, 0.5, 0.2}) {
-    if (try_at(p + step * (center - p))) break;
-  }
-  double h = 0.15 * length(mesh_.points[mesh_.tets[mesh_.star(v)[0]][0]] -
-                           mesh_.points[mesh_.tets[mesh_.star(v)[0]][1]]);
+void Smoother::climb(int steps) {
+  const Tet& tet = mesh_.tets[cone_tet_];
+  const double edge = length(mesh_.points[tet[0]] - mesh_.points[tet[1]]);
+  double step = kFirstStep * edge;
+  const double d = kDifference * edge;
   for (int i = 0; i < steps; ++i) {
-    // forward differences of the sum, then steps along the gradient
-    const double d = 0.01 * h;
-    const double gx = cone_.evaluate(scale_, {p.x + d, p.y, p.z}, -1e300).sum - now.sum;
-    const double gy = cone_.evaluate(scale_, {p.x, p.y + d, p.z}, -1e300).sum - now.sum;
-    const double gz = cone_.evaluate(scale_, {p.x, p.y, p.z + d}, -1e300).sum - now.sum;
-    const Vec3 g{gx, gy, gz};
-    const double norm = length(g);
-    if (!(norm > 0.0)) break;
+    const Vec3 gradient{cone_.evaluate(place_ + Vec3{d, 0.0, 0.0}).sum - figures_.sum,
+                        cone_.evaluate(place_ + Vec3{0.0, d, 0.0}).sum - figures_.sum,
+                        cone_.evaluate(place_ + Vec3{0.0, 0.0, d}).sum - figures_.sum};
+    const double norm = length(gradient);
+    if (!(norm > 0.0)) return;
     bool better = false;
-    for (int k = 0; k < 3 && !better; ++k) {
-      better = try_at(p + (h / norm) * g);
-      if (!better) h *= 0.4;
+    for (int k = 0; k < kTriesPerStep && !better; ++k) {
+      better = try_place(place_ + (step / norm) * gradient);
+      if (!better) step *= kShorter;
     }
-    if (!better) break;
+    if (!better) return;
   }
-  cone_.scores(scale_, p, scores_);
-  mesh_.points[v] = p;
+}
+
+double Smoother::smooth(Index v, int steps) {
+  const Vec3 before = mesh_.points[v];
+  cone_.start(rule_.at(before), before);
+  add_star(mesh_, v, kNoIndex, cone_);
+  cone_.close();
+  cone_tet_ = mesh_.star(v)[0];
+  place_ = before;
+  figures_ = cone_.evaluate(before);
+  const double sum_before = figures_.sum;
+  const Vec3 centroid = cone_.volume_centroid(before);
+  for (const double step : kCentroidSteps) {
+    if (try_place(before + step * (centroid - before))) break;
+  }
+  climb(steps);
+  if (!(figures_.sum > sum_before) || !cone_.is_positive(place_)) return 0.0;
+  mesh_.points[v] = place_;
+  cone_.scores(place_, scores_);
   std::size_t i = 0;
-  for (const Index t : mesh_.star(v)) mesh_.score[t] = scores_[i++];
-  return moved;
+  for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0, scores_[i++]);
+  return figures_.sum - sum_before;
 }
 
 std::uint64_t Smoother::sweep(int steps) {
   std::uint64_t moved = 0;
   for (Index v = 0; v < mesh_.points.size(); ++v) {
-    if (mesh_.is_vertex_alive(v) && mesh_.is_free(v) && smooth(v, steps)) ++moved;
+    if (mesh_.is_vertex_alive(v) && mesh_.is_free(v) && smooth(v, steps) > 0.0) ++moved;
   }
   return moved;
 }

@@ -5,32 +5,38 @@
 #include <vector>
 
 #include "core/simplify/cone.h"
+#include "core/simplify/score_rule.h"
 #include "core/simplify/working_mesh.h"
 
 namespace palpate::simplify {
 
-/// Moves one vertex after another.
+/// Moves one vertex after another; the memory that it works in is kept between them.
 class Smoother {
  public:
-  Smoother(WorkingMesh& mesh, const ScoreScale& scale) : mesh_(mesh), scale_(scale) {}
+  /// Holds references to both.
+  Smoother(WorkingMesh& mesh, const ScoreRule& rule) : mesh_(mesh), rule_(rule) {}
 
-  /// Moves v to the best place found if that is better. Fills the scores of its star.
-  /// Returns whether it moved.
-  bool smooth(Index v, int steps);
+  /// Moves free vertex v to where the sum of gains around it is larger: towards the volume-weighted centroid
+  /// of its star (steps 1, 0.5, 0.2; the first that is better), then up to `steps` steps along the gradient,
+  /// got by forward differences. No score around falls below half of the worst before, and every tet stays
+  /// positive, exactly; else v stays. Fills the scores of its star if it moves.
+  /// Returns: by how much the sum of gains has grown; 0 if v stays.
+  double smooth(Index v, int steps);
 
   /// One sweep over all free vertices in storage order. Returns how many moved.
   std::uint64_t sweep(int steps);
 
  private:
-  bool is_better(const ConeFigures& now, const ConeFigures& then) const;
+  bool try_place(const Vec3& place);
+  void climb(int steps);
 
   WorkingMesh& mesh_;
-  const ScoreScale& scale_;
+  const ScoreRule& rule_;
   Cone cone_;
+  Index cone_tet_ = kNoIndex;  ///< one of the star
+  Vec3 place_;
+  ConeFigures figures_;
   std::vector<double> scores_;
 };
-
-/// The base triangles of v's star, appended to `cone`.
-void add_star_to_cone(const WorkingMesh& mesh, Index v, Cone& cone);
 
 }  // namespace palpate::simplify

@@ -18,7 +18,10 @@ namespace {
 constexpr double kStage = 0.6;
 
 /// Where the stages end, over the target: simplify_refined does the rest.
-constexpr double kLeftToRefined = 1.1;
+constexpr double kLeftToRefined = 1.5;
+
+/// Shares of the bound that are used up one after another.
+constexpr std::array kErrorLevels{0.125, 0.25, 0.5, 1.0};
 
 /// Below this score (q = 0.67) a tet at the boundary is worth a flip.
 constexpr double kPoorScore = 0.3;
@@ -33,17 +36,20 @@ struct Run {
   SizingField field;
   double volume = 0.0;
   WorkingMesh mesh;
+  std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
   Skin skin;
   SurfaceRunReport report;
   double area = 0.0;
-  ScoreScale scale;
+  ScoreRule scores;
 
   Run(TetMesh&& input, const SurfaceOptions& given)
       : options(given),
         field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
         volume(total_volume(input)),
         mesh(build_working_mesh(std::move(input), field)),
-        skin(mesh, given.max_surface_error) {
+        level(given.sparing ? 0 : kErrorLevels.size() - 1),
+        skin(mesh, kErrorLevels[level] * given.max_surface_error),
+        scores(scale_of_ideal_volume(1.0), field) {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
     report.boundary_faces_in = skin.size();
@@ -56,7 +62,10 @@ struct Run {
 
   bool has_changed_skin() const { return report.surface.collapses > 0; }
 
-  void aim_at(double tets) { scale = {1.0 / (6.0 * volume / std::max(1.0, tets)), 0.5}; }
+  void aim_at(double tets) {
+    scores = ScoreRule(scale_of_ideal_volume(volume / std::max(1.0, tets)), field);
+    std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
+  }
 
   /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
   std::uint64_t faces_for(double tets) const {
@@ -74,14 +83,19 @@ struct Run {
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
+/// Takes what a small part of the bound permits first, and more of it only if that is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
   SurfaceCollapseOptions options;
   options.face_target = faces;
   options.tet_target = tets;
-  for (const double least : kLeastScores) {
-    if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
-    options.least_score = least;
-    collapse_boundary_edges(run.mesh, run.skin, run.scale, run.field, options, run.report.surface);
+  for (;; ++run.level) {
+    run.skin.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
+    for (const double least : kLeastScores) {
+      if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
+      options.least_score = least;
+      collapse_boundary_edges(run.mesh, run.skin, run.scores, options, run.report.surface);
+    }
+    if (run.level + 1 == kErrorLevels.size()) return;
   }
 }
 
@@ -91,18 +105,18 @@ void coarsen_inside(Run& run, std::uint64_t tets) {
   for (const double least : kLeastScores) {
     if (run.mesh.alive <= tets) return;
     options.least_score = least;
-    run.report.inner.collapses += collapse_edges(run.mesh, run.scale, run.field, options).collapses;
+    run.report.inner.collapses += collapse_edges(run.mesh, run.scores, options).collapses;
   }
 }
 
 /// Flips and moves in the skin, where it was coarsened, and moves inside.
 void even_out(Run& run) {
-  Smoother smoother(run.mesh, run.scale);
+  Smoother smoother(run.mesh, run.scores);
   smoother.sweep(2);
   if (!run.has_changed_skin()) return;
-  BoundaryFlipper flipper(run.mesh, run.skin, run.scale);
+  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
   if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
-  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scale, run.report.surface);
+  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
 }
 
 /// Down to a little more than the target: the rest is left to simplify_refined.
@@ -138,6 +152,7 @@ void coarsen_to_limit(Run& run) {
 void validate_options(const SurfaceOptions& options) {
   RefinedOptions common;
   common.stop = options.stop;
+  if (!common.stop.fusions && !common.stop.ratio && !common.stop.tets) common.stop.tets = 1;  // to the limit
   common.effort = options.effort;
   validate_options(common);
   if (!(options.max_surface_error >= 0.0 && std::isfinite(options.max_surface_error))) {
@@ -169,9 +184,9 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   mesh = extract_mesh(std::move(run.mesh));
   const RefinedReport refined = simplify_refined(mesh, inside);
   SurfaceRunReport report = std::move(run.report);
-  report.inner.collapses += refined.collapses;
-  report.inner.rejected_link = refined.rejected.rejected_link;
-  report.inner.rejected_shape = refined.rejected.rejected_shape;
+  report.inner.collapses += refined.collapses.collapses;
+  report.inner.rejected_link = refined.collapses.rejected_link;
+  report.inner.rejected_shape = refined.collapses.rejected_shape;
   const char* reached = to_limit ? nullptr : reached_stop(options.stop, target, 0, mesh.tets.size());
   report.stop = reached != nullptr ? reached : "limit";
   report.vertices_out = mesh.points.size();

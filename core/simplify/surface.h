@@ -17,6 +17,7 @@ struct SurfaceOptions {
   StopRule stop;                   ///< tets or ratio; neither: as coarse as the bound permits; no `fusions`
   double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
   int effort = 1;                  ///< 0 .. kMostEffort of refined.h: more sweeps, better and slower
+  bool sparing = true;             ///< use up the bound in steps, no more of it than needed
   double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
   bool boundary_flips = true;      ///< of edges
   bool boundary_smoothing = true;  ///< boundary vertices move along the skin too

@@ -17,6 +17,7 @@ struct Candidate {
   Index a;
   Index b;
   std::uint32_t versions;
+  std::uint64_t refused_at = 0;  ///< collapses before it was refused last
 
   /// Makes std heaps give the smallest key first; ties by vertex numbers.
   friend bool operator<(const Candidate& l, const Candidate& r) {
@@ -82,18 +83,6 @@ struct PlaneSum {
 constexpr double kWellShaped = 0.2;
 constexpr double kWorthAMove = 1.1;
 
-/// Adds the tets around `center` that lack `other` to the cone.
-void add_to_cone(const WorkingMesh& mesh, Index center, Index other, Cone& cone) {
-  for (const Index t : mesh.star(center)) {
-    const Tet& tet = mesh.tets[t];
-    if (corners_that_are(tet, other) != 0U) continue;
-    const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, center)))];
-    cone.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
-             mesh.points[tet[static_cast<std::size_t>(face[1])]],
-             mesh.points[tet[static_cast<std::size_t>(face[2])]]);
-  }
-}
-
 bool is_frozen(const WorkingMesh& mesh, Index v) {
   return (mesh.vertex_flags[v] & kFrozen) != 0;
 }
@@ -104,15 +93,16 @@ bool has(const Triangle& t, Index v) {
 
 class BoundaryCollapser {
  public:
-  BoundaryCollapser(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, const SizingField& field,
+  BoundaryCollapser(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
                     const SurfaceCollapseOptions& options, SurfaceReport& report)
       : mesh_(mesh),
         skin_(skin),
-        scale_(scale),
-        field_(field),
+        scores_(scores),
+        field_(scores.field()),
         options_(options),
         report_(report),
-        versions_(mesh.points.size(), 0) {}
+        versions_(mesh.points.size(), 0),
+        changed_at_(mesh.points.size(), 0) {}
 
   void run() {
     for (Index f = 0; f < skin_.slots(); ++f) {
@@ -128,9 +118,12 @@ class BoundaryCollapser {
       before = report_.collapses;
       while (!is_done() && !heap_.empty()) {
         std::pop_heap(heap_.begin(), heap_.end());
-        const Candidate c = heap_.back();
+        Candidate c = heap_.back();
         heap_.pop_back();
-        if (c.versions == versions_[c.a] + versions_[c.b] && !try_collapse(c.a, c.b)) parked_.push_back(c);
+        if (c.versions != versions_[c.a] + versions_[c.b]) continue;
+        if (has_changed_since(c) && try_collapse(c.a, c.b)) continue;
+        c.refused_at = report_.collapses + 1;
+        parked_.push_back(c);
       }
       heap_.swap(parked_);  // what was refused is looked at again, as stars have changed
       parked_.clear();
@@ -141,6 +134,11 @@ class BoundaryCollapser {
  private:
   bool is_done() const { return skin_.size() <= options_.face_target || mesh_.alive <= options_.tet_target; }
 
+  /// Whether the star of an end has changed since the candidate was refused.
+  bool has_changed_since(const Candidate& c) const {
+    return c.refused_at == 0 || std::max(changed_at_[c.a], changed_at_[c.b]) >= c.refused_at;
+  }
+
   void enter(Index a, Index b) {
     if (is_frozen(mesh_, a) && is_frozen(mesh_, b)) return;
     double key = length_sq(mesh_.points[b] - mesh_.points[a]);
@@ -148,7 +146,7 @@ class BoundaryCollapser {
       const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
       key /= size * size;
     }
-    heap_.push_back({key, std::min(a, b), std::max(a, b), versions_[a] + versions_[b]});
+    heap_.push_back({key, std::min(a, b), std::max(a, b), versions_[a] + versions_[b], 0});
   }
 
   /// The link condition of the boundary: the ends' common neighbours on it are the two apexes of the edge's
@@ -212,8 +210,8 @@ class BoundaryCollapser {
   }
 
   bool is_well_shaped(const Vec3& place) const {
-    const double worst = cone_.evaluate(scale_, place, options_.least_score).worst;
-    return worst > options_.least_score && cone_.is_positive_exactly(place);
+    const double worst = cone_.evaluate(place, options_.least_score).worst;
+    return worst > options_.least_score && cone_.is_positive(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -225,10 +223,11 @@ class BoundaryCollapser {
       ++report_.rejected_link;
       return false;
     }
-    cone_.clear();
-    add_to_cone(mesh_, gone, kept, cone_);
-    if (kept_moves) add_to_cone(mesh_, kept, gone, cone_);
+    cone_.start(scores_.at(mesh_.points[kept]), mesh_.points[kept]);
+    add_star(mesh_, gone, kept, cone_);
+    if (kept_moves) add_star(mesh_, kept, gone, cone_);
     if (cone_.size() == 0) return false;
+    cone_.close();
     plan(gone, kept, kept_moves);
     std::array<Vec3, 3> places;
     const std::size_t count = list_places(gone, kept, kept_moves, places);
@@ -253,6 +252,9 @@ class BoundaryCollapser {
     skin_.apply(mesh_, change_);
     apply_collapse(mesh_, gone, kept, change_.to);
     ++report_.collapses;
+    for (const Index t : mesh_.star(kept)) {
+      for (const Index v : mesh_.tets[t]) changed_at_[v] = report_.collapses;
+    }
     ++versions_[gone];
     ++versions_[kept];
     for (const Index f : skin_.faces_of(kept)) {
@@ -265,11 +267,12 @@ class BoundaryCollapser {
 
   WorkingMesh& mesh_;
   Skin& skin_;
-  const ScoreScale& scale_;
+  const ScoreRule& scores_;
   const SizingField& field_;
   const SurfaceCollapseOptions& options_;
   SurfaceReport& report_;
   std::vector<std::uint32_t> versions_;
+  std::vector<std::uint64_t> changed_at_;  ///< number of the last collapse that changed the vertex's star
   std::vector<Candidate> heap_;
   std::vector<Candidate> parked_;
   VertexMarks marks_;
@@ -300,20 +303,21 @@ Vec3 tangential_target(const WorkingMesh& mesh, const Skin& skin, Index v) {
 
 }  // namespace
 
-void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, const SizingField& field,
+void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report) {
-  BoundaryCollapser(mesh, skin, scale, field, options, report).run();
+  BoundaryCollapser(mesh, skin, scores, options, report).run();
 }
 
-void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, SurfaceReport& report) {
+void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report) {
   Cone cone;
   SkinChange change;
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v) || is_frozen(mesh, v)) continue;
-    cone.clear();
-    add_to_cone(mesh, v, kNoIndex, cone);
     const Vec3 from = mesh.points[v];
-    const ConeFigures now = cone.evaluate(scale, from, -1.0);
+    cone.start(scores.at(from), from);
+    add_star(mesh, v, kNoIndex, cone);
+    cone.close();
+    const ConeFigures now = cone.evaluate(from);
     if (now.worst > kWellShaped) continue;
     const Vec3 target = tangential_target(mesh, skin, v);
     change.removed.assign(skin.faces_of(v).begin(), skin.faces_of(v).end());
@@ -322,8 +326,8 @@ void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, Sur
     change.moved = v;
     for (const double step : {1.0, 0.4}) {
       change.to = (1.0 - step) * from + step * target;
-      const ConeFigures then = cone.evaluate(scale, change.to, -1.0);
-      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive_exactly(change.to) ||
+      const ConeFigures then = cone.evaluate(change.to);
+      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive(change.to) ||
           skin.check(mesh, change) != SkinVerdict::kAllowed)
         continue;
       skin.apply(mesh, change);

@@ -3,8 +3,7 @@
 
 #include <cstdint>
 
-#include "core/simplify/cone.h"
-#include "core/simplify/sizing.h"
+#include "core/simplify/score_rule.h"
 #include "core/simplify/skin.h"
 #include "core/simplify/working_mesh.h"
 
@@ -31,11 +30,11 @@ struct SurfaceReport {
 /// nothing more can go. The new vertex is put where the planes of the faces around are nearest while the
 /// volume is kept, or at one of the ends. Source: Lindstrom and Turk, IEEE Visualization 1998, for the
 /// volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
-void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, const SizingField& field,
+void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report);
 
 /// One sweep over the boundary vertices: each is moved towards the middle of its faces, within the tangent
 /// plane, if the tets around it get better by it.
-void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale, SurfaceReport& report);
+void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report);
 
 }  // namespace palpate::simplify

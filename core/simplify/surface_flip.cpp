@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/mesh/orientation.h"
-#include "core/simplify/edge_removal.h"
+#include "core/simplify/flips.h"
 
 namespace palpate::simplify {
 namespace {
@@ -124,6 +124,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
 bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   EdgeFan fan;
   if (!find_fan(a, b, fan)) return false;
+  scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));
   const double worst = worst_score(fan);
   if (worst >= threshold) return false;
   if (fan.size > 1) {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/cone.h"
+#include "core/simplify/score_rule.h"
 #include "core/simplify/skin.h"
 #include "core/simplify/working_mesh.h"
 
@@ -31,8 +31,8 @@ struct EdgeFan {
 /// off.
 class BoundaryFlipper {
  public:
-  BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreScale& scale)
-      : mesh_(mesh), skin_(skin), scale_(scale) {}
+  BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores)
+      : mesh_(mesh), skin_(skin), scores_(scores) {}
 
   /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
   std::uint64_t pass(double threshold);
@@ -50,7 +50,8 @@ class BoundaryFlipper {
 
   WorkingMesh& mesh_;
   Skin& skin_;
-  const ScoreScale& scale_;
+  const ScoreRule& scores_;
+  ScoreScale scale_;  ///< at the edge under examination
   SkinChange change_;
   std::vector<Tet> fresh_;
   std::vector<Index> added_;

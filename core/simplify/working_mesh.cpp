@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <string>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "core/mesh/topology.h"
 #include "core/simplify/fusion.h"
 
 namespace palpate::simplify {
@@ -72,19 +72,80 @@ bool has_vertex(const Tet& tet, Index v) {
   return corners_that_are(tet, v) != 0U;
 }
 
+/// The faces at their smallest vertex, as far as they have been met.
+struct OpenFaces {
+  std::vector<std::uint64_t> keys;  ///< the middle vertex and, in the low half, the largest
+  std::vector<std::uint8_t> sides;  ///< bit 0: a tet has it as smallest, middle, largest seen from outside;
+                                    ///< bit 1: a tet has it the other way round
+};
+
+[[noreturn]] void refuse_face(const WorkingMesh& mesh, Index v, std::uint64_t key) {
+  const auto number = [&](std::uint64_t w) {
+    return std::to_string(mesh.vertex_origin[static_cast<std::size_t>(w)] + 1);
+  };
+  throw InputError("face " + number(v) + " " + number(key >> 32U) + " " + number(key & 0xffffffffU), 0,
+                   "one or two tetrahedra, on opposite sides", "more, or two on one side");
+}
+
+void enter_face(const WorkingMesh& mesh, Index v, Index second, Index third, OpenFaces& faces) {
+  const bool upward = second < third;
+  const std::uint64_t key =
+      upward ? std::uint64_t{second} << 32U | third : std::uint64_t{third} << 32U | second;
+  const auto side = static_cast<std::uint8_t>(upward ? 1 : 2);
+  const std::size_t size = faces.keys.size();
+  std::size_t i = 0;
+  while (i < size && faces.keys[i] != key) ++i;
+  if (i == size) {
+    faces.keys.push_back(key);
+    faces.sides.push_back(side);
+  } else {
+    if ((faces.sides[i] & side) != 0) refuse_face(mesh, v, key);
+    faces.sides[i] = 3;
+  }
+}
+
+/// Enters the faces of the star of v of which v is the smallest vertex.
+void enter_faces_of(const WorkingMesh& mesh, Index v, OpenFaces& faces) {
+  faces.keys.clear();
+  faces.sides.clear();
+  for (const Index t : mesh.star(v)) {
+    const Tet& tet = mesh.tets[t];
+    std::size_t smaller = 0;
+    for (const Index w : tet) smaller += w < v ? 1U : 0U;
+    if (smaller > 1) continue;
+    for (std::size_t corner = 0; corner < 4; ++corner) {
+      // The face opposite to this corner: v is its smallest vertex if the corner is the one smaller than v,
+      // or if there is none and the corner is not v itself.
+      if (tet[corner] == v || (smaller == 1 && tet[corner] > v)) continue;
+      const auto& local = kTetFaces[corner];
+      const Triangle f{tet[static_cast<std::size_t>(local[0])], tet[static_cast<std::size_t>(local[1])],
+                       tet[static_cast<std::size_t>(local[2])]};
+      const std::size_t at = f[0] == v ? 0U : (f[1] == v ? 1U : 2U);
+      enter_face(mesh, v, f[(at + 1) % 3], f[(at + 2) % 3], faces);
+    }
+  }
+}
+
+/// Flags the vertices of faces that have one tet only. Linear time, as stars are short.
+void mark_boundary(WorkingMesh& mesh) {
+  OpenFaces faces;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    enter_faces_of(mesh, v, faces);
+    for (std::size_t i = 0; i < faces.keys.size(); ++i) {
+      if (faces.sides[i] == 3) continue;
+      mesh.vertex_flags[v] |= kOnBoundary;
+      mesh.vertex_flags[static_cast<std::size_t>(faces.keys[i] >> 32U)] |= kOnBoundary;
+      mesh.vertex_flags[static_cast<std::size_t>(faces.keys[i] & 0xffffffffU)] |= kOnBoundary;
+    }
+  }
+}
+
 }  // namespace
 
 WorkingMesh build_working_mesh(TetMesh&& mesh, const SizingField& field) {
   WorkingMesh result;
-  std::vector<std::uint8_t> flags = build_boundary_vertex_flags(mesh);
   std::vector<std::uint8_t> kept;
-  if (!field.is_empty()) {
-    kept = build_kept_tets(field, mesh);
-    const std::vector<std::uint8_t> frozen = build_kept_vertices(kept, mesh);
-    for (std::size_t v = 0; v < flags.size(); ++v) {
-      flags[v] = static_cast<std::uint8_t>(flags[v] | (frozen[v] != 0 ? kFrozen : kFree));
-    }
-  }
+  if (!field.is_empty()) kept = build_kept_tets(field, mesh);
   FusionMesh sorted = build_fusion_mesh(std::move(mesh), StorageOrder::kSpatial);
   result.points = std::move(sorted.points);
   result.tets = std::move(sorted.tets);
@@ -95,12 +156,16 @@ WorkingMesh build_working_mesh(TetMesh&& mesh, const SizingField& field) {
   result.star_tets = std::move(sorted.star_tets);
   result.alive = sorted.alive;
   result.score.assign(result.tets.size(), WorkingMesh::kNoScore);
-  result.vertex_flags.resize(flags.size());
-  for (std::size_t v = 0; v < flags.size(); ++v) result.vertex_flags[v] = flags[result.vertex_origin[v]];
+  result.vertex_flags.assign(result.points.size(), kFree);
   if (!kept.empty()) {
     result.kept_tets.resize(kept.size());
-    for (std::size_t t = 0; t < kept.size(); ++t) result.kept_tets[t] = kept[sorted.tet_origin[t]];
+    for (std::size_t t = 0; t < kept.size(); ++t) {
+      result.kept_tets[t] = kept[sorted.tet_origin[t]];
+      if (result.kept_tets[t] == 0) continue;
+      for (const Index v : result.tets[t]) result.vertex_flags[v] |= kFrozen;
+    }
   }
+  mark_boundary(result);
   compact_rows(result);
   return result;
 }
@@ -209,6 +274,11 @@ Index add_vertex(WorkingMesh& mesh, const Vec3& at) {
   mesh.star_size.push_back(0);
   mesh.star_capacity.push_back(0);
   return static_cast<Index>(mesh.points.size() - 1);
+}
+
+void remove_vertex(WorkingMesh& mesh, Index v) {
+  require(mesh.star_size[v] == 0, "remove_vertex: the vertex has tets");
+  mesh.free_vertices.push_back(v);
 }
 
 void collect_edge_star(const WorkingMesh& mesh, Index a, Index b, std::vector<Index>& result) {

@@ -81,6 +81,9 @@ void apply_flip(WorkingMesh& mesh, std::span<const Index> old, std::span<const T
 /// Adds a vertex without tets, free to move; tets that name it come by apply_flip. Returns its number.
 Index add_vertex(WorkingMesh& mesh, const Vec3& at);
 
+/// Gives up a vertex that has no tet.
+void remove_vertex(WorkingMesh& mesh, Index v);
+
 /// The tets that have both a and b, appended to `result` after it is cleared.
 void collect_edge_star(const WorkingMesh& mesh, Index a, Index b, std::vector<Index>& result);
 

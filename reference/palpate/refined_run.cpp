@@ -21,12 +21,18 @@ simplify::RefinedOptions read_options(const Request& request) {
   options.stop = read_stop(request.stop);
   options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", options.effort);
-  constexpr std::array kPlacements{simplify::CollapsePlacement::kBest,
+  constexpr std::array kPlacements{simplify::CollapsePlacement::kFirst, simplify::CollapsePlacement::kBest,
                                    simplify::CollapsePlacement::kMidpoint};
-  options.collapse_placement = kPlacements[take_choice(left, "collapse_placement", {"best", "midpoint"})];
-  options.smoothing = take_switch(left, "smoothing", options.smoothing);
-  options.edge_removal = take_switch(left, "edge_removal", options.edge_removal);
-  options.face_removal = take_switch(left, "face_removal", options.face_removal);
+  options.collapse_placement =
+      kPlacements[take_choice(left, "collapse_placement", {"first", "best", "midpoint"})];
+  simplify::RepairTools& tools = options.tools;
+  options.interleave = take_switch(left, "interleave", options.interleave);
+  options.repair = take_switch(left, "repair", options.repair);
+  tools.smoothing = take_switch(left, "smoothing", tools.smoothing);
+  tools.edge_removal = take_switch(left, "edge_removal", tools.edge_removal);
+  tools.face_removal = take_switch(left, "face_removal", tools.face_removal);
+  tools.compound_moves = take_switch(left, "compound_moves", tools.compound_moves);
+  tools.edge_splits = take_switch(left, "edge_splits", tools.edge_splits);
   options.sizing = take_sizing_options(request.keep, left);
   require_all_taken(left);
   simplify::validate_options(options);
@@ -51,12 +57,13 @@ Response run_refined(const Request& request) {
       {"tets_in", report.tets_in},
       {"tets_out", report.tets_out},
       {"fusions", 0},
-      {"collapses", report.collapses},
-      {"moves", report.moves},
-      {"edges_removed", report.edges_removed},
-      {"faces_removed", report.faces_removed},
+      {"collapses", report.collapses.collapses},
+      {"moves", report.counts.moves},
+      {"edges_removed", report.counts.edges_removed},
+      {"faces_removed", report.counts.faces_removed},
+      {"splits", report.counts.splits},
       {"stop", report.stop},
-      {"rejected", {{"link", report.rejected.rejected_link}, {"shape", report.rejected.rejected_shape}}}};
+      {"rejected", {{"link", report.collapses.rejected_link}, {"shape", report.collapses.rejected_shape}}}};
   return response;
 }
 

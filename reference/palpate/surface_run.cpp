@@ -33,6 +33,8 @@ SurfaceRequest read_options(const Request& request) {
   result.options.max_surface_error = result.max_error_m / result.unit_m;
   result.options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", result.options.effort);
+  result.options.sparing =
+      take_option<bool>(left, "sparing", &json::is_boolean, "true or false", result.options.sparing);
   result.options.boundary_size =
       take_option<double>(left, "boundary_size", &json::is_number, "a number", result.options.boundary_size);
   result.options.boundary_flips = take_option<bool>(left, "boundary_flips", &json::is_boolean,

@@ -5,6 +5,7 @@
 
 #include "core/mesh/shapes.h"
 #include "core/simplify/hierarchical.h"
+#include "core/simplify/outcome.h"
 #include "reference/tetfusion/sequential.h"
 #include "tests/support/simplify_bench.h"
 
@@ -36,6 +37,22 @@ void hierarchical_unsorted_to_limit(benchmark::State& state) {
   run(state, [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
 }
 BENCHMARK(hierarchical_unsorted_to_limit)->Apply(add_sizes);
+
+/// The same on two threads. On a machine that is busy, compare processor time with it, too: the share of a
+/// run that two threads can halve is in the difference.
+void hierarchical_on_two_threads(benchmark::State& state) {
+  simplify::SimplifyOptions options;
+  options.threads = 2;
+  run(state, [&](TetMesh& mesh) { return simplify::simplify_hierarchical(mesh, options); });
+}
+BENCHMARK(hierarchical_on_two_threads)->Apply(add_sizes);
+
+void outcome_by_three_tenths(benchmark::State& state) {
+  simplify::OutcomeOptions options;
+  options.common.stop.ratio = 0.3;
+  run(state, [&](TetMesh& mesh) { return simplify::simplify_by_outcome(mesh, options); });
+}
+BENCHMARK(outcome_by_three_tenths)->Apply(add_sizes);
 
 /// Multi-pass sequential TetFusion down to where the hierarchical one stops: the same removal, side by side.
 void sequential_to_the_same_count(benchmark::State& state) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/judge/surface.h"
 #include "core/mesh/topology.h"
@@ -162,6 +163,15 @@ TEST(Skin, ErrorsDoNotAddUpUnseen) {
   apply_move(top.mesh, top.middle, first.to);
   EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.16})), SkinVerdict::kTooFar);
   EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 3.92})), SkinVerdict::kAllowed);
+}
+
+TEST(Skin, ABoundMayGrowButNotShrink) {
+  const MovedTop top;
+  Skin skin(top.mesh, 0.1);
+  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.3})), SkinVerdict::kTooFar);
+  skin.raise_bound(top.mesh, 0.4);
+  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.3})), SkinVerdict::kAllowed);
+  EXPECT_THROW(skin.raise_bound(top.mesh, 0.2), ContractError);
 }
 
 TEST(Skin, ASpikeMayNotBeCutOff) {

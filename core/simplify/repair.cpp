@@ -1,0 +1,130 @@
+#include "core/simplify/repair.h"
+
+#include <algorithm>
+
+namespace palpate::simplify {
+namespace {
+
+/// c of gain_of_score in repairs.
+constexpr double kRepairGainOffset = 0.003;
+
+/// A compound move smooths the vertices around so many times.
+constexpr int kSweepsOfCompound = 2;
+
+/// Edges are split only for tets below this score: a count is not given away lightly.
+constexpr double kSplitThreshold = 0.03;
+
+FlipRule trial_rule(FlipRule rule) {
+  rule.least_growth = -1e299;
+  rule.least_of_worst = 0.0;
+  return rule;
+}
+
+std::array<Index, 2> edge_of(const Tet& tet, std::size_t e) {
+  return {tet[static_cast<std::size_t>(kTetEdges[e][0])], tet[static_cast<std::size_t>(kTetEdges[e][1])]};
+}
+
+}  // namespace
+
+Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule, const RepairTools& tools)
+    : mesh_(mesh),
+      scores_(scores.with_gain_offset(kRepairGainOffset)),
+      tools_(tools),
+      smoother_(mesh, scores_),
+      flipper_(mesh, scores_, rule),
+      trial_(mesh, scores_, trial_rule(rule)) {}
+
+void Repairer::round(double threshold, double compound_threshold, int steps) {
+  bad_.clear();
+  for (Index t = 0; t < mesh_.tets.size(); ++t) {
+    if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) bad_.emplace_back(mesh_.score[t], t);
+  }
+  std::sort(bad_.begin(), bad_.end());
+  for (const auto& [score, t] : bad_) {
+    if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
+    const Tet tet = mesh_.tets[t];
+    if (try_flips(t, tet) || try_moves(tet, steps)) continue;
+    if (mesh_.score[t] >= compound_threshold) continue;
+    if (try_compound(t, tet, steps) || mesh_.score[t] >= kSplitThreshold) continue;
+    try_splits(tet, steps);
+  }
+}
+
+bool Repairer::try_flips(Index t, const Tet& tet) {
+  for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (!flipper_.try_remove_edge(a, b)) continue;
+    ++counts_.edges_removed;
+    return true;
+  }
+  for (std::size_t corner = 0; corner < 4 && tools_.face_removal; ++corner) {
+    if (!flipper_.try_remove_face(t, corner)) continue;
+    ++counts_.faces_removed;
+    return true;
+  }
+  return false;
+}
+
+bool Repairer::try_moves(const Tet& tet, int steps) {
+  if (!tools_.smoothing) return false;
+  bool moved = false;
+  for (const Index v : tet) {
+    if (!mesh_.is_free(v) || !(smoother_.smooth(v, steps) > 0.0)) continue;
+    ++counts_.moves;
+    moved = true;
+  }
+  return moved;
+}
+
+bool Repairer::try_compound(Index t, const Tet& tet, int steps) {
+  if (!tools_.compound_moves || !tools_.smoothing) return false;
+  for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (!trial_.try_remove_edge(a, b) || !keep_if_better(steps)) continue;
+    ++counts_.edges_removed;
+    return true;
+  }
+  // A trial that was taken back may have given the tet another slot.
+  for (std::size_t corner = 0; corner < 4 && tools_.face_removal && mesh_.tets[t] == tet; ++corner) {
+    if (!trial_.try_remove_face(t, corner) || !keep_if_better(steps)) continue;
+    ++counts_.faces_removed;
+    return true;
+  }
+  return false;
+}
+
+bool Repairer::try_splits(const Tet& tet, int steps) {
+  if (!tools_.edge_splits || !tools_.smoothing) return false;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(steps)) continue;
+    ++counts_.splits;
+    return true;
+  }
+  return false;
+}
+
+bool Repairer::keep_if_better(int steps) {
+  vertices_.clear();
+  places_.clear();
+  for (const Index t : trial_.added()) {
+    for (const Index v : mesh_.tets[t]) {
+      if (!mesh_.is_free(v) || std::find(vertices_.begin(), vertices_.end(), v) != vertices_.end()) continue;
+      vertices_.push_back(v);
+      places_.push_back(mesh_.points[v]);
+    }
+  }
+  double growth = trial_.growth();
+  for (int sweep = 0; sweep < kSweepsOfCompound; ++sweep) {
+    for (const Index v : vertices_) growth += smoother_.smooth(v, steps);
+  }
+  if (growth > flipper_.rule().least_growth) {
+    counts_.moves += vertices_.size();
+    return true;
+  }
+  for (std::size_t i = 0; i < vertices_.size(); ++i) apply_move(mesh_, vertices_[i], places_[i]);
+  trial_.undo();
+  return false;
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,63 @@
+// The worst tets, one after another, by whatever helps.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/simplify/flips.h"
+#include "core/simplify/smoothing.h"
+
+namespace palpate::simplify {
+
+/// What a repair may use; one switch an ingredient.
+struct RepairTools {
+  bool smoothing = true;
+  bool edge_removal = true;
+  bool face_removal = true;
+  bool compound_moves = true;  ///< a flip that is good only once the vertices around it have moved
+  bool edge_splits = true;     ///< a new vertex in the middle of an edge of a tet that nothing else helps
+};
+
+/// How often each was made.
+struct RepairCounts {
+  std::uint64_t moves = 0;
+  std::uint64_t edges_removed = 0;
+  std::uint64_t faces_removed = 0;
+  std::uint64_t splits = 0;
+};
+
+/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here
+/// (kRepairGainOffset), so that a mesh is worth about as much as its worst tets.
+class Repairer {
+ public:
+  /// Holds a reference to the mesh, copies of the rules.
+  Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule, const RepairTools& tools);
+
+  /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
+  /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
+  /// Below `compound_threshold` also compound moves and, last, splits.
+  void round(double threshold, double compound_threshold, int steps);
+
+  const RepairCounts& counts() const { return counts_; }
+
+ private:
+  bool try_flips(Index t, const Tet& tet);
+  bool try_moves(const Tet& tet, int steps);
+  bool try_compound(Index t, const Tet& tet, int steps);
+  bool try_splits(const Tet& tet, int steps);
+  bool keep_if_better(int steps);
+
+  WorkingMesh& mesh_;
+  ScoreRule scores_;
+  RepairTools tools_;
+  Smoother smoother_;
+  Flipper flipper_;
+  Flipper trial_;  ///< makes flips that may be bad, for a trial
+  RepairCounts counts_;
+  std::vector<std::pair<double, Index>> bad_;
+  std::vector<Index> vertices_;
+  std::vector<Vec3> places_;
+};
+
+}  // namespace palpate::simplify
