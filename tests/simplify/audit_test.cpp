@@ -18,7 +18,6 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes.h"
-#include "core/simplify/edge_removal.h"
 #include "core/simplify/outcome.h"
 #include "core/simplify/refined.h"
 #include "core/simplify/smoothing.h"
@@ -127,9 +126,9 @@ void run_refined(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
   options.sizing = sizing;
   options.effort = static_cast<int>(random.below(3));
   const RefinedReport report = simplify_refined(mesh, options);
-  done.collapses += report.collapses;
-  done.flips += report.edges_removed + report.faces_removed;
-  done.moves += report.moves;
+  done.collapses += report.collapses.collapses;
+  done.flips += report.counts.edges_removed + report.counts.faces_removed + report.counts.splits;
+  done.moves += report.counts.moves;
 }
 
 void run_surface(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random, Operations& done) {
@@ -282,17 +281,19 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
     const SizingField field;
     WorkingMesh mesh = build_working_mesh(TetMesh(hard.mesh), field);
     const double ideal = total_volume(hard.mesh) / static_cast<double>(hard.mesh.tets.size());
-    const ScoreScale scale{1.0 / (6.0 * ideal), random.below(2) == 0 ? 0.5 : 0.0};
-    FlipRule rule{.scale = scale, .mean_gain = random.uniform() - 0.5};
-    Flipper flipper(mesh, rule);
-    Smoother smoother(mesh, scale);
+    ScoreScale scale = scale_of_ideal_volume(ideal);
+    scale.dihedral_weight = random.below(2) == 0 ? 0.5 : 1e3;
+    const ScoreRule scores(scale, field);
+    Flipper flipper(mesh, scores, {});
+    Smoother smoother(mesh, scores);
     for (int round = 0; round < 4; ++round) {
-      rule.mean_gain = random.uniform() - 0.7;
+      // Half of the time, flips and splits that make the mesh worse are welcome.
+      flipper.set_rule({.least_growth = random.below(2) == 0 ? 0.0 : -1e300, .least_of_worst = 0.1});
       for (std::size_t i = 0; i < 2 * hard.mesh.tets.size(); ++i) {
         const auto t = static_cast<Index>(random.below(mesh.tets.size()));
         if (!mesh.is_alive(t)) continue;
         const Tet tet = mesh.tets[t];
-        const std::uint64_t kind = random.below(3);
+        const std::uint64_t kind = random.below(4);
         if (kind == 0) {
           const auto& [a, b] = kTetEdges[random.below(6)];
           done.flips +=
@@ -301,8 +302,15 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
                   : 0U;
         } else if (kind == 1) {
           done.flips += flipper.try_remove_face(t, random.below(4)) ? 1U : 0U;
+        } else if (kind == 2 && random.below(4) == 0) {
+          const auto& [a, b] = kTetEdges[random.below(6)];
+          const Index vertex =
+              flipper.split_edge(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)]);
+          if (vertex == kNoIndex) continue;
+          if (random.below(2) == 0) flipper.undo();
+          ++done.flips;
         } else if (mesh.is_free(tet[0])) {
-          done.moves += smoother.smooth(tet[0], 2) ? 1U : 0U;
+          done.moves += smoother.smooth(tet[0], 2) > 0.0 ? 1U : 0U;
         }
         if (random.below(hard.mesh.tets.size()) != 0) continue;
         expect_sound(extract_mesh(WorkingMesh(mesh)), hard.mesh, true);
@@ -312,7 +320,7 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
       collapse.least_score = std::array{0.03, 0.003, 0.0}[random.below(3)];
       collapse.target =
           static_cast<std::uint64_t>(static_cast<double>(mesh.alive) * (0.7 + 0.3 * random.uniform()));
-      done.collapses += collapse_edges(mesh, scale, field, collapse).collapses;
+      done.collapses += collapse_edges(mesh, scores, collapse).collapses;
       expect_sound(extract_mesh(WorkingMesh(mesh)), hard.mesh, true);
       ++done.checks;
       if (HasFailure()) return;
