@@ -78,6 +78,13 @@ class Contest(ReportTest):
         rows, _ = self.run_contest(lines)
         self.assertAlmostEqual(float(rows["cgal_1"]["percent_above_0_5"]), 90, 1)
 
+    def test_of_several_outputs_the_median_count_decides_and_those_off_are_said(self):
+        lines = [answer("cgal_1", 90, tets=tets, repeat=i, output_hash=f"h{i}") for i, tets in enumerate((6240, 6241, 6300))]
+        lines += [answer("cgal_2", 90, tets=tets, repeat=i, output_hash=f"h{i}") for i, tets in enumerate((6240, 6300, 6301))]
+        rows, _ = self.run_contest(lines)
+        self.assertEqual((rows["cgal_1"]["state"], rows["cgal_1"]["note"]), ("ranked", "stopped early: 1 of 3 outputs"))
+        self.assertEqual(rows["cgal_2"]["state"], "other count")
+
     def test_each_mesh_and_ratio_has_its_own_best(self):
         lines = [answer(label, percent, ratio, mesh=mesh) for mesh in ("kidney", "liver") for ratio in (0.22, 0.5)
                  for label, percent in (("refined", 90 if mesh == "kidney" else 70), ("cgal_1", 80))]
