@@ -153,9 +153,8 @@ inline double halley_step(double y, double x) {
 /// e into (2/3) e^3, so two leave less than 2^-40. 0 gives something below 2^-300.
 inline double cube_root(double x) {
   const auto high = static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(x) >> 32U);
-  const auto third = static_cast<std::int32_t>(static_cast<double>(high) * (1.0 / 3.0));
-  const auto guess = static_cast<std::uint64_t>(third + 715094163);
-  const auto y = std::bit_cast<double>(guess << 32U);
+  const std::int32_t guess = static_cast<std::int32_t>(static_cast<double>(high) * (1.0 / 3.0)) + 715094163;
+  const auto y = std::bit_cast<double>(static_cast<std::uint64_t>(guess) << 32U);
   return halley_step(halley_step(y, x), x);
 }
 

@@ -71,13 +71,18 @@ class OutcomeRun {
 
   /// All tets that may be candidates in this pass, weighed.
   void fill_queue() {
+    const auto may_be_candidate = [this](Index t) {
+      if (state_[t] == State::kKept || is_parked(state_[t]) || !mesh_.is_alive(t)) return false;
+      return is_allowed(t) && (state_[t] != State::kTouched || many_passes_);
+    };
+    std::size_t most = 0;
+    for (Index t = 0; t < mesh_.tets.size(); ++t) most += static_cast<std::size_t>(may_be_candidate(t));
     queue_.clear();
+    queue_.reserve(most);
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (state_[t] == State::kKept || is_parked(state_[t]) || !mesh_.is_alive(t) || !is_allowed(t)) continue;
-      if (state_[t] == State::kTouched && !many_passes_) continue;
+      if (!may_be_candidate(t)) continue;
       state_[t] = State::kIdle;
-      if (!growth_.admits(corners_of(mesh_, t))) continue;
-      if (!pass(t, costs_.weigh(t))) continue;
+      if (!growth_.admits(corners_of(mesh_, t)) || !pass(t, costs_.weigh(t))) continue;
       key_[t] = costs_.cost(t);
       queue_.append({key_[t], mesh_.origin_of_tet(t), t});
     }

@@ -150,31 +150,36 @@ class BoundaryCollapser {
   }
 
   /// The link condition of the boundary: the ends' common neighbours on it are the two apexes of the edge's
-  /// faces, and these faces are not on a component of four.
+  /// faces, and not both ends have a face with these apexes: that would be the skin of a single tet.
   bool boundary_stays_manifold(Index gone, Index kept) {
+    constexpr std::uint32_t kAtKept = 1;
+    constexpr std::uint32_t kApex = 2;
     marks_.clear(mesh_.points.size());
     for (const Index f : skin_.faces_of(kept)) {
-      for (const Index v : skin_.face(f)) marks_.set(v, 1);
+      for (const Index v : skin_.face(f)) marks_.set(v, kAtKept);
     }
     std::size_t at_edge = 0;
     for (const Index f : skin_.faces_of(gone)) {
       if (!has(skin_.face(f), kept)) continue;
       ++at_edge;
-      for (const Index v : skin_.face(f)) marks_.set(v, 2);
+      for (const Index v : skin_.face(f)) {
+        if (v != gone && v != kept) marks_.set(v, kApex);
+      }
     }
     if (at_edge != 2) return false;
+    const auto joins_apexes = [&](Index f) {
+      const Triangle& t = skin_.face(f);
+      return std::count_if(t.begin(), t.end(), [&](Index v) { return marks_.of(v) == kApex; }) == 2;
+    };
+    bool gone_joins = false;
     for (const Index f : skin_.faces_of(gone)) {
-      if (has(skin_.face(f), kept)) continue;
-      std::size_t apexes = 0;
       for (const Index v : skin_.face(f)) {
-        if (v == gone) continue;
-        if (marks_.of(v) == 1) return false;
-        if (marks_.of(v) == 2) ++apexes;
+        if (v != gone && v != kept && marks_.of(v) == kAtKept) return false;
       }
-      if (apexes == 2)
-        return false;  // both apexes joined by a face at `gone`: at least no smaller skin is left
+      gone_joins = gone_joins || joins_apexes(f);
     }
-    return true;
+    const auto at_kept = skin_.faces_of(kept);
+    return !gone_joins || std::none_of(at_kept.begin(), at_kept.end(), joins_apexes);
   }
 
   void plan(Index gone, Index kept, bool kept_moves) {

@@ -18,7 +18,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes.h"
-#include "core/simplify/edge_removal.h"
+#include "core/simplify/flips.h"
 #include "core/simplify/outcome.h"
 #include "core/simplify/refined.h"
 #include "core/simplify/smoothing.h"
@@ -127,9 +127,9 @@ void run_refined(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
   options.sizing = sizing;
   options.effort = static_cast<int>(random.below(3));
   const RefinedReport report = simplify_refined(mesh, options);
-  done.collapses += report.collapses;
-  done.flips += report.edges_removed + report.faces_removed;
-  done.moves += report.moves;
+  done.collapses += report.collapses.collapses;
+  done.flips += report.counts.edges_removed + report.counts.faces_removed + report.counts.splits;
+  done.moves += report.counts.moves;
 }
 
 void run_surface(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random, Operations& done) {
@@ -270,6 +270,39 @@ TEST(Audit, FusionsInAnyOrderKeepTheMeshValid) {
   print("single fusions", done);
 }
 
+/// One operation on a tet at random, if it can be done.
+void change_something(WorkingMesh& mesh, Flipper& flipper, Smoother& smoother, SplitMix64& random,
+                      Operations& done) {
+  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+  if (!mesh.is_alive(t)) return;
+  const Tet tet = mesh.tets[t];
+  const auto& [i, j] = kTetEdges[random.below(6)];
+  const Index a = tet[static_cast<std::size_t>(i)];
+  const Index b = tet[static_cast<std::size_t>(j)];
+  bool has_flipped = false;
+  switch (random.below(5)) {
+    case 0:
+      has_flipped = flipper.try_remove_edge(a, b);
+      break;
+    case 1:
+      has_flipped = flipper.try_remove_face(t, random.below(4));
+      break;
+    case 2:
+      has_flipped = flipper.try_edges_of(t);
+      break;
+    case 3:
+      has_flipped = random.below(8) == 0 && flipper.split_edge(a, b) != kNoIndex;
+      break;
+    default:
+      if (mesh.is_free(tet[0])) done.moves += smoother.smooth(tet[0], 2) > 0.0 ? 1U : 0U;
+  }
+  if (!has_flipped) return;
+  ++done.flips;
+  if (random.below(4) != 0) return;
+  flipper.undo();
+  ++done.flips;
+}
+
 /// Single operations in any order, as no method would do them.
 TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
   const std::uint64_t start = number_from("PALPATE_AUDIT_SEED", 1);
@@ -281,38 +314,29 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
     SCOPED_TRACE(hard.name + " of seed " + std::to_string(seed));
     const SizingField field;
     WorkingMesh mesh = build_working_mesh(TetMesh(hard.mesh), field);
-    const double ideal = total_volume(hard.mesh) / static_cast<double>(hard.mesh.tets.size());
-    const ScoreScale scale{1.0 / (6.0 * ideal), random.below(2) == 0 ? 0.5 : 0.0};
-    FlipRule rule{.scale = scale, .mean_gain = random.uniform() - 0.5};
-    Flipper flipper(mesh, rule);
-    Smoother smoother(mesh, scale);
+    const double mean_volume = total_volume(hard.mesh) / static_cast<double>(hard.mesh.tets.size());
+    ScoreScale scale = scale_of_ideal_volume(mean_volume * (0.5 + 2.0 * random.uniform()));
+    scale.dihedral_weight = random.below(2) == 0 ? 0.5 : 1e3;
+    const ScoreRule scores(scale, field);
+    Flipper flipper(mesh, scores, {});
+    Smoother smoother(mesh, scores);
     for (int round = 0; round < 4; ++round) {
-      rule.mean_gain = random.uniform() - 0.7;
+      // Bad flips too: what is wanted of them is only that they leave the mesh valid.
+      const double growth = std::array{1e-6, -20.0 * random.uniform(), -1e300}[random.below(3)];
+      flipper.set_rule({.least_growth = growth, .least_of_worst = random.below(2) == 0 ? 0.5 : 0.0});
       for (std::size_t i = 0; i < 2 * hard.mesh.tets.size(); ++i) {
-        const auto t = static_cast<Index>(random.below(mesh.tets.size()));
-        if (!mesh.is_alive(t)) continue;
-        const Tet tet = mesh.tets[t];
-        const std::uint64_t kind = random.below(3);
-        if (kind == 0) {
-          const auto& [a, b] = kTetEdges[random.below(6)];
-          done.flips +=
-              flipper.try_remove_edge(tet[static_cast<std::size_t>(a)], tet[static_cast<std::size_t>(b)])
-                  ? 1U
-                  : 0U;
-        } else if (kind == 1) {
-          done.flips += flipper.try_remove_face(t, random.below(4)) ? 1U : 0U;
-        } else if (mesh.is_free(tet[0])) {
-          done.moves += smoother.smooth(tet[0], 2) ? 1U : 0U;
-        }
+        change_something(mesh, flipper, smoother, random, done);
         if (random.below(hard.mesh.tets.size()) != 0) continue;
         expect_sound(extract_mesh(WorkingMesh(mesh)), hard.mesh, true);
         ++done.checks;
       }
       CollapseOptions collapse;
-      collapse.least_score = std::array{0.03, 0.003, 0.0}[random.below(3)];
+      collapse.least_score = std::array{0.03, 0.003, 0.0, -1.0}[random.below(4)];
+      collapse.placement = std::array{CollapsePlacement::kFirst, CollapsePlacement::kBest,
+                                      CollapsePlacement::kMidpoint}[random.below(3)];
       collapse.target =
           static_cast<std::uint64_t>(static_cast<double>(mesh.alive) * (0.7 + 0.3 * random.uniform()));
-      done.collapses += collapse_edges(mesh, scale, field, collapse).collapses;
+      done.collapses += collapse_edges(mesh, scores, collapse).collapses;
       expect_sound(extract_mesh(WorkingMesh(mesh)), hard.mesh, true);
       ++done.checks;
       if (HasFailure()) return;

@@ -89,8 +89,8 @@ TEST(BatchQuality, FlatAndInvertedTetsHaveNone) {
 
 TEST(BatchQuality, SumsOnTheGridDoNotDependOnTheirOrder) {
   SplitMix64 random(3);
-  std::vector<double> terms;
-  for (int n = 0; n < 60000; ++n) terms.push_back(round_to_grid(random.uniform()));
+  std::vector<double> terms(60000);
+  for (double& term : terms) term = round_to_grid(random.uniform());
   double forward = 0.0;
   for (const double term : terms) forward += term;
   shuffle(std::span<double>(terms), random);
