@@ -9,7 +9,8 @@ answers, and "better" the side that the measure has:
 A peer counts if its answer is accepted and its tetrahedra are within the plan's `equal_count` of those of `of` (not of the
 count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason, and with the
 measures in which it is better at its count. Up to the share `input_up_to_ratio` of removed tetrahedra the input is a peer too,
-whatever its count. A measure that `of` or all peers lack cannot be decided.
+whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
+decided.
 
 The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together. If
 the comparison has a `time_factor`, the ratio is to be at least that; otherwise it is only shown.
@@ -190,6 +191,8 @@ def compare(run, comparison, mesh, sweep):
             values.append(("input", figure(run.inputs.get(mesh, {}), "judge", measure)))
         value = value_of(own, measure) if own else None
         verdict, best, label, margin = decide(value, values, sign_of(run, measure))
+        if verdict == MET and not peers:
+            verdict = OPEN  # no worse than the input alone
         reason = ""
         if verdict == OPEN:
             reason = why_open(comparison, own, value, peers)

@@ -174,6 +174,11 @@ class Comparisons(ReportTest):
             rows, _ = self.compare([start, answer("refined", 96, ratio), answer("cgal_1", 95, ratio)])
             self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["percent_above_0_5"]["best_label"]), (verdict, best))
 
+    def test_the_input_alone_does_not_stand_for_the_peers(self):
+        start = {**answer("input", 80, 0), "judge": {**synthetic.judge(80, 8000), "mean_quality": 0.7, "min_dihedral_deg": 1.0}}
+        rows, _ = self.compare([start, answer("refined", 96), answer("cgal_1", 95, tets=7000)])
+        self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["mean_quality"]["verdict"]), ("cannot be decided", "short"))
+
     def test_a_measure_where_less_is_better(self):
         plan = {**synthetic.CONTEST, "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["kernel_s"]}]}
         lines = [answer("refined", 90, kernel_s=0.3), answer("cgal_1", 90, kernel_s=0.2), answer("cgal_2", 90, kernel_s=0.4)]
