@@ -115,6 +115,17 @@ def stand(run, group):
     return Standing(group, state, values_of_group(group), note)
 
 
+def set_apart(standings, tolerance):
+    """Where no count was asked for (limits), answers at different counts are not ranked."""
+    ranked = [standing for standing in standings if standing.state == RANKED]
+    counts = [standing.values["tets"] for standing in ranked]
+    if not counts or None in counts or max(counts) - min(counts) <= tolerance * max(counts):
+        return
+    for standing in ranked:
+        standing.state = OTHER_COUNT
+        standing.note = "; ".join(text for text in ("a count of its own", standing.note) if text)
+
+
 def mark_best(standings):
     """Marks the best of each column among the ranked, and the best that keeps the boundary where no best does."""
     ranked = [standing for standing in standings if standing.state == RANKED]
@@ -144,7 +155,10 @@ def read_sections(run):
         for sweep in dict.fromkeys(group.sweep for group in run.of_mesh(mesh)):
             groups = [group for group in run.of_mesh(mesh) if group.sweep == sweep]
             asked = next((asked_tets(group.records[0]) for group in groups if asked_tets(group.records[0])), None)
-            standings = sorted((stand(run, group) for group in groups), key=order_of)
+            standings = [stand(run, group) for group in groups]
+            if asked is None:
+                set_apart(standings, tolerance_of(run))
+            standings.sort(key=order_of)
             mark_best(standings)
             sections.append(Section(mesh, sweep, asked, standings))
     return sections

@@ -85,6 +85,13 @@ class Contest(ReportTest):
         self.assertEqual((rows["cgal_1"]["state"], rows["cgal_1"]["note"]), ("ranked", "stopped early: 1 of 3 outputs"))
         self.assertEqual(rows["cgal_2"]["state"], "other count")
 
+    def test_without_a_count_to_meet_answers_at_different_counts_are_not_ranked(self):
+        limit = {"stop": {"kind": "limit", "value": None}, "sweep": {}}
+        for other, state in ((5000, "other count"), (4010, "ranked")):
+            rows, _ = self.run_contest([answer("a", 90, 0.5, **limit), answer("b", 80, tets=other, **limit)])
+            self.assertEqual([rows[label]["state"] for label in "ab"], [state, state])
+            self.assertEqual(bool(rows["a"]["best_in"]), state == "ranked")
+
     def test_each_mesh_and_ratio_has_its_own_best(self):
         lines = [answer(label, percent, ratio, mesh=mesh) for mesh in ("kidney", "liver") for ratio in (0.22, 0.5)
                  for label, percent in (("refined", 90 if mesh == "kidney" else 70), ("cgal_1", 80))]
