@@ -7,9 +7,10 @@ answers, and "better" the side that the measure has:
   short      x is worse than b, by the difference shown
 
 A peer counts if its answer is accepted and its tetrahedra are within the plan's `equal_count` of those of `of` (not of the
-count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason. Up to the
-share `input_up_to_ratio` of removed tetrahedra the input is a peer too, whatever its count. A measure that `of` or all peers
-lack cannot be decided.
+count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason, and with the
+measures in which it is better at its count. Up to the share `input_up_to_ratio` of removed tetrahedra the input is a peer too,
+whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
+decided.
 
 The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together. If
 the comparison has a `time_factor`, the ratio is to be at least that; otherwise it is only shown.
@@ -106,6 +107,16 @@ def value_of(group, measure):
     return median(judged or present(figure(record, measure) for record in group.accepted()))
 
 
+def better_in(run, comparison, mesh, sweep, group):
+    """In which measures a peer at another count is better than `of`: that is said even where it does not count."""
+    own = find_group(run, mesh, sweep, comparison.of)
+    better = []
+    for measure in comparison.measures:
+        verdict, *_ = decide(value_of(own, measure) if own else None, [("", value_of(group, measure))], sign_of(run, measure))
+        better += [TITLES.get(measure, measure)] if verdict == SHORT else []
+    return f", better in {', '.join(better)}" if better else ""
+
+
 def counted_peers(run, comparison, mesh, sweep, own_tets):
     """The peers that count, as (label, group), and what is left out, as texts."""
     peers, left_out = [], []
@@ -116,7 +127,7 @@ def counted_peers(run, comparison, mesh, sweep, own_tets):
         elif not group.cases():
             left_out.append(f"{label} ({outcome_text(group)})")
         elif not is_equal(tets_of(group), own_tets, tolerance_of(run)):
-            left_out.append(f"{label} ({tets_of(group):,.0f} tets)")
+            left_out.append(f"{label} ({tets_of(group):,.0f} tets{better_in(run, comparison, mesh, sweep, group)})")
         else:
             peers.append((label, group))
     return peers, left_out
@@ -180,6 +191,8 @@ def compare(run, comparison, mesh, sweep):
             values.append(("input", figure(run.inputs.get(mesh, {}), "judge", measure)))
         value = value_of(own, measure) if own else None
         verdict, best, label, margin = decide(value, values, sign_of(run, measure))
+        if verdict == MET and not peers:
+            verdict = OPEN  # no worse than the input alone
         reason = ""
         if verdict == OPEN:
             reason = why_open(comparison, own, value, peers)

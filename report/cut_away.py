@@ -95,7 +95,7 @@ def title_of(standing):
 def figures_text(values):
     tets, share, least = (values.get(name) for name in ("tets", "percent_above_0_5", "min_dihedral_deg"))
     return ", ".join(text for text in (
-        None if tets is None else f"{tets:,.0f} tets", None if share is None else f"{share:.1f}% > 0.5",
+        None if tets is None else f"{tets:,.0f} tets", None if share is None else f"{share:.2f}% > 0.5",
         None if least is None else f"least angle {least:.1f}\N{DEGREE SIGN}") if text)
 
 
@@ -170,7 +170,7 @@ def draw_figure(run, section, panels, view, folder):
                            (panel_height - 0.42) / height])
         draw_mesh(ax, mesh, view, norm)
         fig.text((left + 0.05) / width, 1 - (top + 0.14) / height, title, fontsize=9, fontweight="bold", color=INK)
-        fig.text((left + 0.05) / width, 1 - (top + 0.30) / height, text, fontsize=7.5, color=FAINT)
+        fig.text((left + 0.05) / width, 1 - (top + 0.30) / height, text, fontsize=7, color=FAINT)
     bar = fig.add_axes([0.3 / width, 0.38 / height, min(5.0, width - 0.6) / width, 0.12 / height])
     scale = fig.colorbar(ScalarMappable(norm, COLORMAP), cax=bar, orientation="horizontal")
     scale.set_label("quality of the tetrahedron", fontsize=8, labelpad=1)

@@ -148,7 +148,7 @@ class Comparisons(ReportTest):
         rows, out = self.compare([answer("refined", 90, 0.5), answer("cgal_1", 99, 0.5, tets=4100),
                                   answer("cgal_2", 99, 0.5, outcome="rejected", violations=["flat_tets 1"])])
         self.assertEqual(rows["percent_above_0_5"]["verdict"], "cannot be decided")
-        self.assertIn("left out: cgal_1 (4,100 tets), cgal_2 (1 rejected).", out)
+        self.assertIn("left out: cgal_1 (4,100 tets, better in % > 0.5), cgal_2 (1 rejected).", out)
         self.assertIn("3 cannot be decided.", out)
 
     def test_counts_are_held_against_each_other_not_against_what_was_asked(self):
@@ -173,6 +173,11 @@ class Comparisons(ReportTest):
         for ratio, verdict, best in ((0.22, "short", "input"), (0.5, "met", "cgal_1")):
             rows, _ = self.compare([start, answer("refined", 96, ratio), answer("cgal_1", 95, ratio)])
             self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["percent_above_0_5"]["best_label"]), (verdict, best))
+
+    def test_the_input_alone_does_not_stand_for_the_peers(self):
+        start = {**answer("input", 80, 0), "judge": {**synthetic.judge(80, 8000), "mean_quality": 0.7, "min_dihedral_deg": 1.0}}
+        rows, _ = self.compare([start, answer("refined", 96), answer("cgal_1", 95, tets=7000)])
+        self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["mean_quality"]["verdict"]), ("cannot be decided", "short"))
 
     def test_a_measure_where_less_is_better(self):
         plan = {**synthetic.CONTEST, "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["kernel_s"]}]}

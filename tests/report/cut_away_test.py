@@ -153,7 +153,7 @@ class Pictures(ReportTest):
         section, = contest.read_sections(run)
         titles = [(title, text) for title, text, _ in cut_away.panels_of(run, section)]
         self.assertEqual([title for title, _ in titles], ["input", "refined"])
-        self.assertIn("6,240 tets, 90.0% > 0.5", titles[1][1])
+        self.assertIn("6,240 tets, 90.00% > 0.5", titles[1][1])
 
     def test_a_mesh_that_is_missing_or_broken_is_said_and_the_others_are_drawn(self):
         self.write_contest({"input": grid(3), "refined": grid(2), "gone": None, "broken": grid(2)})
