@@ -10,6 +10,22 @@ namespace palpate::reference {
 
 using nlohmann::json;
 
+double take_number(json& options, const char* key, double least, double most, double fallback) {
+  const std::string expected = "a number from " + json(least).dump() + " to " + json(most).dump();
+  const auto value = take_option<double>(options, key, &json::is_number, expected.c_str(), fallback);
+  if (!(value >= least && value <= most)) throw InputError(key, 0, expected, json(value).dump());
+  return value;
+}
+
+std::int64_t take_whole(json& options, const char* key, std::int64_t least, std::int64_t most,
+                        std::int64_t fallback) {
+  const std::string expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const auto value =
+      take_option<std::int64_t>(options, key, &json::is_number_integer, expected.c_str(), fallback);
+  if (value < least || value > most) throw InputError(key, 0, expected, std::to_string(value));
+  return value;
+}
+
 simplify::StopRule read_stop(const json& stop) {
   simplify::StopRule rule;
   for (const auto& [kind, value] : stop.items()) {

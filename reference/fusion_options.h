@@ -2,6 +2,8 @@
 // reports.
 #pragma once
 
+#include <cstdint>
+
 #include "core/base/error.h"
 #include "core/simplify/hierarchical.h"
 #include "reference/adapter.h"
@@ -20,6 +22,13 @@ T take_option(nlohmann::json& options, const char* key, bool (nlohmann::json::*i
   options.erase(it);
   return value;
 }
+
+/// Takes a number from `least` to `most` out of `options`. Throws: InputError for anything else.
+double take_number(nlohmann::json& options, const char* key, double least, double most, double fallback);
+
+/// The same for a whole number.
+std::int64_t take_whole(nlohmann::json& options, const char* key, std::int64_t least, std::int64_t most,
+                        std::int64_t fallback);
 
 /// Reads "stop" of a request. Throws: InputError for an unknown stop or a value that does not fit.
 simplify::StopRule read_stop(const nlohmann::json& stop);

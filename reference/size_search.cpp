@@ -62,7 +62,8 @@ class SizeChooser {
   /// nearer.
   void scan() {
     ++scans_;
-    const double away = kScanStep * ((scans_ + 1) / 2);
+    const int distance = (scans_ + 1) / 2;
+    const double away = kScanStep * distance;
     x_ = 0.5 * (fine_->x + coarse_->x) + (scans_ % 2 == 1 ? away : -away);
   }
 

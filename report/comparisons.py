@@ -25,7 +25,7 @@ from tables import align, median_interval, outcome_text, write_atomically, write
 MET, SHORT, OPEN, SHOWN = "met", "short", "cannot be decided", "shown"
 TITLES = {
     "percent_above_0_5": "% > 0.5", "percent_above_0_6": "% > 0.6", "mean_quality": "mean", "min_dihedral_deg": "least angle",
-    "p1_dihedral_deg": "1% angle", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
+    "p1_dihedral_deg": "1% angle", "surface_distance_upper": "distance", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
 }
 DIGITS = {"percent_above_0_5": 2, "percent_above_0_6": 2, "mean_quality": 4, "min_dihedral_deg": 2, "p1_dihedral_deg": 2}
 
@@ -218,7 +218,7 @@ def cell(finding):
     if finding.measure == "time":
         return f"{finding.own:.3g}x" + (" SHORT" if finding.verdict == SHORT else "")
     text = amount(finding.measure, finding.margin)
-    return f"+{text}" if finding.verdict == MET else f"{text} SHORT"
+    return f"{text} SHORT" if finding.verdict == SHORT else (f"+{text}" if finding.margin else "0")
 
 
 def comparison_table(rows):
@@ -231,23 +231,32 @@ def comparison_table(rows):
     return align([*header, "met"], lines)
 
 
-def shortfall_lines(row):
+def shortfall_lines(row, with_shortfalls):
     """A line for each finding that is short or cannot be decided, and one for peers that were left out."""
     comparison = row.comparison
     place = ", ".join(text for text in (row.mesh, short_sweep(row.sweep)) if text)
+    undecided = {}
     for finding in row.findings:
         title = TITLES.get(finding.measure, finding.measure)
         if finding.verdict == OPEN:
-            yield f"{place}: {title} {OPEN}: {finding.reason}."
-        elif finding.verdict == SHORT and finding.measure == "time":
+            undecided.setdefault(finding.reason, []).append(title)
+        elif finding.verdict != SHORT or not with_shortfalls:
+            continue
+        elif finding.measure == "time":
             yield (f"{place}: {finding.own:.2f} times as fast as {comparison.time_against}, "
                    f"{comparison.time_factor:g} times is asked for.")
-        elif finding.verdict == SHORT:
+        else:
             yield (f"{place}: {title} {amount(finding.measure, finding.own)}, short of "
                    f"{finding.best_label} ({amount(finding.measure, finding.best)}) by "
                    f"{amount(finding.measure, -finding.margin)}.")
+    for reason, titles in undecided.items():
+        yield f"{place}: {', '.join(titles)} {OPEN}: {reason}."
     if row.left_out:
         yield f"{place}: left out: {', '.join(row.left_out)}."
+
+
+def peers_text(comparison):
+    return ("the best of " if len(comparison.peers) > 1 else "") + ", ".join(comparison.peers)
 
 
 def summary_line(rows):
@@ -255,24 +264,24 @@ def summary_line(rows):
     figures = [finding for row in rows for finding in row.findings if finding.measure != "time"]
     times = [finding for row in rows for finding in row.findings if finding.measure == "time" and finding.verdict != SHOWN]
     met = lambda findings: sum(finding.verdict == MET for finding in findings)
-    text = (f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than the best of "
-            f"{', '.join(comparison.peers)}")
+    text = f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than {peers_text(comparison)}"
     if times and comparison.time_factor is not None:
         text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
     undecided = sum(finding.verdict == OPEN for finding in [*figures, *times])
     return text + (f"; {undecided} cannot be decided." if undecided else ".")
 
 
-def comparisons_text(run, rows):
+def comparisons_text(run, rows, with_shortfalls=True):
+    """The tables; below each every shortfall with both figures, or only what was left out or cannot be decided."""
     blocks = []
     for comparison in dict.fromkeys(map(id, (row.comparison for row in rows))):
         own = [row for row in rows if id(row.comparison) == comparison]
         plan = own[0].comparison
-        title = (f"{plan.of} against the best of {', '.join(plan.peers)}, counts within {100 * tolerance_of(run):g}%: "
+        title = (f"{plan.of} against {peers_text(plan)}, counts within {100 * tolerance_of(run):g}%: "
                  f"by how much it is better (+) or SHORT")
         if plan.input_up_to_ratio >= 0:
             title += f"; up to {100 * plan.input_up_to_ratio:g}% removed the input is a peer too"
-        lines = [line for row in own for line in shortfall_lines(row)]
+        lines = [line for row in own for line in shortfall_lines(row, with_shortfalls)]
         blocks.append("\n".join([title, "", comparison_table(own), "", *lines, summary_line(own)]))
     return "\n\n".join(blocks)
 

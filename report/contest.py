@@ -1,15 +1,16 @@
 """The contest's table: every answer of every contestant, mesh by mesh and count by count, none left out.
 
-Ranked, and marked where best, are the accepted answers at equal count (equal_count.py). An accepted answer at another count
-is shown with its count. A rejected one is shown in brackets, with the judge's reason; what gave no answer to judge, with its
-outcome.
+Ranked, and marked where best, are the accepted answers at equal count (equal_count.py), by the median where a method gives
+several. An accepted answer at another count is shown with its count. A rejected one is shown in brackets, with the judge's
+reason; what gave no answer to judge, with its outcome.
 """
 
 from dataclasses import dataclass, field
 
-from equal_count import asked_tets, tolerance_of
+from equal_count import asked_tets, is_at_equal_count, tolerance_of
 from records import figure, median
 from tables import first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
+from verdict import read_claim
 
 RANKED, OTHER_COUNT, REJECTED, NONE = "ranked", "other count", "rejected", "no answer"
 BEST, BEST_KEPT = "*", "+"
@@ -101,7 +102,7 @@ def values_of_group(group):
     return values
 
 
-def stand(group):
+def stand(run, group):
     """The standing of one group."""
     if not group.judged():
         return Standing(group, NONE, values_of_group(group), first_reason(group) or "not run")
@@ -110,7 +111,8 @@ def stand(group):
     note = group.count_note
     if set(group.outcomes()) != {"accepted"}:
         note = "; ".join(text for text in (note, outcome_text(group), first_reason(group)) if text)
-    return Standing(group, OTHER_COUNT if group.count_note else RANKED, values_of_group(group), note)
+    state = RANKED if is_at_equal_count(run, read_claim(run.plan_data), group) else OTHER_COUNT
+    return Standing(group, state, values_of_group(group), note)
 
 
 def mark_best(standings):
@@ -142,7 +144,7 @@ def read_sections(run):
         for sweep in dict.fromkeys(group.sweep for group in run.of_mesh(mesh)):
             groups = [group for group in run.of_mesh(mesh) if group.sweep == sweep]
             asked = next((asked_tets(group.records[0]) for group in groups if asked_tets(group.records[0])), None)
-            standings = sorted(map(stand, groups), key=order_of)
+            standings = sorted((stand(run, group) for group in groups), key=order_of)
             mark_best(standings)
             sections.append(Section(mesh, sweep, asked, standings))
     return sections

@@ -1,12 +1,13 @@
 """Charts of a contest: quality against time."""
 
 import matplotlib.pyplot as plt
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from chart_style import FAINT, INK, file_name, save
 from contest import NONE, RANKED, short_sweep
 from equal_count import tolerance_of
-from records import figure
+from records import figure, median
 
 MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_quality", "mean quality"),
             ("p1_dihedral_deg", "1st percentile of angles, degrees")]
@@ -41,7 +42,7 @@ def places(section, family, measure):
 
 def draw_family(ax, family, found):
     """A family's points; a curve joins them if one option tells them apart, dotted if some do not count."""
-    size, width = (7, 2.0) if family.is_own else (6.5, 1.0)
+    size, width = (7, 2.0) if family.is_own else (7, 1.4)
     size += 1.5 if family.mark in "PX" else 0
     if family.option and found:
         ax.plot(*zip(*((x, y) for _, x, y, _ in found)), color=family.color, linewidth=width, zorder=2 + family.is_own,
@@ -50,10 +51,20 @@ def draw_family(ax, family, found):
         ax.plot(x, y, family.mark, color=family.color, markersize=size, zorder=4 + family.is_own, clip_on=False,
                 markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
                 markeredgecolor="white" if counts else family.color)
-    if family.option:
-        for place, (label, x, y, _) in enumerate(found):
-            ax.annotate(f"{family.values[label]:g}", (x, y), xytext=(0, -6 if place % 2 else 6), textcoords="offset points",
-                        ha="center", va="top" if place % 2 else "bottom", fontsize=7, color=family.color, zorder=7)
+    if len(family.labels) > 1:
+        name_points(ax, family, found)
+
+
+
+def name_points(ax, family, found):
+    """Along a curve numbers above and below in turn; otherwise names, each on the side where the others are not."""
+    middle = median([x for _, x, _, _ in found])
+    for place, (label, x, y, _) in enumerate(found):
+        down, left = place % 2 == 1, x < middle
+        at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
+            (-7 if left else 7, 0), "right" if left else "left", "center")
+        ax.annotate(family.names[label], (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
+                    color=family.color, zorder=7, path_effects=[withStroke(linewidth=2, foreground="white")])
 
 
 def time_range(sections, families):
@@ -71,23 +82,33 @@ def draw_panel(ax, section, families, measure, input_value):
 
 
 def family_name(family):
-    if not family.option:
-        return family.method if len(family.labels) == 1 else f"{family.method} ({', '.join(family.labels)})"
-    values = [f"{family.values[label]:g}" for label in family.labels]
-    return f"{family.method} ({family.option} {', '.join(values)})"
+    if len(family.labels) == 1:
+        return family.method
+    names = ", ".join(family.names[label] for label in family.labels)
+    return f"{family.method} ({family.option} {names})" if family.option else f"{family.method} ({names})"
 
 
-def draw_legend(fig, run, families, sections, height):
+def legend_handles(run, families, sections):
     handles = []
     for family in families:
         handles.append(plt.Line2D([], [], color=family.color, marker=family.mark, markersize=7, markeredgecolor="white",
-                                  linewidth=(2.0 if family.is_own else 1.0) if family.option else 0, label=family_name(family)))
+                                  linewidth=(2.0 if family.is_own else 1.4) if family.option else 0, label=family_name(family)))
     handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label="input"))
     if any(standing.state not in (RANKED, NONE) for section in sections for standing in section.standings):
         handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=7,
                                   label=f"hollow: rejected, or count not within {100 * tolerance_of(run):g}%"))
-    fig.legend(handles=handles, loc="lower left", ncol=3, fontsize=8, bbox_to_anchor=(0.02, 0.0), handlelength=2.2)
-    return (0.25 + 0.19 * -(-len(handles) // 3)) / height
+    return handles
+
+
+def draw_legend(fig, handles, height):
+    """Puts the legend below, in as many columns as fit; returns the share of the height that it takes."""
+    for columns in (4, 3, 2, 1):
+        legend = fig.legend(handles=handles, loc="lower left", ncol=columns, fontsize=8, bbox_to_anchor=(0.02, 0.0),
+                            handlelength=2.2)
+        if columns == 1 or legend.get_window_extent(fig.canvas.get_renderer()).x1 <= 0.99 * fig.bbox.x1:
+            break
+        legend.remove()
+    return (0.25 + 0.19 * -(-len(handles) // columns)) / height
 
 
 def draw_quality_time(run, sections, families, folder):
@@ -113,7 +134,7 @@ def draw_quality_time(run, sections, families, folder):
                     ax.set_xlabel("time of the method (kernel, median)")
                 if column == 0:
                     ax.set_ylabel(title)
-        foot = draw_legend(fig, run, shown, own, height)
+        foot = draw_legend(fig, legend_handles(run, shown, own), height)
         tets = figure(run.inputs.get(mesh, {}), "judge", "tets")
         fig.suptitle(f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"),
                      x=0.01, ha="left", fontsize=11, fontweight="bold")

@@ -16,10 +16,11 @@ from matplotlib.colors import Normalize
 from chart_style import FAINT, INK, file_name, save
 from contest import NONE, REJECTED, RANKED, section_title
 from mesh_file import outer_faces, qualities, read_mesh
-from records import BadRun
+from records import BadRun, figure
 
 COLUMNS = 4
 COLORMAP = "viridis"  # lightness grows with quality, so that it reads in grey and for colour-blind eyes
+QUALITY_TOLERANCE = 1e-6  # of the mean; double precision gives 1e-14
 LIGHT = np.array([-0.35, 0.45, 0.82])  # in the view's frame: x right, y up, z to the eye
 
 
@@ -84,20 +85,23 @@ def draw_mesh(ax, mesh, view, norm):
     ax.axis("off")
 
 
-def caption(standing):
-    """What stands under a panel: the label, and its figures or why it has none that count."""
-    values = standing.values
+def title_of(standing):
+    """The label, with why its figures do not count."""
+    if standing.state == RANKED:
+        return standing.label
+    return f"{standing.label} ({'rejected' if standing.state == REJECTED else 'other count'})"
+
+
+def figures_text(values):
     tets, share, least = (values.get(name) for name in ("tets", "percent_above_0_5", "min_dihedral_deg"))
-    figures = ", ".join(text for text in (
+    return ", ".join(text for text in (
         None if tets is None else f"{tets:,.0f} tets", None if share is None else f"{share:.1f}% > 0.5",
-        None if least is None else f"{least:.1f}\N{DEGREE SIGN}") if text)
-    state = "" if standing.state == RANKED else ("rejected" if standing.state == REJECTED else "other count")
-    return standing.label + (f" ({state})" if state else ""), figures
+        None if least is None else f"least angle {least:.1f}\N{DEGREE SIGN}") if text)
 
 
-def mesh_file_of(group):
-    """The path in the run folder of the first judged answer that kept its mesh, or ""."""
-    return next((record["mesh_file"] for record in group.judged() if isinstance(record.get("mesh_file"), str)), "")
+def record_with_mesh(group):
+    """The first judged answer that kept its mesh, or {}."""
+    return next((record for record in group.judged() if isinstance(record.get("mesh_file"), str)), {})
 
 
 def inside(folder, name):
@@ -108,22 +112,33 @@ def inside(folder, name):
     return path
 
 
+def check_quality(title, mesh, record):
+    """What to say if the picture's qualities are not the judge's; each has arithmetic of its own."""
+    judged, own = figure(record, "judge", "mean_quality"), float(qualities(mesh).mean())
+    if judged is None or abs(judged - own) <= QUALITY_TOLERANCE:
+        return ""
+    return f"{title} has a mean quality of {own:.6f} by the picture's arithmetic, of {judged:.6f} by the judge's"
+
+
 def panels_of(run, section):
     """(title, caption, mesh) of the input and of every answer that left a mesh; files that cannot be read are noted."""
-    start = run.inputs.get(section.mesh)
-    entries = []
-    if start and isinstance(start.get("mesh_file"), str):
-        judge = start.get("judge") or {}
-        entries.append(("input", f"{judge.get('tets', 0):,} tets, {judge.get('percent_above_0_5') or 0:.1f}% > 0.5, "
-                                 f"{judge.get('min_dihedral_deg') or 0:.1f}\N{DEGREE SIGN}", start["mesh_file"]))
-    entries += [(*caption(standing), mesh_file_of(standing.group)) for standing in section.standings if standing.state != NONE]
+    start = run.inputs.get(section.mesh, {})
+    values = {name: figure(start, "judge", name) for name in ("tets", "percent_above_0_5", "min_dihedral_deg")}
+    entries = [("input", figures_text(values), start)]
+    entries += [(title_of(standing), figures_text(standing.values), record_with_mesh(standing.group))
+                for standing in section.standings if standing.state != NONE]
     panels = []
-    for title, text, name in entries:
+    for title, text, record in entries:
+        if not isinstance(record.get("mesh_file"), str):
+            continue
         try:
-            if name:
-                panels.append((title, text, read_mesh(inside(run.folder, name))))
+            mesh = read_mesh(inside(run.folder, record["mesh_file"]))
         except BadRun as error:
             run.notes.append(f"no cut-away of {title} on {section.mesh}: {error}")
+            continue
+        panels.append((title, text, mesh))
+        doubt = check_quality(title, mesh, record)
+        run.notes += [f"cut-away, {section_title(run, section)}: {doubt}"] if doubt else []
     return panels
 
 

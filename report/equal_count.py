@@ -50,6 +50,20 @@ def reference_of(run, claim, group):
     return next((other for other in same if other.sweep == group.sweep), same[0] if same else None)
 
 
+def reference_tets_of(run, claim, group):
+    """The count that a group's answers are held against, or None."""
+    tets = tets_of(reference_of(run, claim, group))
+    if tets is None and "equal_count" in run.plan_data and group.records:
+        return asked_tets(group.records[0])
+    return tets
+
+
+def is_at_equal_count(run, claim, group):
+    """Whether the median count of a group is the one that it is held against; single answers may be off."""
+    reference_tets = reference_tets_of(run, claim, group)
+    return reference_tets is None or is_equal(tets_of(group), reference_tets, tolerance_of(run))
+
+
 def is_early(case, tolerance=TOLERANCE):
     """Whether an answer ended at its limit, short of the stop that it was given. One that searched for a parameter did not."""
     if case.get("searched"):
@@ -64,18 +78,16 @@ def is_early(case, tolerance=TOLERANCE):
 
 
 def describe(group, cases, what):
-    """"stopped early: 7,630 tets", or of how many seeds that holds."""
+    """"stopped early: 7,630 tets", or of how many seeds or different outputs that holds."""
     if len(group.cases()) > 1:
-        return f"{what}: {len(cases)} of {len(group.cases())} seeds"
+        several = "seeds" if len({str(case.get("seed")) for case in group.cases()}) > 1 else "outputs"
+        return f"{what}: {len(cases)} of {len(group.cases())} {several}"
     return f"{what}: {figure(cases[0], 'judge', 'tets'):,.0f} tets"
 
 
 def count_note(run, claim, group):
     """What stands beside a label whose figures are not to be compared, or ended early; else ""."""
-    reference = reference_of(run, claim, group)
-    reference_tets, tolerance = tets_of(reference), tolerance_of(run)
-    if reference_tets is None and "equal_count" in run.plan_data and group.records:
-        reference_tets = asked_tets(group.records[0])
+    reference_tets, tolerance = reference_tets_of(run, claim, group), tolerance_of(run)
     cases = [case for case in group.cases() if figure(case, "judge", "tets") is not None]
     if reference_tets is None:
         early = [case for case in cases if is_early(case, tolerance)]

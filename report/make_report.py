@@ -41,7 +41,7 @@ def print_summary(run, claim, found):
     if found.scaling:
         print(f"\n{scaling.scaling_text(found.scaling)}")
     if found.comparisons:
-        print(f"\n{comparisons.comparisons_text(run, found.comparisons)}")
+        print(f"\n{comparisons.comparisons_text(run, found.comparisons, with_shortfalls=False)}")
     if claim:
         variants = verdict.variant_summary(run, claim)
         if variants:

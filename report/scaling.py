@@ -114,9 +114,11 @@ def size_of(run, group):
 def read_series(run):
     """One series a label and point of the sweep, sizes ascending."""
     series = {}
+    several = len({group.sweep for group in run.groups}) > 1
     for group in run.groups:
         if group.records and figure(group.records[0], "mesh", "tets"):
-            series.setdefault(group.name, Series(group.name, group.label)).sizes.append(size_of(run, group))
+            name = group.name if several else group.label
+            series.setdefault(name, Series(name, group.label)).sizes.append(size_of(run, group))
     for entry in series.values():
         entry.sizes.sort(key=lambda size: size.tets)
         timed = [size for size in entry.sizes if size.seconds]
@@ -146,8 +148,8 @@ def scaling_text(series):
             f"{last.tets:,.0f}", seconds_text(last.seconds), "" if last.removed_per_s is None else f"{last.removed_per_s:,.0f}",
             "" if last.memory is None else f"{bytes_per_tet(last):,.0f}"]
         rows.append([entry.name, str(sum(bool(size.seconds) for size in entry.sizes)), slope_text(entry.time),
-                     slope_text(entry.memory), *cells, failed])
-    header = ["label", "sizes", "slope of time", "of memory", "largest, tets", "kernel", "tets removed/s", "bytes/tet", "note"]
+                     *cells, failed])
+    header = ["label", "sizes", "slope of time", "largest, tets", "kernel", "tets removed/s", "bytes/tet", "note"]
     return ("Growth with the mesh: time ~ tets^slope, least squares on logarithms [95% interval of the fit]\n\n"
             + align(header, rows))
 

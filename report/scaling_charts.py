@@ -7,6 +7,7 @@ from chart_style import FAINT, INK, save
 from families import family_of
 from scaling import slope_text
 
+SIDE_STEP = 1.12
 LINES = ["-", (0, (5, 2)), (0, (1, 1.5)), (0, (5, 2, 1, 2))]  # labels of one method
 
 
@@ -31,23 +32,21 @@ def set_log_axis(axis, form):
 
 
 def draw_series(ax, entry, family, place, fit, value_of):
-    """Filled marks at what was measured, the fitted line through them."""
+    """Filled marks at what was measured, and the fitted line; without a fit a line from mark to mark."""
     points = [(size.tets, value_of(size)) for size in entry.sizes if size.seconds and value_of(size)]
     color, mark = family.color, family.mark
-    if fit and points:
-        ends = [points[0][0], points[-1][0]]
-        ax.plot(ends, [fit.at(x) for x in ends], color=color, linewidth=1.8 if family.is_own else 1.0,
-                linestyle=LINES[place % len(LINES)], zorder=2)
     if points:
+        line = [(x, fit.at(x)) for x in (points[0][0], points[-1][0])] if fit else points
+        ax.plot(*zip(*line), color=color, linewidth=1.8 if family.is_own else 1.0, linestyle=LINES[place % len(LINES)], zorder=2)
         ax.plot(*zip(*points), mark, color=color, markersize=6.5, markeredgecolor="white", markeredgewidth=0.7, zorder=4)
 
 
 def draw_limits(ax, entry, family, limits):
-    """An open mark at the limit where a size timed out."""
+    """An open mark at the limit where a size timed out; several of one size stand side by side."""
     for size in entry.sizes:
         if size.limit_s:
-            limits.add(size.limit_s)
-            ax.plot(size.tets, size.limit_s, family.mark, markersize=6.5, markerfacecolor="white", markeredgecolor=family.color,
+            beside = limits[size.limit_s, size.tets] = limits.get((size.limit_s, size.tets), 0) + 1
+            ax.plot(size.tets * SIDE_STEP ** (beside - 1), size.limit_s, family.mark, markersize=6.5, markerfacecolor="white", markeredgecolor=family.color,
                     markeredgewidth=1.2, zorder=5, clip_on=False)
 
 
@@ -59,24 +58,24 @@ def draw_scaling(series, families, folder):
     rows = -(-(len(shown) + 2) // 2)
     height = 4.1 + 0.19 * rows
     fig, (left, right) = plt.subplots(1, 2, figsize=(9.6, height))
-    limits, handles = set(), []
+    limits, handles = {}, []
     for entry in shown:
         family = family_of(families, entry.label)
         place = family.labels.index(entry.label)
         draw_series(left, entry, family, place, entry.time, lambda size: size.seconds)
         draw_limits(left, entry, family, limits)
-        draw_series(right, entry, family, place, entry.memory, lambda size: size.memory)
+        draw_series(right, entry, family, place, None, lambda size: size.memory)
         handles.append(plt.Line2D([], [], color=family.color, marker=family.mark, markersize=6.5, markeredgecolor="white",
                                   linewidth=1.8 if family.is_own else 1.0, linestyle=LINES[place % len(LINES)],
                                   label=f"{entry.name}: {slope_text(entry.time)}" if entry.time else entry.name))
-    for limit in limits:
+    for limit in {limit for limit, _ in limits}:
         left.axhline(limit, color=FAINT, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
     if limits:
         handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linestyle=(0, (3, 2)), linewidth=1.0,
                                   markersize=6.5, label="hollow: timed out, at the limit"))
     finish(left, "time of the method (kernel, median), s", lambda value: f"{value:g}")
     finish(right, "greatest memory of the process, bytes", byte_text)
-    fig.suptitle("Growth with the mesh; in the legend the slope of time, with its 95% interval", x=0.01, ha="left", fontsize=11,
+    fig.suptitle("Growth with the mesh; lines on the left and in the legend: slope of time, with its 95% interval", x=0.01, ha="left", fontsize=11,
                  fontweight="bold", color=INK)
     fig.legend(handles=handles, loc="lower left", ncol=2, fontsize=8, bbox_to_anchor=(0.03, 0.0), handlelength=3)
     fig.tight_layout(rect=(0, (0.1 + 0.19 * rows) / height, 1, 1))

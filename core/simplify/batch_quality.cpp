@@ -8,8 +8,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/mesh/orientation.h"
-
 // The loops are compiled a second time for wider vectors, chosen when the program starts. All operations are
 // those of IEEE 754, uncontracted, so both give the same bits.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(PALPATE_SANITIZED)
@@ -134,9 +132,10 @@ PALPATE_WIDER_TOO void find_extremes(std::size_t end, Work& work) {
 /// thesis_shape; the least solid angle is at most 0.5513 sr, so its half's tangent at most 0.2829.
 PALPATE_WIDER_TOO void find_thesis_shape(std::size_t end, Work& work) {
   constexpr double kTwiceOverIdeal = 2.0 / 0.55;
+  constexpr double kTiny = std::numeric_limits<double>::min();  // a tet that is one point has no quotient
   for (std::size_t i = 0; i < end; ++i) {
-    work.largest[i] = work.six_volume[i] / work.largest[i];
-    work.shape[i] = kTwiceOverIdeal * (work.shortest[i] / work.longest[i]);
+    work.largest[i] = work.six_volume[i] / (work.largest[i] + kTiny);
+    work.shape[i] = kTwiceOverIdeal * (work.shortest[i] / (work.longest[i] + kTiny));
   }
   for (std::size_t i = 0; i < end; ++i) work.largest[i] = larger(0.0, smaller(0.3, work.largest[i]));
   for (std::size_t i = 0; i < end; ++i) {
@@ -154,9 +153,8 @@ inline double halley_step(double y, double x) {
 /// e into (2/3) e^3, so two leave less than 2^-40. 0 gives something below 2^-300.
 inline double cube_root(double x) {
   const auto high = static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(x) >> 32U);
-  const auto third = static_cast<std::int32_t>(static_cast<double>(high) * (1.0 / 3.0));
-  const auto guess = static_cast<std::uint64_t>(third + 715094163);
-  const auto y = std::bit_cast<double>(guess << 32U);
+  const std::int32_t guess = static_cast<std::int32_t>(static_cast<double>(high) * (1.0 / 3.0)) + 715094163;
+  const auto y = std::bit_cast<double>(static_cast<std::uint64_t>(guess) << 32U);
   return halley_step(halley_step(y, x), x);
 }
 
@@ -205,11 +203,6 @@ void measure_batch(const QualityMetric& metric, double ideal_volume, TetBatch& b
   const double volume_scale =
       metric.has_volume_factor ? 1.0 / (6.0 * ideal_volume) : std::numeric_limits<double>::max();
   find_quality(volume_scale, end, work, batch);
-}
-
-bool is_positive(const TetBatch& batch, std::size_t i) {
-  if (batch.margin[i] > 0.0) return true;
-  return orientation(batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)) > 0;
 }
 
 }  // namespace palpate::simplify

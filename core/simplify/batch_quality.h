@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/mesh/orientation.h"
 #include "core/simplify/quality.h"
 
 namespace palpate::simplify {
@@ -47,6 +48,9 @@ struct TetBatch {
 void measure_batch(const QualityMetric& metric, double ideal_volume, TetBatch& batch);
 
 /// Is tet i of a measured batch positive? Exact.
-bool is_positive(const TetBatch& batch, std::size_t i);
+inline bool is_positive(const TetBatch& batch, std::size_t i) {
+  return batch.margin[i] > 0.0 ||
+         orientation(batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)) > 0;
+}
 
 }  // namespace palpate::simplify

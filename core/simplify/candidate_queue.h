@@ -29,6 +29,7 @@ struct Candidate {
 class LazyHeap {
  public:
   void clear() { entries_.clear(); }
+  void reserve(std::size_t entries) { entries_.reserve(entries); }
 
   void push(const Candidate& candidate) {
     entries_.push_back(candidate);

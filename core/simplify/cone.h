@@ -18,7 +18,7 @@ namespace palpate::simplify {
 ///
 /// without cube root or trigonometry: the least solid angle is 2 atan(x), x = 6 V / (largest denominator of
 /// Van Oosterom and Strackee's formula), and as it is at most 0.5513 sr, x <= 0.283 and four terms of the
-/// series are good to 1e-6. Scores are computed in single precision, from coordinates relative to a point
+/// series are good to 5e-6. Scores are computed in single precision, from coordinates relative to a point
 /// near by, in units of about the ideal edge: they tell good from bad, never positive from inverted; that is
 /// orientation()'s.
 struct ScoreScale {

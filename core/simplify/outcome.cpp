@@ -24,7 +24,8 @@ class OutcomeRun {
         state_(mesh.tets.size(), State::kIdle),
         is_weighed_(mesh.tets.size(), 0),
         parking_(mesh.tets.size()),
-        costs_(mesh, options, ideal_volume) {
+        costs_(mesh, options, ideal_volume),
+        key_(mesh.tets.size(), 0.0) {
     for (Index t = 0; t < mesh.tets.size() && !is_kept.empty(); ++t) {
       if (has_flagged_vertex(mesh, t, is_kept)) state_[t] = State::kKept;
     }
@@ -70,27 +71,39 @@ class OutcomeRun {
 
   /// All tets that may be candidates in this pass, weighed.
   void fill_queue() {
+    const auto may_be_candidate = [this](Index t) {
+      if (state_[t] == State::kKept || is_parked(state_[t]) || !mesh_.is_alive(t)) return false;
+      return is_allowed(t) && (state_[t] != State::kTouched || many_passes_);
+    };
+    std::size_t most = 0;
+    for (Index t = 0; t < mesh_.tets.size(); ++t) most += static_cast<std::size_t>(may_be_candidate(t));
     queue_.clear();
+    queue_.reserve(most);
     for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (state_[t] == State::kKept || is_parked(state_[t]) || !mesh_.is_alive(t) || !is_allowed(t)) continue;
-      if (state_[t] == State::kTouched && !many_passes_) continue;
+      if (!may_be_candidate(t)) continue;
       state_[t] = State::kIdle;
-      if (!growth_.admits(corners_of(mesh_, t))) continue;
-      if (pass(t, costs_.weigh(t))) queue_.append({key(t), mesh_.origin_of_tet(t), t});
+      if (!growth_.admits(corners_of(mesh_, t)) || !pass(t, costs_.weigh(t))) continue;
+      key_[t] = costs_.cost(t);
+      queue_.append({key_[t], mesh_.origin_of_tet(t), t});
     }
     queue_.heapify();
   }
 
-  double key(Index t) const { return is_weighed_[t] != 0 ? costs_.cost(t) : kBeforeAll; }
+  /// The key under which t stands in the queue; others of its entries are out of date.
   bool is_current(const Candidate& c) const {
-    return state_[c.tet] == State::kWaiting && c.key == key(c.tet);
+    return state_[c.tet] == State::kWaiting && c.key == key_[c.tet];
+  }
+
+  void enqueue(Index t, double key) {
+    key_[t] = key;
+    queue_.push({key, mesh_.origin_of_tet(t), t});
   }
 
   /// Has t wait to be weighed, before anything else is fused.
   void wait_unweighed(Index t) {
     state_[t] = State::kWaiting;
     is_weighed_[t] = 0;
-    queue_.push({kBeforeAll, mesh_.origin_of_tet(t), t});
+    enqueue(t, kBeforeAll);
   }
 
   /// Takes note of what weighing t found: it waits (true), or is parked on its witness.
@@ -104,20 +117,24 @@ class OutcomeRun {
     return passes;
   }
 
+  /// Fuses the cheapest candidate. Keys are never above the cost: one that is below it, because the cost has
+  /// risen since, is set right when it comes up.
   bool fuse_cheapest(SimplifyReport& report) {
     const auto current = [this](const Candidate& c) { return is_current(c); };
     while (const Candidate* top = queue_.top(current)) {
       const Candidate c = *top;
       queue_.pop();
-      if (is_weighed_[c.tet] != 0) {
-        require(costs_.weigh(c.tet).refusal == Refusal::kNone && costs_.cost(c.tet) == c.key,
-                "fuse_cheapest: the cost was not up to date");
-        fuse();
-        ++report.fusions;
-        return true;
+      const bool was_weighed = is_weighed_[c.tet] != 0;
+      if (!was_weighed && !pass(c.tet, weigh_again(c.tet))) continue;
+      if (costs_.cost(c.tet) != c.key) {
+        enqueue(c.tet, costs_.cost(c.tet));
+        continue;
       }
-      const Weighing weighing = weigh_again(c.tet);
-      if (pass(c.tet, weighing)) queue_.push({key(c.tet), c.origin, c.tet});
+      require(costs_.weigh(c.tet).refusal == Refusal::kNone && costs_.cost(c.tet) == c.key,
+              "fuse_cheapest: the cost was not up to date");
+      fuse();
+      ++report.fusions;
+      return true;
     }
     return false;
   }
@@ -148,7 +165,7 @@ class OutcomeRun {
     for (const Index t : plan.dead) wake_parked_on(t);
     for (const MovedTet& m : plan.moved) renew(m.tet);
     for (const OutcomeCosts::Affected& a : affected) {
-      if (pass(a.tet, a.weighing)) queue_.push({key(a.tet), mesh_.origin_of_tet(a.tet), a.tet});
+      if (pass(a.tet, a.weighing) && costs_.cost(a.tet) < key_[a.tet]) enqueue(a.tet, costs_.cost(a.tet));
     }
     queue_.tidy([this](const Candidate& c) { return is_current(c); });
   }
@@ -201,6 +218,7 @@ class OutcomeRun {
   Parking parking_;
   OutcomeCosts costs_;
   LazyHeap queue_;
+  std::vector<double> key_;  ///< of those that wait: the key they stand under in the queue
 };
 
 void validate(const OutcomeOptions& options) {

@@ -39,8 +39,8 @@ struct OutcomeOptions {
 ///
 /// All costs are up to date at every fusion: the mesh is the same, to the byte, as if all candidates were
 /// weighed anew after each. A candidate is weighed in full once; later a fusion nearby changes a few terms of
-/// its sum. One that fails a check is parked on the moved tet that failed it, its witness, and weighed again,
-/// lazily, when that changes.
+/// its sum. Its place in the queue is lazy: a cost that has risen is re-keyed when the candidate comes up.
+/// One that fails a check is parked on the moved tet that failed it, its witness, until that changes.
 ///
 /// With regions to keep (common.sizing), a tet that has a vertex of a kept tet is no candidate. Elsewhere the
 /// whole is done in several passes under a rising bound on what may grow (GrowthBound), the last one without.

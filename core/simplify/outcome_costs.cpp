@@ -18,6 +18,10 @@ unsigned shared_corners(const Tet& tet, const Tet& other) {
          corners_that_are(tet, other[3]);
 }
 
+bool is_single(unsigned bits) {
+  return bits != 0U && (bits & (bits - 1U)) == 0U;
+}
+
 }  // namespace
 
 OutcomeCosts::OutcomeCosts(const FusionMesh& mesh, const OutcomeOptions& options, double ideal_volume)
@@ -106,7 +110,7 @@ Weighing OutcomeCosts::weigh(Index t) {
 Refusal OutcomeCosts::check_on(Index t, Index witness) {
   if (!mesh_.is_alive(witness)) return Refusal::kNone;
   const unsigned shared = shared_corners(mesh_.tets[witness], mesh_.tets[t]);
-  if (std::popcount(shared) != 1) return Refusal::kNone;
+  if (!is_single(shared)) return Refusal::kNone;
   batch_.size = 0;
   add_to_batch(witness, static_cast<std::size_t>(std::countr_zero(shared)), barycenter_of(mesh_, t));
   measure_batch(metric_, ideal_volume_, batch_);
@@ -145,7 +149,7 @@ void OutcomeCosts::find_terms(Index affected) {
       const unsigned in_candidate = shared_corners(candidate, mesh_.tets[other]);
       if (std::countr_zero(in_candidate) != static_cast<int>(k)) continue;
       const unsigned in_other = corners_that_are(mesh_.tets[other], candidate[k]);
-      const bool is_moved_by_candidate = std::popcount(in_candidate) == 1;
+      const bool is_moved_by_candidate = is_single(in_candidate);
       (is_moved_by_candidate ? terms_ : shared_)
           .push_back({affected, other, static_cast<std::uint8_t>(std::countr_zero(in_other))});
     }

@@ -1,7 +1,6 @@
 #include "reference/cgal_collapse/fill.h"
 
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/base/atomic_file.h"
@@ -25,8 +24,7 @@ json read_response(const std::filesystem::path& path) {
 
 }  // namespace
 
-TimedMesh fill_by_gmsh(const SurfaceMesh& surface, double interior_size,
-                       const std::filesystem::path& folder) {
+TimedMesh fill_by_gmsh(const SurfaceMesh& surface, const json& options, const std::filesystem::path& folder) {
   const auto skin_file = folder / "skin.off";
   const auto mesh_file = folder / "filled.mesh";
   const auto request_file = folder / "fill_request.json";
@@ -38,7 +36,7 @@ TimedMesh fill_by_gmsh(const SurfaceMesh& surface, double interior_size,
                      {"method", "gmsh.delaunay"},
                      {"surface_in", skin_file.string()},
                      {"mesh_out", mesh_file.string()},
-                     {"options", {{"interior_size", interior_size}}},
+                     {"options", options},
                      {"threads", 1}};
   write_file_atomically(request_file, request.dump());
   const int code =

@@ -39,41 +39,66 @@ class WorkFolder {
   fs::path path_;
 };
 
-/// Edges of a surface that goes with the count of tets: a surface has as many elements as the volume to the
-/// power of 2/3.
-std::size_t surface_edges(std::size_t edges_in, std::size_t tets_in, std::uint64_t target) {
+struct Settings {
+  CollapseCost cost = CollapseCost::kLindstromTurk;
+  double skin_edges_kept = 0.0;     ///< share of the skin's edges; 0: as the count of tets asks for
+  double optimize_threshold = 0.3;  ///< of gmsh
+  fs::path folder;                  ///< for the files between the two programs
+};
+
+/// Edges to leave. Without a share of its own a surface goes with the count of tets: it has as many elements
+/// as the volume to the power of 2/3.
+std::size_t edges_to_leave(std::size_t edges_in, std::size_t tets_in, std::uint64_t target, double kept) {
   const double share = static_cast<double>(target) / static_cast<double>(tets_in);
   constexpr double kTetrahedron = 6.0;
-  return static_cast<std::size_t>(
-      std::max(kTetrahedron, std::round(static_cast<double>(edges_in) * std::pow(share, 2.0 / 3.0))));
+  const double wanted = static_cast<double>(edges_in) * (kept > 0.0 ? kept : std::pow(share, 2.0 / 3.0));
+  return static_cast<std::size_t>(std::max(kTetrahedron, std::round(wanted)));
 }
 
 /// The timed kernel: skin, collapse, fill.
-TimedMesh collapse_and_fill(const TetMesh& mesh, std::uint64_t target, double size, CollapseCost cost,
-                            const fs::path& folder) {
+TimedMesh collapse_and_fill(const TetMesh& mesh, std::uint64_t target, double size,
+                            const Settings& settings) {
   const auto start = std::chrono::steady_clock::now();
   const SurfaceMesh skin = take_skin(mesh);
   const std::size_t edges_in = 3 * skin.triangles.size() / 2;
-  const SurfaceMesh collapsed =
-      collapse_edges(skin, {cost, surface_edges(edges_in, mesh.tets.size(), target)});
+  const std::size_t edges = edges_to_leave(edges_in, mesh.tets.size(), target, settings.skin_edges_kept);
+  const SurfaceMesh collapsed = collapse_edges(skin, {settings.cost, edges});
   const double collapse_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  TimedMesh filled = fill_by_gmsh(collapsed, size, folder);
+  TimedMesh filled =
+      fill_by_gmsh(collapsed, {{"interior_size", size}, {"optimize_threshold", settings.optimize_threshold}},
+                   settings.folder);
   filled.kernel_s += collapse_s;
   return filled;
+}
+
+/// Takes a number from 0 to 1 out of `options`.
+double take_share(nlohmann::json& options, const char* name, double preset) {
+  const auto given = options.find(name);
+  if (given == options.end()) return preset;
+  if (!given->is_number() || !(*given >= 0.0 && *given <= 1.0)) {
+    throw InputError(name, 0, "a number from 0 to 1", given->dump());
+  }
+  const auto value = given->get<double>();
+  options.erase(given);
+  return value;
 }
 
 Response answer(const Request& request) {
   if (request.method != "cgal.collapse") throw InputError("method", 0, "cgal.collapse", request.method);
   nlohmann::json left = request.options;
+  Settings settings;
   constexpr std::array kCosts{CollapseCost::kLindstromTurk, CollapseCost::kGarlandHeckbert};
-  const CollapseCost cost = kCosts[take_choice(left, "cost", {"lindstrom_turk", "garland_heckbert"})];
+  settings.cost = kCosts[take_choice(left, "cost", {"lindstrom_turk", "garland_heckbert"})];
+  settings.skin_edges_kept = take_share(left, "skin_edges_kept", settings.skin_edges_kept);
+  settings.optimize_threshold = take_share(left, "optimize_threshold", settings.optimize_threshold);
   require_all_taken(left);
   const WorkFolder work(request.output);
+  settings.folder = work.path();
   Remesher remesher;
   remesher.size_name = "interior_size";
   remesher.first_factor = 0.74;  // found on kidney, liver, bean and ball: 0.70 to 0.84
   remesher.remesh = [&](const TetMesh& mesh, std::uint64_t target, double size) {
-    return collapse_and_fill(mesh, target, size, cost, work.path());
+    return collapse_and_fill(mesh, target, size, settings);
   };
   return run_remesher(request, remesher);
 }

@@ -90,7 +90,8 @@ void check_filled(const SurfaceMesh& surface, const TetMesh& mesh) {
 
 }  // namespace
 
-TetMesh fill_surface(const SurfaceMesh& surface, double interior_size) {
+TetMesh fill_surface(const SurfaceMesh& surface, const FillSettings& settings) {
+  const double interior_size = settings.interior_size;
   if (!(interior_size > 0.0)) throw InputError("interior_size", 0, "a positive length", "another number");
   gmsh::model::add("fill");
   add_discrete_surface(surface);
@@ -98,6 +99,7 @@ TetMesh fill_surface(const SurfaceMesh& surface, double interior_size) {
   gmsh::option::setNumber("Mesh.CharacteristicLengthExtendFromBoundary", 0);
   gmsh::option::setNumber("Mesh.CharacteristicLengthMin", interior_size);
   gmsh::option::setNumber("Mesh.CharacteristicLengthMax", interior_size);
+  gmsh::option::setNumber("Mesh.OptimizeThreshold", settings.optimize_threshold);
   gmsh::logger::start();
   std::string failure;
   try {

@@ -21,7 +21,9 @@ Response answer(const Request& request) {
     if (!request.options.contains("interior_size") || !request.options["interior_size"].is_number()) {
       throw InputError("request", 0, "the option interior_size", "none");
     }
-    mesh = fill_surface(read_off(request.input), request.options["interior_size"].get<double>());
+    nlohmann::json options = request.options;
+    const double threshold = take_optimize_threshold(options);
+    mesh = fill_surface(read_off(request.input), {options["interior_size"].get<double>(), threshold});
   } else if (request.contest == "convert" && request.method == "gmsh.read") {
     mesh = read_msh(request.input, response.notes);
   } else {

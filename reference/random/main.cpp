@@ -1,5 +1,6 @@
 // Adapter of random edge collapses.
 #include <chrono>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
@@ -14,27 +15,11 @@ using nlohmann::json;
 
 EdgeCollapseOptions read_options(json left) {
   EdgeCollapseOptions options;
-  if (const auto it = left.find("seed"); it != left.end()) {
-    if (!it->is_number_unsigned()) throw InputError("seed", 0, "a whole number, 0 or more", it->dump());
-    options.seed = it->get<std::uint64_t>();
-    left.erase(it);
-  }
-  if (const auto it = left.find("candidates"); it != left.end()) {
-    const bool fits =
-        it->is_number_integer() && it->get<std::int64_t>() >= 1 && it->get<std::int64_t>() <= 1000;
-    if (!fits) throw InputError("candidates", 0, "a whole number from 1 to 1000", it->dump());
-    options.candidates = it->get<int>();
-    left.erase(it);
-  }
-  for (const auto& [key, guard] :
-       {std::pair{"first_guard", &options.first_guard}, {"last_guard", &options.last_guard}}) {
-    const auto it = left.find(key);
-    if (it == left.end()) continue;
-    const bool fits = it->is_number() && it->get<double>() >= 0.0 && it->get<double>() <= 1.0;
-    if (!fits) throw InputError(key, 0, "a number from 0 to 1", it->dump());
-    *guard = it->get<double>();
-    left.erase(it);
-  }
+  options.seed =
+      static_cast<std::uint64_t>(take_whole(left, "seed", 0, std::numeric_limits<std::int64_t>::max(), 0));
+  options.candidates = static_cast<int>(take_whole(left, "candidates", 1, 1000, options.candidates));
+  options.first_guard = take_number(left, "first_guard", 0.0, 1.0, options.first_guard);
+  options.last_guard = take_number(left, "last_guard", 0.0, options.first_guard, options.last_guard);
   options.placement =
       take_choice(left, "placement", {"best", "midpoint"}) == 0 ? Placement::kBest : Placement::kMidpoint;
   require_all_taken(left);

@@ -8,22 +8,26 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkUnstructuredGridQuadricDecimation.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
 #include "reference/fusion_options.h"
 #include "reference/remesh_run.h"
-#include "reference/vtk/vtk_tools.h"
+#include "reference/size_search.h"
 
 namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
+
+constexpr double kWorthANote = 0.005;
 
 /// The scalar field that the filter wants beside the positions, and that its quadrics keep too.
 enum class Scalar {
@@ -40,39 +44,14 @@ struct QuadricOptions {
   double boundary_weight = 100.0;
 };
 
-double take_number(json& options, const char* key, double least, double most, double fallback) {
-  const auto it = options.find(key);
-  if (it == options.end()) return fallback;
-  if (!it->is_number() || !(it->get<double>() >= least) || !(it->get<double>() <= most)) {
-    throw InputError(key, 0, "a number from " + std::to_string(least) + " to " + std::to_string(most),
-                     it->dump());
-  }
-  const auto value = it->get<double>();
-  options.erase(it);
-  return value;
-}
-
-std::int64_t take_whole(json& options, const char* key, std::int64_t least, std::int64_t fallback) {
-  const auto it = options.find(key);
-  if (it == options.end()) return fallback;
-  const bool fits = it->is_number_integer() && it->get<std::int64_t>() >= least &&
-                    it->get<std::int64_t>() <= std::numeric_limits<int>::max();
-  if (!fits) throw InputError(key, 0, "a whole number, " + std::to_string(least) + " or more", it->dump());
-  const auto value = it->get<std::int64_t>();
-  options.erase(it);
-  return value;
-}
-
 QuadricOptions read_options(json left) {
+  constexpr std::int64_t kLargest = std::numeric_limits<int>::max();
   QuadricOptions options;
-  options.seed = static_cast<unsigned>(take_whole(left, "seed", 0, options.seed));
+  options.seed = static_cast<unsigned>(take_whole(left, "seed", 0, kLargest, options.seed));
   options.scalar = take_choice(left, "scalar", {"zero", "radius"}) == 0 ? Scalar::kZero : Scalar::kRadius;
-  options.candidates = static_cast<int>(take_whole(left, "candidates", 1, options.candidates));
-  if (const auto it = left.find("auto_add_candidates"); it != left.end()) {
-    if (!it->is_boolean()) throw InputError("auto_add_candidates", 0, "true or false", it->dump());
-    options.auto_add_candidates = it->get<bool>();
-    left.erase(it);
-  }
+  options.candidates = static_cast<int>(take_whole(left, "candidates", 1, kLargest, options.candidates));
+  options.auto_add_candidates = take_option<bool>(left, "auto_add_candidates", &json::is_boolean,
+                                                  "true or false", options.auto_add_candidates);
   options.auto_add_threshold = take_number(left, "auto_add_threshold", 0.0, 1e9, options.auto_add_threshold);
   options.boundary_weight = take_number(left, "boundary_weight", 0.0, 1e9, options.boundary_weight);
   require_all_taken(left);
@@ -167,6 +146,11 @@ Response answer(const Request& request) {
   response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   write_medit(request.output, out);
+  const double mismatch = count_mismatch(out.tets.size(), target);
+  if (std::fabs(mismatch) > kWorthANote) {
+    response.notes.push_back("VTK ended with " + std::to_string(out.tets.size()) + " tetrahedra, where " +
+                             std::to_string(target) + " were asked for");
+  }
   response.report = {{"method", request.method},          {"vertices_in", file.mesh.points.size()},
                      {"vertices_out", out.points.size()}, {"tets_in", file.mesh.tets.size()},
                      {"tets_out", out.tets.size()},       {"target_tets", target},

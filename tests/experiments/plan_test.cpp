@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "experiments/provenance.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -264,6 +265,10 @@ TEST(Plan, HoldsWhatItAsksOfTheReport) {
   EXPECT_EQ(comparison.time_against, "b");
   EXPECT_DOUBLE_EQ(comparison.time_factor.value(), 10.0);
   EXPECT_DOUBLE_EQ(comparison.input_up_to_ratio.value(), 0.22);
+  const nlohmann::json measures = build_provenance(plan, fixture.registry(), 1).at("measures");
+  EXPECT_EQ(measures.size(), 2U);
+  EXPECT_EQ(measures.at("p1_dihedral_deg").at("better"), "higher");
+  EXPECT_EQ(measures.at("kernel_s").at("better"), "lower");
 }
 
 }  // namespace

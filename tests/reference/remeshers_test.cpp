@@ -35,24 +35,22 @@ void PrintTo(const Promise& promise, std::ostream* out) {
   *out << promise.method;
 }
 
-class Remeshers : public testing::TestWithParam<Promise> {
+/// Starts a contestant on a mesh.
+class RemesherRun : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_EQ(entry().contestant->unavailable(), ""); }
+  MethodEntry entry(const std::string& method) const { return *registry_.find(method); }
 
-  MethodEntry entry() const { return *registry_.find(GetParam().method); }
-
-  ContestantAnswer ask(const TetMesh& mesh, const Stop& stop, const json& tuned = json::object(),
-                       const json& more_options = json::object()) {
+  ContestantAnswer run(const std::string& method, const TetMesh& mesh, const Stop& stop, const json& options,
+                       const json& tuned = json::object()) {
     const auto folder = scratch_ / std::to_string(++asked_);
     std::filesystem::create_directory(folder);
     ContestantTask task;
-    task.method = entry();
+    task.method = entry(method);
     task.mesh_in = folder / "in.mesh";
     write_medit(task.mesh_in, mesh);
     task.scratch = folder;
     task.stop = stop;
-    task.options = resolve_options(*task.method.method, GetParam().options);
-    task.options.update(more_options);
+    task.options = options;
     task.tuned = tuned;
     task.timeout_s = 100.0;
     return run_contestant(task);
@@ -61,6 +59,20 @@ class Remeshers : public testing::TestWithParam<Promise> {
   Registry registry_ = load_registry();
   test::ScratchFolder scratch_;
   int asked_ = 0;
+};
+
+class Remeshers : public RemesherRun, public testing::WithParamInterface<Promise> {
+ protected:
+  void SetUp() override { ASSERT_EQ(entry().contestant->unavailable(), ""); }
+
+  MethodEntry entry() const { return RemesherRun::entry(GetParam().method); }
+
+  ContestantAnswer ask(const TetMesh& mesh, const Stop& stop, const json& tuned = json::object(),
+                       const json& more_options = json::object()) {
+    json options = resolve_options(*entry().method, GetParam().options);
+    options.update(more_options);
+    return run(GetParam().method, mesh, stop, options, tuned);
+  }
 };
 
 TetMesh good_mesh() {
@@ -172,6 +184,44 @@ TEST_P(Remeshers, AMissingMeshIsBadInput) {
   const ContestantAnswer answer = run_contestant(task);
   EXPECT_EQ(answer.outcome, "bad_input");
   EXPECT_THAT(answer.message, HasSubstr("no such file"));
+}
+
+/// For tests in which the count does not matter.
+const json kNoSearch{{"interior_size", 0.12}};
+
+TEST_F(RemesherRun, CollapseKeepsTheShareOfTheSkinThatIsAskedFor) {
+  const TetMesh input = good_mesh();
+  const auto edges_in = static_cast<double>(judge::count_elements(input).boundary_edges);
+  for (const double kept : {0.0, 0.5, 0.9}) {
+    const ContestantAnswer answer =
+        run("cgal.collapse", input, {StopKind::kRatio, 0.3, ""}, {{"skin_edges_kept", kept}}, kNoSearch);
+    ASSERT_EQ(answer.outcome, "ok") << answer.message;
+    const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+    const double wanted = edges_in * (kept > 0.0 ? kept : std::pow(0.7, 2.0 / 3.0));
+    // A collapse takes three edges of a closed surface at once.
+    EXPECT_NEAR(static_cast<double>(judge::count_elements(output).boundary_edges), wanted, 3.5) << kept;
+  }
+}
+
+/// gmsh optimises the tets below the threshold: at 0 none, so that what slivers it makes stay.
+TEST_F(RemesherRun, ThresholdOfGmshIsHandedOn) {
+  const TetMesh input = good_mesh();
+  for (const char* method : {"gmsh.remesh", "cgal.collapse"}) {
+    std::vector<double> least;
+    for (const double threshold : {0.0, 0.9}) {
+      const ContestantAnswer answer =
+          run(method, input, {StopKind::kRatio, 0.3, ""}, {{"optimize_threshold", threshold}}, kNoSearch);
+      ASSERT_EQ(answer.outcome, "ok") << answer.message;
+      const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+      EXPECT_TRUE(judge::check_validity(output).is_valid());
+      least.push_back(judge::measure_quality(output).p1_dihedral_deg);
+    }
+    EXPECT_LT(least[0], least[1]) << method;
+    const ContestantAnswer refused =
+        run(method, input, {StopKind::kRatio, 0.3, ""}, {{"optimize_threshold", 1.5}}, kNoSearch);
+    EXPECT_EQ(refused.outcome, "bad_input");
+    EXPECT_THAT(refused.message, HasSubstr("optimize_threshold"));
+  }
 }
 
 const Promise kPromises[] = {

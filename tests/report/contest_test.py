@@ -78,6 +78,13 @@ class Contest(ReportTest):
         rows, _ = self.run_contest(lines)
         self.assertAlmostEqual(float(rows["cgal_1"]["percent_above_0_5"]), 90, 1)
 
+    def test_of_several_outputs_the_median_count_decides_and_those_off_are_said(self):
+        lines = [answer("cgal_1", 90, tets=tets, repeat=i, output_hash=f"h{i}") for i, tets in enumerate((6240, 6241, 6300))]
+        lines += [answer("cgal_2", 90, tets=tets, repeat=i, output_hash=f"h{i}") for i, tets in enumerate((6240, 6300, 6301))]
+        rows, _ = self.run_contest(lines)
+        self.assertEqual((rows["cgal_1"]["state"], rows["cgal_1"]["note"]), ("ranked", "stopped early: 1 of 3 outputs"))
+        self.assertEqual(rows["cgal_2"]["state"], "other count")
+
     def test_each_mesh_and_ratio_has_its_own_best(self):
         lines = [answer(label, percent, ratio, mesh=mesh) for mesh in ("kidney", "liver") for ratio in (0.22, 0.5)
                  for label, percent in (("refined", 90 if mesh == "kidney" else 70), ("cgal_1", 80))]
@@ -88,11 +95,12 @@ class Contest(ReportTest):
 
 class Comparisons(ReportTest):
     def compare(self, lines, plan=None):
-        """The rows of comparisons.csv by measure, and what the report prints."""
+        """The rows of comparisons.csv by measure, and comparisons.txt."""
         synthetic.write_run(self.folder, lines, plan or synthetic.CONTEST)
-        code, out, _ = self.report("--no-charts")
+        code, self.printed, _ = self.report("--no-charts")
         self.assertEqual(code, 0)
-        return {row["measure"]: row for row in self.table("comparisons.csv")}, out
+        text = (self.folder / "tables" / "comparisons.txt").read_text(encoding="utf-8")
+        return {row["measure"]: row for row in self.table("comparisons.csv")}, text
 
     def test_against_the_best_peer_figure_by_figure(self):
         rows, out = self.compare([answer("refined", 96, 0.5, mean=0.66, least=12, kernel_s=0.02),
@@ -105,6 +113,7 @@ class Comparisons(ReportTest):
         self.assertAlmostEqual(float(rows["min_dihedral_deg"]["margin"]), -6)
         self.assertAlmostEqual(float(rows["time"]["value"]), 10.5)
         self.assertIn("least angle 12.00, short of cgal_1 (18.00) by 6.00.", out)
+        self.assertIn("-6.00 SHORT", self.printed)
         self.assertIn("refined: 1 of 3 figures no worse than the best of cgal_1, cgal_2; at least 10 times as fast as cgal_1 in 1 of 1.",
                       out)
 
@@ -191,15 +200,19 @@ class QualityTimeChart(ReportTest):
         synthetic.write_run(self.folder, lines, synthetic.CONTEST)
         return {family.method: family for family in families.read_families(records.read_run(self.folder))}
 
-    def test_one_numeric_option_makes_a_curve_in_its_order(self):
+    def test_one_option_of_whole_numbers_makes_a_curve_in_its_order(self):
         family = self.families(self.CURVE)["palpate.refined"]
         self.assertEqual((family.option, family.labels), ("effort", ["refined_0", "refined_1", "refined_2"]))
+        self.assertEqual(family.names, {"refined_0": "0", "refined_1": "1", "refined_2": "2"})
 
     def test_two_differing_options_or_names_make_none(self):
         other = answer("refined_9", 90, method="palpate.refined", options={"effort": 3, "flips": False})
         self.assertEqual(self.families([*self.CURVE, other])["palpate.refined"].option, "")
         named = [answer(f"c_{cost}", 90, method="cgal.collapse", options={"cost": cost}) for cost in ("lt", "gh")]
-        self.assertEqual(self.families(named)["cgal.collapse"].option, "")
+        family = self.families(named)["cgal.collapse"]
+        self.assertEqual((family.option, family.names), ("", {"c_lt": "lt", "c_gh": "gh"}))
+        bounds = [answer(f"s_{bound}", 90, method="palpate.surface", options={"max_error": bound}) for bound in (0.1, 0.2)]
+        self.assertEqual(self.families(bounds)["palpate.surface"].option, "")
 
     def test_the_chart_holds_every_answer_that_has_a_time(self):
         from unittest import mock

@@ -165,6 +165,18 @@ class Pictures(ReportTest):
         self.assertIn("no cut-away of broken on kidney", out)
         self.assertEqual(len(self.charts()), 2)
 
+    def test_a_picture_that_disagrees_with_the_judge_is_said(self):
+        self.write_contest({"input": grid(3), "refined": grid(2)})
+        run = records.read_run(self.folder)
+        import contest
+        record = run.groups[0].records[0]
+        for shift, expected in ((0.0, 0), (1e-5, 1)):
+            record["judge"]["mean_quality"] = float(mesh_file.qualities(grid(2)).mean()) + shift
+            run.notes.clear()
+            section, = contest.read_sections(run)
+            cut_away.panels_of(run, section)
+            self.assertEqual(sum("refined has a mean quality" in note for note in run.notes), expected)
+
     def test_a_file_outside_the_run_is_not_read(self):
         self.write_contest({"input": grid(3), "refined": grid(2)})
         synthetic.write_mesh(self.folder.parent / "other.mesh", CORNER.tolist(), [[0, 1, 2, 3]])
