@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 
 #include "core/base/error.h"
@@ -26,7 +27,7 @@ struct Effort {
 };
 
 constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1, 2, 0.08, 0.03, 1},
-                                                        {0.78, 0.07, 0, 0.18, 2, 4, 0.12, 0.06, 2},
+                                                        {0.80, 0.06, 0, 0.16, 1, 5, 0.13, 0.05, 2},
                                                         {0.78, 0.08, 0, 0.25, 2, 6, 0.16, 0.08, 3},
                                                         {0.80, 0.10, 0, 0.30, 2, 9, 0.18, 0.10, 4},
                                                         {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
@@ -42,8 +43,13 @@ constexpr double kLastAim = 1.012;
 constexpr double kLeastShareInStages = 0.9975;
 constexpr double kLeastShare = 0.995;
 
+/// The last collapses for splits aim no lower, so that one collapse more stays above kLeastShare.
+constexpr double kLeastShareWithRoom = 0.998;
+constexpr std::uint64_t kTetsOfASplit = 5;
+
 /// What collapses may leave, from strict to anything positive.
 constexpr std::array kLeastScores{0.003, 1e-9};
+constexpr std::array kLastLeastScores{0.04, 0.003, 1e-9};  ///< of the last few, with little repair to come
 
 std::uint64_t share_of(std::uint64_t count, double share) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * share);
@@ -73,12 +79,11 @@ class Run {
     if (options_.repair)
       repair(0, 0.5 * effort_.compound_threshold,
              rule_of(kLeastShareInStages, share_of(mesh_.alive, kLastAim)));
-    collapse_to(target_);
+    collapse_with(kLastLeastScores, target_);
     sweep(1);
-    if (options_.repair) {
-      const FlipRule rule = rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive));
-      repair(effort_.repair_rounds, effort_.compound_threshold, rule);
-    }
+    if (!options_.repair) return;
+    repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+    make_room_for_splits();
   }
 
   WorkingMesh& mesh() { return mesh_; }
@@ -86,7 +91,8 @@ class Run {
   const RepairCounts& counts() const { return counts_; }
 
  private:
-  static constexpr int kCompoundSteps = 3;
+  static constexpr int kCompoundSteps = 4;
+  static constexpr double kVeryBad = 0.03;  ///< scores that are worth giving up a vertex elsewhere
 
   /// Returns the number of stages.
   int go_down() {
@@ -105,11 +111,27 @@ class Run {
     return stages;
   }
 
-  void collapse_to(std::uint64_t count) {
+  FlipRule final_rule() const { return rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive)); }
+
+  /// A tet that only a split helps needs tets to spare, which a collapse elsewhere gives.
+  void make_room_for_splits() {
+    const std::uint64_t fewest = share_of(target_, kLeastShareWithRoom);
+    const bool is_bad = std::any_of(mesh_.tets.begin(), mesh_.tets.end(), [&](const Tet& tet) {
+      const auto t = static_cast<Index>(&tet - mesh_.tets.data());
+      return mesh_.is_alive(t) && flipper_.known_score(t) < kVeryBad;
+    });
+    if (!is_bad || mesh_.alive < fewest + kTetsOfASplit) return;
+    collapse_with(kLastLeastScores, mesh_.alive - kTetsOfASplit);
+    repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+  }
+
+  void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
+
+  void collapse_with(std::span<const double> least_scores, std::uint64_t count) {
     CollapseOptions collapse;
     collapse.placement = options_.collapse_placement;
-    collapse.target = std::max(count, target_);
-    for (const double least : kLeastScores) {
+    collapse.target = count;
+    for (const double least : least_scores) {
       if (mesh_.alive <= collapse.target) return;
       collapse.least_score = least;
       const CollapseReport report = collapse_edges(mesh_, scores_, collapse);

@@ -9,7 +9,10 @@ namespace {
 constexpr double kRepairGainOffset = 0.003;
 
 /// A compound move smooths the vertices around so many times.
-constexpr int kSweepsOfCompound = 2;
+constexpr int kSweepsOfCompound = 3;
+
+/// A compound move that makes the worst tet around so many times better is kept whatever the sum says.
+constexpr double kWorthAnyway = 2.0;
 
 /// Edges are split only for tets below this score: a count is not given away lightly.
 constexpr double kSplitThreshold = 0.03;
@@ -36,6 +39,7 @@ Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& r
 
 void Repairer::round(double threshold, double compound_threshold, int steps) {
   bad_.clear();
+  given_up_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
   for (Index t = 0; t < mesh_.tets.size(); ++t) {
     if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) bad_.emplace_back(mesh_.score[t], t);
   }
@@ -43,10 +47,12 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
   for (const auto& [score, t] : bad_) {
     if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
     const Tet tet = mesh_.tets[t];
-    if (try_flips(t, tet) || try_moves(tet, steps)) continue;
-    if (mesh_.score[t] >= compound_threshold) continue;
-    if (try_compound(t, tet, steps) || mesh_.score[t] >= kSplitThreshold) continue;
-    try_splits(tet, steps);
+    if (given_up_at_[t] != mesh_.score[t]) {
+      if (try_flips(t, tet) || try_moves(tet, steps)) continue;
+      given_up_at_[t] = mesh_.score[t];
+    }
+    if (mesh_.score[t] >= compound_threshold || try_compound(t, tet, steps)) continue;
+    if (mesh_.tets[t] == tet && flipper_.known_score(t) < kSplitThreshold) try_splits(t, tet, steps);
   }
 }
 
@@ -78,33 +84,44 @@ bool Repairer::try_moves(const Tet& tet, int steps) {
 
 bool Repairer::try_compound(Index t, const Tet& tet, int steps) {
   if (!tools_.compound_moves || !tools_.smoothing) return false;
+  const double score = flipper_.known_score(t);
   for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
     const auto [a, b] = edge_of(tet, e);
-    if (!trial_.try_remove_edge(a, b) || !keep_if_better(steps)) continue;
+    if (!trial_.try_remove_edge(a, b) || !keep_if_better(score, steps)) continue;
     ++counts_.edges_removed;
     return true;
   }
   // A trial that was taken back may have given the tet another slot.
   for (std::size_t corner = 0; corner < 4 && tools_.face_removal && mesh_.tets[t] == tet; ++corner) {
-    if (!trial_.try_remove_face(t, corner) || !keep_if_better(steps)) continue;
+    if (!trial_.try_remove_face(t, corner) || !keep_if_better(score, steps)) continue;
     ++counts_.faces_removed;
     return true;
   }
   return false;
 }
 
-bool Repairer::try_splits(const Tet& tet, int steps) {
+bool Repairer::try_splits(Index t, const Tet& tet, int steps) {
   if (!tools_.edge_splits || !tools_.smoothing) return false;
+  const double score = flipper_.known_score(t);
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = edge_of(tet, e);
-    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(steps)) continue;
+    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(score, steps)) continue;
     ++counts_.splits;
     return true;
   }
   return false;
 }
 
-bool Repairer::keep_if_better(int steps) {
+double Repairer::worst_around() {
+  double worst = 1e300;
+  for (const Index t : trial_.added()) worst = std::min(worst, flipper_.known_score(t));
+  for (const Index v : vertices_) {
+    for (const Index t : mesh_.star(v)) worst = std::min(worst, flipper_.known_score(t));
+  }
+  return worst;
+}
+
+bool Repairer::keep_if_better(double score, int steps) {
   vertices_.clear();
   places_.clear();
   for (const Index t : trial_.added()) {
@@ -118,7 +135,7 @@ bool Repairer::keep_if_better(int steps) {
   for (int sweep = 0; sweep < kSweepsOfCompound; ++sweep) {
     for (const Index v : vertices_) growth += smoother_.smooth(v, steps);
   }
-  if (growth > flipper_.rule().least_growth) {
+  if (growth > flipper_.rule().least_growth || worst_around() > kWorthAnyway * score) {
     counts_.moves += vertices_.size();
     return true;
   }

@@ -36,7 +36,8 @@ class Repairer {
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
-  /// Below `compound_threshold` also compound moves and, last, splits.
+  /// Below `compound_threshold` also compound moves and, last, splits. A tet that an earlier round gave up is
+  /// passed over while its score is the same.
   void round(double threshold, double compound_threshold, int steps);
 
   const RepairCounts& counts() const { return counts_; }
@@ -45,8 +46,9 @@ class Repairer {
   bool try_flips(Index t, const Tet& tet);
   bool try_moves(const Tet& tet, int steps);
   bool try_compound(Index t, const Tet& tet, int steps);
-  bool try_splits(const Tet& tet, int steps);
-  bool keep_if_better(int steps);
+  bool try_splits(Index t, const Tet& tet, int steps);
+  double worst_around();
+  bool keep_if_better(double score, int steps);
 
   WorkingMesh& mesh_;
   ScoreRule scores_;
@@ -56,6 +58,7 @@ class Repairer {
   Flipper trial_;  ///< makes flips that may be bad, for a trial
   RepairCounts counts_;
   std::vector<std::pair<double, Index>> bad_;
+  std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
 };

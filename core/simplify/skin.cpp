@@ -98,6 +98,15 @@ void Skin::raise_bound(const WorkingMesh& mesh, double max_error) {
   cover_ = raised;
 }
 
+void Skin::renumber(const std::vector<Index>& new_number, std::size_t vertices) {
+  of_vertex_.assign(vertices, {});
+  for (Index f = 0; f < faces_.size(); ++f) {
+    if (!is_alive(f)) continue;
+    for (Index& v : faces_[f]) v = new_number[v];
+    link(f);
+  }
+}
+
 void Skin::link(Index f) {
   for (const Index v : faces_[f]) of_vertex_[v].push_back(f);
 }

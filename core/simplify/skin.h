@@ -39,6 +39,9 @@ class Skin {
   /// Changes the bound for what comes. It may only grow: what was proven for a smaller one still holds.
   void raise_bound(const WorkingMesh& mesh, double max_error);
 
+  /// Takes over new numbers of the vertices, of a mesh with the same boundary: new_number[v] is that of v.
+  void renumber(const std::vector<Index>& new_number, std::size_t vertices);
+
   std::size_t size() const { return alive_; }
   std::size_t slots() const { return faces_.size(); }
   bool is_alive(Index f) const { return faces_[f][0] != kNoIndex; }

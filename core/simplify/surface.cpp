@@ -17,6 +17,15 @@ namespace {
 /// Greatest share of the tets that one stage leaves.
 constexpr double kStage = 0.6;
 
+/// At the end, tets below the first score are repaired, below the second by compound moves too; so many
+/// rounds, and one more for each effort.
+constexpr double kRepairScore = 0.16;
+constexpr double kCompoundScore = 0.06;
+constexpr int kLeastPolish = 2;
+
+/// Least share of the wanted count that flips may leave.
+constexpr double kLeastShare = 0.995;
+
 /// Where the stages end, over the target: simplify_refined does the rest.
 constexpr double kLeftToRefined = 1.5;
 
@@ -147,6 +156,52 @@ void coarsen_to_limit(Run& run) {
   } while (run.skin.size() < before || run.faces_for(tets) > run.skin.size());
 }
 
+/// The boundary vertices, in the order of the mesh that extract_mesh would give.
+std::vector<Index> boundary_vertices_in_order(const WorkingMesh& mesh) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (mesh.is_vertex_alive(v) && mesh.is_on_boundary(v)) vertices.push_back(v);
+  }
+  std::sort(vertices.begin(), vertices.end(),
+            [&](Index a, Index b) { return mesh.vertex_origin[a] < mesh.vertex_origin[b]; });
+  return vertices;
+}
+
+/// Hands the mesh to simplify_refined and takes it back. The boundary vertices keep their order in that, so
+/// the skin can be told their new numbers. `mesh` is scratch.
+RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& options) {
+  const std::vector<Index> before = boundary_vertices_in_order(run.mesh);
+  std::vector<Vec3> places;
+  for (const Index v : before) places.push_back(run.mesh.points[v]);
+  std::vector<Index> new_number(run.mesh.points.size(), kNoIndex);
+  mesh = extract_mesh(std::move(run.mesh));
+  const RefinedReport report = simplify_refined(mesh, options);
+  run.mesh = build_working_mesh(std::move(mesh), run.field);
+  const std::vector<Index> after = boundary_vertices_in_order(run.mesh);
+  require(after.size() == before.size(), "surface: the boundary changed inside");
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    require(run.mesh.points[after[i]] == places[i], "surface: the boundary moved inside");
+    new_number[before[i]] = after[i];
+  }
+  run.skin.renumber(new_number, run.mesh.points.size());
+  return report;
+}
+
+/// Last moves in the skin, now that the inside is good, and repairs around them.
+void polish(Run& run, std::uint64_t target) {
+  run.aim_at(static_cast<double>(target));
+  FlipRule rule;
+  rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
+  rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
+  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  Repairer repairer(run.mesh, run.scores, rule, {});
+  for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
+    if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+    if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
+    repairer.round(kRepairScore, kCompoundScore, 2);
+  }
+}
+
 }  // namespace
 
 void validate_options(const SurfaceOptions& options) {
@@ -175,14 +230,15 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   } else {
     coarsen_to(run, static_cast<double>(target));
   }
-  run.report.boundary_faces_out = run.skin.size();
   RefinedOptions inside;
   inside.stop.tets = std::max<std::uint64_t>(1, target);
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
+  const RefinedReport refined = refine_inside(run, mesh, inside);
+  if (run.has_changed_skin()) polish(run, *inside.stop.tets);
+  run.report.boundary_faces_out = run.skin.size();
   mesh = extract_mesh(std::move(run.mesh));
-  const RefinedReport refined = simplify_refined(mesh, inside);
   SurfaceRunReport report = std::move(run.report);
   report.inner.collapses += refined.collapses.collapses;
   report.inner.rejected_link = refined.collapses.rejected_link;

@@ -217,6 +217,26 @@ TEST(SimplifySurface, SmallAndFarAway) {
   EXPECT_GT(outcome.report.surface.collapses, 0U);
 }
 
+TEST(SimplifySurface, NeedlesAndFlatTetsEndValid) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    SplitMix64 random(seed);
+    TetMesh input = make_bulged_block(6, seed);
+    const double flatness = std::pow(10.0, -static_cast<double>(seed % 3) - 1.0);
+    for (Vec3& p : input.points) p.z *= flatness;
+    // Inner vertices are pulled close to a neighbour, which leaves tets of a relative volume of 1e-9 and
+    // less.
+    const std::vector<Index> inner = interior_vertices_of_block(6, 6, 6);
+    for (std::size_t i = 0; i < inner.size(); i += 9) {
+      const Vec3 before = input.points[inner[i]];
+      input.points[inner[i]] = input.points[inner[i] - 1] + 1e-9 * (before - input.points[inner[i] - 1]);
+      if (!judge::check_validity(input).is_valid()) input.points[inner[i]] = before;
+    }
+    ASSERT_TRUE(judge::check_validity(input).is_valid());
+    simplify_and_judge(input, with_bound(0.2 * flatness, 0.3 + 0.1 * static_cast<double>(seed)));
+  }
+}
+
 TEST(SimplifySurface, RefusesBadOptions) {
   TetMesh mesh = make_kuhn_block(2, 2, 2);
   EXPECT_THROW(simplify_surface(mesh, with_bound(-1.0)), InputError);
