@@ -1,6 +1,9 @@
 #include "core/simplify/repair.h"
 
 #include <algorithm>
+#include <array>
+
+#include "core/base/error.h"
 
 namespace palpate::simplify {
 namespace {
@@ -14,6 +17,9 @@ constexpr int kSweepsOfCompound = 3;
 /// A compound move that makes the worst tet around so many times better is kept whatever the sum says.
 constexpr double kWorthAnyway = 2.0;
 
+/// Shifts of a vertex of the ring away from the edge, or towards it, that may make a flip possible.
+constexpr std::array kShifts{0.15, 0.3, -0.15, 0.5};
+
 /// Edges are split only for tets below this score: a count is not given away lightly.
 constexpr double kSplitThreshold = 0.03;
 
@@ -25,6 +31,10 @@ FlipRule trial_rule(FlipRule rule) {
 
 std::array<Index, 2> edge_of(const Tet& tet, std::size_t e) {
   return {tet[static_cast<std::size_t>(kTetEdges[e][0])], tet[static_cast<std::size_t>(kTetEdges[e][1])]};
+}
+
+std::size_t corner_in(const Tet& tet, Index v) {
+  return static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
 }
 
 }  // namespace
@@ -51,8 +61,11 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
       if (try_flips(t, tet) || try_moves(tet, steps)) continue;
       given_up_at_[t] = mesh_.score[t];
     }
-    if (mesh_.score[t] >= compound_threshold || try_compound(t, tet, steps)) continue;
-    if (mesh_.tets[t] == tet && flipper_.known_score(t) < kSplitThreshold) try_splits(t, tet, steps);
+    // A trial that is taken back may give the tet another slot: from here on its vertices stand for it.
+    const double score_now = flipper_.known_score(t);
+    if (score_now >= compound_threshold || try_compound(tet, score_now, steps)) continue;
+    if (score_now >= kSplitThreshold || try_shifted_flips(tet, score_now, steps)) continue;
+    try_splits(tet, score_now, steps);
   }
 }
 
@@ -82,30 +95,75 @@ bool Repairer::try_moves(const Tet& tet, int steps) {
   return moved;
 }
 
-bool Repairer::try_compound(Index t, const Tet& tet, int steps) {
+bool Repairer::try_compound(const Tet& tet, double score, int steps) {
   if (!tools_.compound_moves || !tools_.smoothing) return false;
-  const double score = flipper_.known_score(t);
   for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
     const auto [a, b] = edge_of(tet, e);
-    if (!trial_.try_remove_edge(a, b) || !keep_if_better(score, steps)) continue;
+    if (!trial_.try_remove_edge(a, b) || !keep_if_better(score, steps, true)) continue;
     ++counts_.edges_removed;
     return true;
   }
-  // A trial that was taken back may have given the tet another slot.
-  for (std::size_t corner = 0; corner < 4 && tools_.face_removal && mesh_.tets[t] == tet; ++corner) {
-    if (!trial_.try_remove_face(t, corner) || !keep_if_better(score, steps)) continue;
+  for (std::size_t corner = 0; corner < 4 && tools_.face_removal; ++corner) {
+    const Index t = find_tet(tet);
+    if (!trial_.try_remove_face(t, corner_in(mesh_.tets[t], tet[corner])) ||
+        !keep_if_better(score, steps, true)) {
+      continue;
+    }
     ++counts_.faces_removed;
     return true;
   }
   return false;
 }
 
-bool Repairer::try_splits(Index t, const Tet& tet, int steps) {
-  if (!tools_.edge_splits || !tools_.smoothing) return false;
-  const double score = flipper_.known_score(t);
+/// The slot of the tet with these vertices.
+Index Repairer::find_tet(const Tet& tet) const {
+  for (const Index t : mesh_.star(tet[0])) {
+    const Tet& other = mesh_.tets[t];
+    if (std::is_permutation(other.begin(), other.end(), tet.begin())) return t;
+  }
+  throw ContractError("find_tet: no tet has these vertices");
+}
+
+bool Repairer::try_shifted_flips(const Tet& tet, double score, int steps) {
+  if (!tools_.compound_moves || !tools_.smoothing || !tools_.edge_removal) return false;
+  EdgeRing ring;
   for (std::size_t e = 0; e < 6; ++e) {
     const auto [a, b] = edge_of(tet, e);
-    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(score, steps)) continue;
+    if (!find_edge_ring(mesh_, a, b, ring)) continue;
+    const EdgeRing around = ring;
+    for (std::size_t i = 0; i < around.size; ++i) {
+      if (mesh_.is_free(around.ring[i]) && try_shift(around, around.ring[i], score, steps)) return true;
+    }
+  }
+  return false;
+}
+
+bool Repairer::try_shift(const EdgeRing& ring, Index v, double score, int steps) {
+  const Vec3 from = mesh_.points[v];
+  const Vec3 away = from - 0.5 * (mesh_.points[ring.a] + mesh_.points[ring.b]);
+  for (const double share : kShifts) {
+    const Vec3 to = from + share * away;
+    cone_.start(scores_.at(from), from);
+    add_star(mesh_, v, kNoIndex, cone_);
+    cone_.close();
+    if (!cone_.is_positive(to)) continue;
+    apply_move(mesh_, v, to);
+    if (trial_.try_remove_edge(ring.a, ring.b)) {
+      if (keep_if_better(score, steps, false)) {
+        ++counts_.edges_removed;
+        return true;
+      }
+    }
+    apply_move(mesh_, v, from);
+  }
+  return false;
+}
+
+bool Repairer::try_splits(const Tet& tet, double score, int steps) {
+  if (!tools_.edge_splits || !tools_.smoothing) return false;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(score, steps, true)) continue;
     ++counts_.splits;
     return true;
   }
@@ -121,7 +179,7 @@ double Repairer::worst_around() {
   return worst;
 }
 
-bool Repairer::keep_if_better(double score, int steps) {
+bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   vertices_.clear();
   places_.clear();
   for (const Index t : trial_.added()) {
@@ -135,7 +193,7 @@ bool Repairer::keep_if_better(double score, int steps) {
   for (int sweep = 0; sweep < kSweepsOfCompound; ++sweep) {
     for (const Index v : vertices_) growth += smoother_.smooth(v, steps);
   }
-  if (growth > flipper_.rule().least_growth || worst_around() > kWorthAnyway * score) {
+  if ((by_sum && growth > flipper_.rule().least_growth) || worst_around() > kWorthAnyway * score) {
     counts_.moves += vertices_.size();
     return true;
   }

@@ -45,10 +45,13 @@ class Repairer {
  private:
   bool try_flips(Index t, const Tet& tet);
   bool try_moves(const Tet& tet, int steps);
-  bool try_compound(Index t, const Tet& tet, int steps);
-  bool try_splits(Index t, const Tet& tet, int steps);
+  bool try_compound(const Tet& tet, double score, int steps);
+  bool try_splits(const Tet& tet, double score, int steps);
+  Index find_tet(const Tet& tet) const;
   double worst_around();
-  bool keep_if_better(double score, int steps);
+  bool keep_if_better(double score, int steps, bool by_sum);
+  bool try_shifted_flips(const Tet& tet, double score, int steps);
+  bool try_shift(const EdgeRing& ring, Index v, double score, int steps);
 
   WorkingMesh& mesh_;
   ScoreRule scores_;
@@ -57,6 +60,7 @@ class Repairer {
   Flipper flipper_;
   Flipper trial_;  ///< makes flips that may be bad, for a trial
   RepairCounts counts_;
+  Cone cone_;
   std::vector<std::pair<double, Index>> bad_;
   std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
   std::vector<Index> vertices_;
