@@ -187,6 +187,14 @@ RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& optio
   return report;
 }
 
+/// If the inside alone did not get down to the count: the skin gives way further than planned.
+void press_on(Run& run, std::uint64_t target) {
+  if (run.mesh.alive <= target) return;
+  run.aim_at(static_cast<double>(target));
+  coarsen_boundary(run, 0, target);
+  coarsen_inside(run, target);
+}
+
 /// Last moves in the skin, now that the inside is good, and repairs around them.
 void polish(Run& run, std::uint64_t target) {
   run.aim_at(static_cast<double>(target));
@@ -194,6 +202,7 @@ void polish(Run& run, std::uint64_t target) {
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
   BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  flipper.set_most_tets(rule.most_tets);
   Repairer repairer(run.mesh, run.scores, rule, {});
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
@@ -236,6 +245,7 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
   const RefinedReport refined = refine_inside(run, mesh, inside);
+  press_on(run, *inside.stop.tets);
   if (run.has_changed_skin()) polish(run, *inside.stop.tets);
   run.report.boundary_faces_out = run.skin.size();
   mesh = extract_mesh(std::move(run.mesh));

@@ -47,9 +47,10 @@ void validate_options(const SurfaceOptions& options);
 ///
 /// Boundary and inside are coarsened by turns, in stages. The boundary's edges are to be `boundary_size`
 /// times as long as those inside, so a boundary that is already that coarse is left alone, to the bit; where
-/// the bound permits no more, the inside goes on alone. The last third of the way is simplify_refined's;
-/// flips and moves in the skin and repairs inside follow. Without a stop, the bound decides how coarse the
-/// boundary gets, and the inside follows in the same proportion.
+/// the bound permits no more, the inside goes on alone. The last third of the way is simplify_refined's; if
+/// that does not reach the count, the boundary gives way further than planned. Flips and moves in the skin
+/// and repairs inside follow. Without a stop, the bound decides how coarse the boundary gets, and the inside
+/// follows in the same proportion.
 ///
 /// Sparing: an eighth of the bound is tried first, then a quarter, half and all of it, each only if the one
 /// before did not get the boundary as coarse as wanted.

@@ -34,6 +34,9 @@ class BoundaryFlipper {
   BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores)
       : mesh_(mesh), skin_(skin), scores_(scores) {}
 
+  /// Flips of fans of more than two tets make more of them: never more than so many in all.
+  void set_most_tets(std::uint64_t most) { most_tets_ = most; }
+
   /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
   std::uint64_t pass(double threshold);
 
@@ -52,6 +55,7 @@ class BoundaryFlipper {
   Skin& skin_;
   const ScoreRule& scores_;
   ScoreScale scale_;  ///< at the edge under examination
+  std::uint64_t most_tets_ = ~std::uint64_t{0};
   SkinChange change_;
   std::vector<Tet> fresh_;
   std::vector<Index> added_;
