@@ -39,11 +39,14 @@ constexpr double kFirstAim = 1.06;
 constexpr double kLaterAim = 1.02;
 constexpr double kLastAim = 1.012;
 
-/// Flips never take a mesh further below the wanted count.
-constexpr double kLeastShareInStages = 0.9975;
-constexpr double kLeastShare = 0.995;
+/// Flips never take a mesh below these, relative to the wanted count.
+constexpr double kLeastShareInStages = 1.002;
+constexpr double kLeastShare = 0.998;
 
-/// The last collapses for splits aim no lower, so that one collapse more stays above kLeastShare.
+/// Repairs take more tets away than they add, so they begin with a few too many.
+constexpr double kRepairAim = 1.003;
+
+/// The last collapses for splits aim no lower; one collapse may go a few tets further.
 constexpr double kLeastShareWithRoom = 0.998;
 constexpr std::uint64_t kTetsOfASplit = 5;
 
@@ -79,10 +82,14 @@ class Run {
     if (options_.repair)
       repair(0, 0.5 * effort_.compound_threshold,
              rule_of(kLeastShareInStages, share_of(mesh_.alive, kLastAim)));
-    collapse_with(kLastLeastScores, target_);
+    collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
     sweep(1);
     if (!options_.repair) return;
     repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+    if (mesh_.alive > target_) {
+      collapse_with(kLastLeastScores, target_);
+      repair(1, effort_.compound_threshold, final_rule());
+    }
     make_room_for_splits();
   }
 
