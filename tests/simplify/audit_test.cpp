@@ -145,6 +145,17 @@ void run_surface(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
   done.moves += report.surface.moves;
 }
 
+void run_method(Method method, TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
+                Operations& done) {
+  if (method == Method::kRefined) {
+    run_refined(mesh, sizing, random, done);
+  } else if (method == Method::kSurface) {
+    run_surface(mesh, sizing, random, done);
+  } else {
+    run_fusions(method, mesh, sizing, random, done);
+  }
+}
+
 /// Runs a method with options at random, and has the judge look at the result. A refusal in one line is an
 /// answer too.
 void run_and_check(Method method, const TetMesh& input, std::uint64_t seed, Operations& done) {
@@ -152,13 +163,7 @@ void run_and_check(Method method, const TetMesh& input, std::uint64_t seed, Oper
   const SizingOptions sizing = random_sizing(input, random);
   TetMesh mesh = input;
   try {
-    if (method == Method::kRefined) {
-      run_refined(mesh, sizing, random, done);
-    } else if (method == Method::kSurface) {
-      run_surface(mesh, sizing, random, done);
-    } else {
-      run_fusions(method, mesh, sizing, random, done);
-    }
+    run_method(method, mesh, sizing, random, done);
   } catch (const InputError& error) {
     const std::string message = error.what();
     EXPECT_FALSE(message.empty());
@@ -209,6 +214,37 @@ TEST(Audit, EveryMethodOnEveryHardMeshEndsValidOrRefuses) {
   EXPECT_GT(done.fusions, 0U);
   EXPECT_GT(done.collapses, 0U);
   EXPECT_GT(done.flips, 0U);
+}
+
+TEST(Audit, EveryMethodRefusesWhatIsNoMeshOfABody) {
+  TetMesh three_at_a_face = testing_support::make_two_tets();
+  three_at_a_face.points.push_back({1, 1, 1});
+  three_at_a_face.tets.push_back({0, 1, 2, 5});
+  TetMesh folded = testing_support::make_two_tets();
+  folded.points[4] = {0.1, 0.1, 0.5};
+  std::swap(folded.tets[1][1], folded.tets[1][2]);
+  for (const TetMesh& mesh : {three_at_a_face, folded}) {
+    for (const Method method : kMethods) {
+      Operations done;
+      run_and_check(method, mesh, 1, done);
+      EXPECT_EQ(done.refusals, 1U) << name_of(method);
+    }
+  }
+}
+
+TEST(Audit, EveryMethodLeavesNothingOfNothing) {
+  for (const Method method : kMethods) {
+    Operations done;
+    TetMesh mesh;
+    SplitMix64 random(2);
+    try {
+      run_method(method, mesh, {}, random, done);
+    } catch (const InputError&) {
+      continue;  // a refusal is as good
+    }
+    EXPECT_EQ(mesh, TetMesh()) << name_of(method);
+    EXPECT_EQ(done.changes(), 0U) << name_of(method);
+  }
 }
 
 /// Whole runs of the methods, on ever new meshes.
