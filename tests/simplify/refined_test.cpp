@@ -94,7 +94,7 @@ TEST(Refined, ScalingByAPowerOfTwoScalesTheResult) {
 }
 
 TEST(Refined, EveryEffortIsValidAndMoreEffortIsBetterInTheMean) {
-  const TetMesh input = build_kuhn_cube(9, 0.35, 8);
+  const TetMesh input = build_kuhn_cube(12, 0.35, 8);
   std::vector<double> mean;
   for (int effort = 0; effort <= kMostEffort; ++effort) {
     mean.push_back(judge::measure_quality(run(input, stop_at(0.5, effort)).mesh).mean_quality);
