@@ -39,6 +39,10 @@ constexpr double kFirstAim = 1.06;
 constexpr double kLaterAim = 1.02;
 constexpr double kLastAim = 1.012;
 
+/// A stage that falls short of its goal has to leave less than this share of the tets to be followed by
+/// another.
+constexpr double kLeastProgress = 0.98;
+
 /// Flips never take a mesh below these, relative to the wanted count.
 constexpr double kLeastShareInStages = 1.002;
 constexpr double kLeastShare = 0.998;
@@ -107,8 +111,10 @@ class Run {
     double aim = kFirstAim;
     while (mesh_.alive > share_of(target_, aim)) {
       const std::uint64_t before = mesh_.alive;
-      collapse_to(std::max(share_of(target_, aim), share_of(before, effort_.stage_share)));
-      if (mesh_.alive == before) break;
+      const std::uint64_t goal = std::max(share_of(target_, aim), share_of(before, effort_.stage_share));
+      collapse_to(goal);
+      // Where the boundary forbids more, another stage would only repeat this one.
+      if (mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress)) break;
       set_window(kLeastShareInStages, before - 1);  // so that the count falls from stage to stage
       sweep(effort_.stage_steps);
       flip_below(effort_.stage_threshold);

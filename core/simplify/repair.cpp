@@ -11,6 +11,11 @@ namespace {
 /// c of gain_of_score in repairs.
 constexpr double kRepairGainOffset = 0.003;
 
+/// A round takes at most so many tets, and one in so many of all.
+constexpr std::size_t kAlwaysRepaired = 32;
+constexpr std::size_t kShareOfRepair = 4;
+constexpr std::size_t kShareOfCompound = 32;
+
 /// A compound move smooths the vertices around so many times.
 constexpr int kSweepsOfCompound = 3;
 
@@ -54,6 +59,10 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) bad_.emplace_back(mesh_.score[t], t);
   }
   std::sort(bad_.begin(), bad_.end());
+  // Where most tets are bad, as when the boundary is too fine for the count, no repair helps; the time is
+  // bounded.
+  const std::size_t share = compound_threshold > 0.0 ? kShareOfCompound : kShareOfRepair;
+  if (bad_.size() > kAlwaysRepaired + mesh_.alive / share) bad_.resize(kAlwaysRepaired + mesh_.alive / share);
   for (const auto& [score, t] : bad_) {
     if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
     const Tet tet = mesh_.tets[t];

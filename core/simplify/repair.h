@@ -37,7 +37,8 @@ class Repairer {
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
   /// Below `compound_threshold` also compound moves and, last, splits. A tet that an earlier round gave up is
-  /// passed over while its score is the same.
+  /// passed over while its score is the same. A round takes the worst fourth of all tets at most, with
+  /// compound moves the worst in 32.
   void round(double threshold, double compound_threshold, int steps);
 
   const RepairCounts& counts() const { return counts_; }

@@ -141,10 +141,10 @@ TEST(Cone, VolumeCentroidOfAnOctahedronSeenFromInside) {
   Cone cone;
   const Vec3 apex{0.2, -0.1, 0.3};
   cone.start(scale_of_ideal_volume(0.1), apex);
-  for (int s = 0; s < 8; ++s) {
-    const Vec3& a = p[static_cast<std::size_t>(s & 1)];
-    const Vec3& b = p[static_cast<std::size_t>(2 + (s >> 1 & 1))];
-    const Vec3& c = p[static_cast<std::size_t>(4 + (s >> 2 & 1))];
+  for (std::size_t s = 0; s < 8; ++s) {
+    const Vec3& a = p[s & 1U];
+    const Vec3& b = p[2 + (s >> 1U & 1U)];
+    const Vec3& c = p[4 + (s >> 2U & 1U)];
     if (orientation(apex, a, b, c) > 0) {
       cone.add(a, b, c);
     } else {

@@ -62,7 +62,8 @@ TetMesh make_sliver_cube(int cells, std::uint64_t seed) {
         return orientation(mesh.points[x[0]], mesh.points[x[1]], mesh.points[x[2]], mesh.points[x[3]]) > 0;
       });
     };
-    for (double share = 0.999; share > 0.01; share *= 0.9) {
+    double share = 0.999;
+    for (int trial = 0; trial < 40; ++trial, share *= 0.9) {
       mesh.points[v] = from + share * (to - from);
       if (all_positive()) break;
       mesh.points[v] = from;
