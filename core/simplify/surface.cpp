@@ -206,7 +206,7 @@ void polish(Run& run, std::uint64_t target) {
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
   BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
-  flipper.set_most_tets(rule.most_tets);
+  flipper.set_range(rule.fewest_tets, rule.most_tets);
   Repairer repairer(run.mesh, run.scores, rule, {});
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
