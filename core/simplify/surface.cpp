@@ -24,7 +24,8 @@ constexpr double kCompoundScore = 0.06;
 constexpr int kLeastPolish = 2;
 
 /// Least share of the wanted count that flips may leave.
-constexpr double kLeastShare = 0.995;
+constexpr double kLeastShare = 0.998;
+constexpr double kAimOfRefined = 1.004;
 
 /// Where the stages end, over the target: simplify_refined does the rest.
 constexpr double kLeftToRefined = 1.5;
@@ -130,6 +131,7 @@ void even_out(Run& run) {
 
 /// Down to a little more than the target: the rest is left to simplify_refined.
 void coarsen_to(Run& run, double target) {
+  if (run.faces_for(target) >= run.skin.size()) return;  // the skin is coarse enough: all is refined's
   const auto tets_in = static_cast<double>(run.report.tets_in);
   const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
   const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
@@ -172,10 +174,11 @@ std::vector<Index> boundary_vertices_in_order(const WorkingMesh& mesh) {
 RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& options) {
   const std::vector<Index> before = boundary_vertices_in_order(run.mesh);
   std::vector<Vec3> places;
+  places.reserve(before.size());
   for (const Index v : before) places.push_back(run.mesh.points[v]);
   std::vector<Index> new_number(run.mesh.points.size(), kNoIndex);
   mesh = extract_mesh(std::move(run.mesh));
-  const RefinedReport report = simplify_refined(mesh, options);
+  RefinedReport report = simplify_refined(mesh, options);
   run.mesh = build_working_mesh(std::move(mesh), run.field);
   const std::vector<Index> after = boundary_vertices_in_order(run.mesh);
   require(after.size() == before.size(), "surface: the boundary changed inside");
@@ -187,10 +190,11 @@ RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& optio
   return report;
 }
 
-/// If the inside alone did not get down to the count: the skin gives way further than planned.
+/// Down to the count itself. If the inside does not get there, the skin gives way further than planned.
 void press_on(Run& run, std::uint64_t target) {
   if (run.mesh.alive <= target) return;
   run.aim_at(static_cast<double>(target));
+  coarsen_inside(run, target);
   coarsen_boundary(run, 0, target);
   coarsen_inside(run, target);
 }
@@ -202,7 +206,7 @@ void polish(Run& run, std::uint64_t target) {
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
   BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
-  flipper.set_most_tets(rule.most_tets);
+  flipper.set_range(rule.fewest_tets, rule.most_tets);
   Repairer repairer(run.mesh, run.scores, rule, {});
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
@@ -240,13 +244,16 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
     coarsen_to(run, static_cast<double>(target));
   }
   RefinedOptions inside;
-  inside.stop.tets = std::max<std::uint64_t>(1, target);
+  target = std::max<std::uint64_t>(1, target);
+  // Refined may end 0.5% below; some collapses from a little above get closer.
+  const double aim = run.has_changed_skin() ? kAimOfRefined : 1.0;
+  inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
   const RefinedReport refined = refine_inside(run, mesh, inside);
-  press_on(run, *inside.stop.tets);
-  if (run.has_changed_skin()) polish(run, *inside.stop.tets);
+  press_on(run, target);
+  if (run.has_changed_skin()) polish(run, target);
   run.report.boundary_faces_out = run.skin.size();
   mesh = extract_mesh(std::move(run.mesh));
   SurfaceRunReport report = std::move(run.report);

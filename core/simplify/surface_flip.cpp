@@ -127,6 +127,7 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));
   const double worst = worst_score(fan);
   if (worst >= threshold) return false;
+  if (fan.size == 1 && mesh_.alive <= fewest_tets_) return false;
   if (fan.size > 2 && mesh_.alive + fan.size - 2 > most_tets_) return false;
   if (fan.size > 1) {
     const double best = best_triangulation(fan);

@@ -34,8 +34,11 @@ class BoundaryFlipper {
   BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores)
       : mesh_(mesh), skin_(skin), scores_(scores) {}
 
-  /// Flips of fans of more than two tets make more of them: never more than so many in all.
-  void set_most_tets(std::uint64_t most) { most_tets_ = most; }
+  /// Peeling takes a tet away, flips of fans of more than two add some: only within this range of counts.
+  void set_range(std::uint64_t fewest, std::uint64_t most) {
+    fewest_tets_ = fewest;
+    most_tets_ = most;
+  }
 
   /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
   std::uint64_t pass(double threshold);
@@ -55,6 +58,7 @@ class BoundaryFlipper {
   Skin& skin_;
   const ScoreRule& scores_;
   ScoreScale scale_;  ///< at the edge under examination
+  std::uint64_t fewest_tets_ = 0;
   std::uint64_t most_tets_ = ~std::uint64_t{0};
   SkinChange change_;
   std::vector<Tet> fresh_;
