@@ -71,7 +71,8 @@ class Run {
         effort_(kEfforts[static_cast<std::size_t>(options.effort)]),
         target_(target),
         smoother_(mesh_, scores_),
-        flipper_(mesh_, scores_, {}) {}
+        flipper_(mesh_, scores_, {}),
+        repairer_(mesh_, scores_, {}, options.tools) {}
 
   void simplify() {
     const int stages = options_.interleave ? go_down() : 0;
@@ -99,7 +100,13 @@ class Run {
 
   WorkingMesh& mesh() { return mesh_; }
   const CollapseReport& collapses() const { return collapses_; }
-  const RepairCounts& counts() const { return counts_; }
+  RepairCounts counts() const {
+    RepairCounts sum = repairer_.counts();
+    sum.moves += counts_.moves;
+    sum.edges_removed += counts_.edges_removed;
+    sum.faces_removed += counts_.faces_removed;
+    return sum;
+  }
 
  private:
   static constexpr int kCompoundSteps = 4;
@@ -175,13 +182,9 @@ class Run {
   }
 
   void repair(int rounds, double compound_threshold, const FlipRule& rule) {
-    Repairer repairer(mesh_, scores_, rule, options_.tools);
-    for (int i = 0; i < rounds; ++i) repairer.round(effort_.repair_threshold, 0.0, effort_.final_steps + i);
-    repairer.round(compound_threshold, compound_threshold, kCompoundSteps);
-    counts_.moves += repairer.counts().moves;
-    counts_.edges_removed += repairer.counts().edges_removed;
-    counts_.faces_removed += repairer.counts().faces_removed;
-    counts_.splits += repairer.counts().splits;
+    repairer_.set_rule(rule);
+    for (int i = 0; i < rounds; ++i) repairer_.round(effort_.repair_threshold, 0.0, effort_.final_steps + i);
+    repairer_.round(compound_threshold, compound_threshold, kCompoundSteps);
   }
 
   FlipRule rule_of(double least_share, std::uint64_t most) const {
@@ -200,8 +203,9 @@ class Run {
   const std::uint64_t target_;
   Smoother smoother_;
   Flipper flipper_;
+  Repairer repairer_;
   CollapseReport collapses_;
-  RepairCounts counts_;
+  RepairCounts counts_;  ///< but those of the repairs
 };
 
 /// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the

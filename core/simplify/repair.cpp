@@ -52,9 +52,19 @@ Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& r
       flipper_(mesh, scores_, rule),
       trial_(mesh, scores_, trial_rule(rule)) {}
 
+void Repairer::set_rule(const FlipRule& rule) {
+  flipper_.set_rule(rule);
+  trial_.set_rule(trial_rule(rule));
+}
+
+void Repairer::remember_more() {
+  given_up_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
+  hopeless_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
+}
+
 void Repairer::round(double threshold, double compound_threshold, int steps) {
   bad_.clear();
-  given_up_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
+  remember_more();
   for (Index t = 0; t < mesh_.tets.size(); ++t) {
     if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) bad_.emplace_back(mesh_.score[t], t);
   }
@@ -72,9 +82,16 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     }
     // A trial that is taken back may give the tet another slot: from here on its vertices stand for it.
     const double score_now = flipper_.known_score(t);
-    if (score_now >= compound_threshold || try_compound(tet, score_now, steps)) continue;
-    if (score_now >= kSplitThreshold || try_shifted_flips(tet, score_now, steps)) continue;
-    try_splits(tet, score_now, steps);
+    if (score_now >= compound_threshold) continue;
+    const bool is_split_wanted = score_now < kSplitThreshold;
+    if (hopeless_at_[t] != score_now) {
+      if (try_compound(tet, score_now, steps)) continue;
+      if (is_split_wanted && try_shifted_flips(tet, score_now, steps)) continue;
+      remember_more();
+      const Index slot = find_tet(tet);
+      hopeless_at_[slot] = given_up_at_[slot] = flipper_.known_score(slot);
+    }
+    if (is_split_wanted) try_splits(tet, score_now, steps);
   }
 }
 
@@ -199,8 +216,12 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
     }
   }
   double growth = trial_.growth();
-  for (int sweep = 0; sweep < kSweepsOfCompound; ++sweep) {
-    for (const Index v : vertices_) growth += smoother_.smooth(v, steps);
+  for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
+    double gained = 0.0;
+    for (const Index v : vertices_) gained += smoother_.smooth(v, steps);
+    growth += gained;
+    // A sweep gains less than the one before it.
+    if (growth + left * gained <= flipper_.rule().least_growth) break;
   }
   if ((by_sum && growth > flipper_.rule().least_growth) || worst_around() > kWorthAnyway * score) {
     counts_.moves += vertices_.size();

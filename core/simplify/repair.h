@@ -36,14 +36,18 @@ class Repairer {
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
-  /// Below `compound_threshold` also compound moves and, last, splits. A tet that an earlier round gave up is
-  /// passed over while its score is the same. A round takes the worst fourth of all tets at most, with
-  /// compound moves the worst in 32.
+  /// Below `compound_threshold` also compound moves and, last, splits. What an earlier round has tried in
+  /// vain on a tet, all but splits, is not tried again while its score is the same. A round takes the worst
+  /// fourth of all tets at most, with compound moves the worst in 32.
   void round(double threshold, double compound_threshold, int steps);
+
+  /// Changes how far the count may go.
+  void set_rule(const FlipRule& rule);
 
   const RepairCounts& counts() const { return counts_; }
 
  private:
+  void remember_more();
   bool try_flips(Index t, const Tet& tet);
   bool try_moves(const Tet& tet, int steps);
   bool try_compound(const Tet& tet, double score, int steps);
@@ -64,6 +68,7 @@ class Repairer {
   Cone cone_;
   std::vector<std::pair<double, Index>> bad_;
   std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
+  std::vector<double> hopeless_at_;  ///< the score at which compound moves helped nothing either
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
 };
