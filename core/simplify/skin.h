@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/simplify/cover_test.h"
+#include "core/simplify/cover_check.h"
 #include "core/simplify/face_contact.h"
 #include "core/simplify/triangle_tree.h"
 #include "core/simplify/working_mesh.h"

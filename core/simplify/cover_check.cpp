@@ -1,4 +1,4 @@
-#include "core/simplify/cover_test.h"
+#include "core/simplify/cover_check.h"
 
 #include <algorithm>
 
