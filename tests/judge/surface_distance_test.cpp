@@ -92,19 +92,6 @@ Sampled brute_directed(const SurfaceMesh& from, const SurfaceMesh& to, int n) {
   return result;
 }
 
-SurfaceMesh random_soup(int triangles, double size, SplitMix64& random) {
-  const auto point = [&](double extent) {
-    return Vec3{extent * random.uniform(), extent * random.uniform(), extent * random.uniform()};
-  };
-  SurfaceMesh soup;
-  for (Index i = 0; i < static_cast<Index>(triangles); ++i) {
-    const Vec3 corner = point(1.0);
-    for (int k = 0; k < 3; ++k) soup.points.push_back(corner + point(size));
-    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  return soup;
-}
-
 TEST(SurfaceDistance, ConcentricGeodesicSpheres) {
   const SurfaceMesh inner = build_geodesic_sphere(6);
   const SurfaceMesh outer = scaled(inner, 1.2);
@@ -180,8 +167,8 @@ TEST(SurfaceDistance, AgreesWithBruteForceOnRandomTriangles) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     SplitMix64 random(seed);
     const double size = seed % 3 == 0 ? 0.02 : (seed % 3 == 1 ? 0.3 : 2.0);
-    const SurfaceMesh a = random_soup(12, size, random);
-    const SurfaceMesh b = random_soup(15, size, random);
+    const SurfaceMesh a = random_triangles(12, size, random);
+    const SurfaceMesh b = random_triangles(15, size, random);
     const SurfaceDistanceOptions options{.relative_gap = 1e-3};
     const SurfaceDistance d = measure_surface_distance(a, b, options);
     const Sampled forward = brute_directed(a, b, 24);

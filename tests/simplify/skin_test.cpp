@@ -20,19 +20,6 @@ TriangleCorners corners_of(const SurfaceMesh& surface, std::size_t i) {
   return {surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
 }
 
-SurfaceMesh random_soup(int triangles, double size, SplitMix64& random) {
-  const auto point = [&](double extent) {
-    return Vec3{extent * random.uniform(), extent * random.uniform(), extent * random.uniform()};
-  };
-  SurfaceMesh soup;
-  for (Index i = 0; i < static_cast<Index>(triangles); ++i) {
-    const Vec3 corner = point(1.0);
-    for (int k = 0; k < 3; ++k) soup.points.push_back(corner + point(size));
-    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  return soup;
-}
-
 TEST(CoverTest, AParallelTriangleIsCoveredFromItsHeightOn) {
   const SurfaceMesh ground{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
   const TriangleTree tree(ground.points, ground.triangles);
@@ -69,8 +56,8 @@ TEST(CoverTest, NeverSaysYesAgainstTheJudgeAndSeldomNo) {
   std::size_t too_careful = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     SplitMix64 random(seed);
-    const SurfaceMesh one = random_soup(1, 0.5, random);
-    const SurfaceMesh others = random_soup(25, seed % 2 == 0 ? 0.3 : 1.0, random);
+    const SurfaceMesh one = random_triangles(1, 0.5, random);
+    const SurfaceMesh others = random_triangles(25, seed % 2 == 0 ? 0.3 : 1.0, random);
     const judge::SurfaceDistance exact = judge::measure_surface_distance(one, others);
     const TriangleTree tree(others.points, others.triangles);
     for (const double factor : {0.8, 0.99, 1.01, 1.2}) {

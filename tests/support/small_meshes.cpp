@@ -120,4 +120,17 @@ TetMesh translated(TetMesh mesh, const Vec3& by) {
   return mesh;
 }
 
+SurfaceMesh random_triangles(int triangles, double size, SplitMix64& random) {
+  const auto point = [&](double extent) {
+    return Vec3{extent * random.uniform(), extent * random.uniform(), extent * random.uniform()};
+  };
+  SurfaceMesh soup;
+  for (Index i = 0; i < static_cast<Index>(triangles); ++i) {
+    const Vec3 corner = point(1.0);
+    for (int k = 0; k < 3; ++k) soup.points.push_back(corner + point(size));
+    soup.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return soup;
+}
+
 }  // namespace palpate::testing_support

@@ -4,6 +4,7 @@
 #include <array>
 #include <span>
 
+#include "core/base/random.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::testing_support {
@@ -43,5 +44,8 @@ TetMesh join_meshes(const TetMesh& a, const TetMesh& b);
 
 /// The mesh moved by `by`.
 TetMesh translated(TetMesh mesh, const Vec3& by);
+
+/// Triangles of edge length up to about `size` whose first corners lie anywhere in the unit cube.
+SurfaceMesh random_triangles(int triangles, double size, SplitMix64& random);
 
 }  // namespace palpate::testing_support
