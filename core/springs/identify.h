@@ -1,0 +1,66 @@
+// Spring constants that make a network move like an elastic solid: each method a named function of mesh and
+// material.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/mesh/boundary_problem.h"
+#include "core/mesh/spring_network.h"
+#include "core/mesh/tet_mesh.h"
+
+namespace palpate::springs {
+
+/// The identification methods; kTrained needs fields to learn from and is not among them.
+enum class SpringMethod {
+  kUniform,
+  kVanGelder,
+  kLloyd,
+  kMaciel,
+  kStiffnessFit,
+  kThesisPrinted,
+  kThesisCorrected,
+  kIsotropy,
+  kIsotropyPatch
+};
+
+/// "isotropy_patch" and so on, as on the command line. Throws: InputError with the nearest name.
+SpringMethod parse_spring_method(std::string_view name);
+const char* spring_method_name(SpringMethod method);
+
+struct IdentifyOptions {
+  bool face_opposite = false;  ///< also a spring between the two apexes of each interior face
+  std::optional<double>
+      uniform_stiffness_n_per_m;      ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
+  double stiffness_row_weight = 1.0;  ///< kThesisPrinted, kThesisCorrected: of the stiffness row
+  double tolerance = 1e-10;           ///< of the KKT residual
+  int threads = 1;
+};
+
+/// What came of it. Shape: stiffness_ratio holds one entry a vertex: sum over its springs of k U^2 / (12 E
+/// V_m).
+struct IdentifyReport {
+  SpringMethod method = SpringMethod::kUniform;
+  std::size_t zero_springs = 0;
+  double kkt_relative = 0.0;  ///< 0 for closed forms
+  std::size_t iterations = 0;
+  bool converged = true;
+  double stiffness_ratio_mean = 0.0;
+  std::vector<Index>
+      degenerate_vertices;            ///< one tet, or a flat fan: their constants rest on too few directions
+  std::vector<std::string> warnings;  ///< one line each; they name the first few vertices
+};
+
+/// Identifies the stiffness of each spring for Young's modulus and Poisson's ratio; springs alone give 1/4
+/// whatever the ratio is, and a warning says so (a volume model carries the rest; fit to mu then: E_s = 2.5
+/// mu).
+///
+/// Requires: points in metres, positive tets without isolated vertices.
+/// Throws: InputError for a modulus, ratio or density out of range.
+SpringNetwork identify_springs(const TetMesh& mesh, const Material& material, SpringMethod method,
+                               const IdentifyOptions& options, IdentifyReport& report);
+
+}  // namespace palpate::springs
