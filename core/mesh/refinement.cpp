@@ -35,22 +35,24 @@ constexpr std::array<Diagonal, 3> kDiagonals{
 constexpr std::array<std::array<int, 4>, 4> kCorners{
     {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}}};
 
+/// Length squared, then the vertices: what decides between diagonals.
+struct DiagonalRank {
+  double length_sq;
+  std::array<Index, 2> ends;
+
+  friend auto operator<=>(const DiagonalRank&, const DiagonalRank&) = default;
+};
+
+DiagonalRank rank_of(const Diagonal& diagonal, const QuadraticTet& nodes, std::span<const Vec3> points) {
+  const Index a = nodes[static_cast<std::size_t>(diagonal.ends[0])];
+  const Index b = nodes[static_cast<std::size_t>(diagonal.ends[1])];
+  return {length_sq(points[b] - points[a]), {std::min(a, b), std::max(a, b)}};
+}
+
 const Diagonal& shortest_diagonal(const QuadraticTet& nodes, std::span<const Vec3> points) {
-  const Diagonal* best = nullptr;
-  double best_sq = 0.0;
-  std::array<Index, 2> best_ends{};
-  for (const Diagonal& diagonal : kDiagonals) {
-    const Index a = nodes[static_cast<std::size_t>(diagonal.ends[0])];
-    const Index b = nodes[static_cast<std::size_t>(diagonal.ends[1])];
-    const double sq = length_sq(points[b] - points[a]);
-    const std::array<Index, 2> ends{std::min(a, b), std::max(a, b)};
-    if (best == nullptr || sq < best_sq || (sq == best_sq && ends < best_ends)) {
-      best = &diagonal;
-      best_sq = sq;
-      best_ends = ends;
-    }
-  }
-  return *best;
+  return *std::min_element(kDiagonals.begin(), kDiagonals.end(), [&](const Diagonal& a, const Diagonal& b) {
+    return rank_of(a, nodes, points) < rank_of(b, nodes, points);
+  });
 }
 
 Tet pick(const QuadraticTet& nodes, const std::array<int, 4>& local) {
