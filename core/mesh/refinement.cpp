@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/mesh/topology.h"
@@ -36,12 +38,7 @@ constexpr std::array<std::array<int, 4>, 4> kCorners{
     {{0, 4, 5, 6}, {4, 1, 7, 8}, {5, 7, 2, 9}, {6, 8, 9, 3}}};
 
 /// Length squared, then the vertices: what decides between diagonals.
-struct DiagonalRank {
-  double length_sq;
-  std::array<Index, 2> ends;
-
-  friend auto operator<=>(const DiagonalRank&, const DiagonalRank&) = default;
-};
+using DiagonalRank = std::pair<double, Edge>;
 
 DiagonalRank rank_of(const Diagonal& diagonal, const QuadraticTet& nodes, std::span<const Vec3> points) {
   const Index a = nodes[static_cast<std::size_t>(diagonal.ends[0])];
