@@ -5,6 +5,8 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/mesh/topology.h"
+
 namespace palpate::reference::fenicsx {
 namespace {
 
@@ -54,7 +56,14 @@ BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem
 }
 
 void BoundaryTerms::find_held(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
-  (void)mesh;
+  std::vector<Edge> edges;
+  if (!problem.held_field_m.empty()) edges = build_edges(mesh);
+  const auto displacement_at = [&](const HeldFaces& patch, const Edge& ends) {
+    if (problem.held_field_m.empty()) return patch.by_m;
+    if (ends[0] == ends[1]) return patch.by_m + problem.held_field_m[ends[0]];
+    const auto at = std::lower_bound(edges.begin(), edges.end(), ends) - edges.begin();
+    return patch.by_m + problem.held_field_m[mesh.points.size() + static_cast<std::size_t>(at)];
+  };
   std::unordered_map<std::uint64_t, std::size_t> node_of;
   const auto key = [](const Edge& ends) { return (std::uint64_t{ends[0]} << 32U) | ends[1]; };
   if (!problem.held.empty()) {
@@ -63,12 +72,13 @@ void BoundaryTerms::find_held(const TetMesh& mesh, const BoundaryProblem& proble
   }
   std::set<PetscInt> seen;
   for (const HeldFaces& patch : problem.held) {
-    const std::array<double, 3> by{patch.by_m.x, patch.by_m.y, patch.by_m.z};
     for (const Triangle& f : patch.faces) {
       for (const Edge& ends : {Edge{f[0], f[0]}, Edge{f[1], f[1]}, Edge{f[2], f[2]}, edge_of(f[0], f[1]),
                                edge_of(f[1], f[2]), edge_of(f[2], f[0])}) {
         const auto found = node_of.find(key(ends));
         if (found == node_of.end()) continue;
+        const Vec3 move = displacement_at(patch, ends);
+        const std::array<double, 3> by{move.x, move.y, move.z};
         for (std::size_t axis = 0; axis < 3; ++axis) {
           const auto entry = static_cast<PetscInt>(3 * found->second + axis);
           if (!patch.axes[axis] || !seen.insert(entry).second) continue;
@@ -77,7 +87,7 @@ void BoundaryTerms::find_held(const TetMesh& mesh, const BoundaryProblem& proble
             held_rows_.push_back(3 * body.global_numbers()[found->second] + static_cast<PetscInt>(axis));
           }
         }
-        is_moved_ = is_moved_ || (patch.by_m != Vec3{});
+        is_moved_ = is_moved_ || (move != Vec3{});
       }
     }
   }

@@ -273,6 +273,29 @@ void ElasticBody::add_body_force(const Vec3& force_n_m3, const Vector& force) {
   fem::assemble_vector(entries.get(), *parts_->load);
 }
 
+void ElasticBody::add_body_force_field(const std::vector<Vec3>& force_n_m3, const std::vector<Edge>& edges,
+                                       const Vector& force) {
+  const Parts quadratic(parts_->mesh, parts_->material, parts_->strain, 2);
+  const std::size_t vertices = force_n_m3.size() - edges.size();
+  auto values = quadratic.displacement->x()->mutable_array();
+  for (std::size_t node = 0; node < quadratic.nodes.size(); ++node) {
+    const Edge& ends = quadratic.nodes[node];
+    const std::size_t row =
+        ends[0] == ends[1]
+            ? ends[0]
+            : vertices + static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), ends) -
+                                                  edges.begin());
+    const Vec3& f = force_n_m3[row];
+    std::copy_n(std::array{f.x, f.y, f.z}.begin(), 3, values.begin() + static_cast<std::ptrdiff_t>(3 * node));
+  }
+  const Form load = fem::create_form<PetscScalar>(
+      *(parts_->degree == 1 ? form_elasticity_field_load1 : form_elasticity_field_load2), {parts_->space},
+      {{"force_field", quadratic.displacement}},
+      std::map<std::string, std::shared_ptr<const fem::Constant<PetscScalar>>>{}, {}, parts_->mesh);
+  const LocalEntries entries(force.get());
+  fem::assemble_vector(entries.get(), load);
+}
+
 double ElasticBody::stored_energy(const Vector& u) {
   parts_->set_displacement(u);
   double here = fem::assemble_scalar(*parts_->energy);

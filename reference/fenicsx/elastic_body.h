@@ -53,6 +53,10 @@ class ElasticBody {
   void add_internal_force(const Vector& u, const Vector& force);
   /// Adds a force a unit of volume, in N/m^3.
   void add_body_force(const Vec3& force_n_m3, const Vector& force);
+  /// Adds a force a unit of volume that varies: a value at each vertex and each of `edges` (build_edges of
+  /// the mesh), quadratic in each tet.
+  void add_body_force_field(const std::vector<Vec3>& force_n_m3, const std::vector<Edge>& edges,
+                            const Vector& force);
   /// The stored energy at `u` in J, of all processes together; NaN where a tet is turned inside out.
   double stored_energy(const Vector& u);
 

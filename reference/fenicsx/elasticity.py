@@ -5,6 +5,7 @@ from ufl import (Coefficient, Constant, Identity, TestFunction, TrialFunction, V
 first_lame_pa = Constant(tetrahedron)
 shear_modulus_pa = Constant(tetrahedron)
 body_force = Constant(tetrahedron, shape=(3,))
+force_field = Coefficient(VectorElement("Lagrange", tetrahedron, 2))
 
 
 def of_degree(degree):
@@ -24,10 +25,12 @@ def of_degree(degree):
     for energy in (linear, neo_hookean):
         force = derivative(energy, u, v)
         forms_of += [energy, force, derivative(force, u, du)]
-    return u, forms_of, dot(body_force, v) * dx(degree=degree)
+    return u, forms_of, [dot(body_force, v) * dx(degree=degree), dot(force_field, v) * dx(degree=degree + 2)]
 
 
-u1, (small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1), load1 = of_degree(1)
-u2, (small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2), load2 = of_degree(2)
-forms = [small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1, load1,
-         small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2, load2]
+u1, (small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1), \
+    (load1, field_load1) = of_degree(1)
+u2, (small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2), \
+    (load2, field_load2) = of_degree(2)
+forms = [small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1, load1, field_load1,
+         small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2, load2, field_load2]

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 
+#include "core/mesh/topology.h"
+
 namespace palpate::reference::fenicsx {
 namespace {
 
@@ -12,6 +14,9 @@ class LoadedBody {
   LoadedBody(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body)
       : body_(body), terms_(mesh, problem, body), load_(body.create_vector()) {
     body.add_body_force(problem.material.density_kg_m3 * problem.gravity_m_s2, load_);
+    if (!problem.body_force_n_m3.empty()) {
+      body.add_body_force_field(problem.body_force_n_m3, build_edges(mesh), load_);
+    }
     terms_.add_loads(load_);
     add_up_ghosts(load_);
     update_ghosts(load_);

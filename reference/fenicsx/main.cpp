@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "core/mesh/refinement.h"
 #include "core/mesh/topology.h"
 #include "reference/deform_problem.h"
 #include "reference/fenicsx/equilibrium.h"
@@ -27,7 +28,7 @@ std::vector<Vec3> gather_rows(const TetMesh& base, const ElasticBody& body, cons
   for (std::size_t node = 0; node < body.owned_nodes(); ++node) {
     const Edge& ends = body.nodes()[node];
     std::size_t row = ends[0];
-    if (ends[0] != ends[1]) {
+    if (ends[0] != ends[1]) {  // on a refined mesh, no edge of the base mesh
       const auto at = std::lower_bound(edges.begin(), edges.end(), ends);
       if (at == edges.end() || *at != ends) continue;
       row = vertices + static_cast<std::size_t>(at - edges.begin());
@@ -71,19 +72,28 @@ Response answer(const Request& request) {
     options.solver = static_cast<SolverChoice>(take_choice(left, "solver", {"auto", "mumps", "gamg"}));
   }
   options.tolerance_relative = take_number(left, "rtol", 1e-14, 0.1, options.tolerance_relative);
+  const auto refine = take_whole(left, "refine", 0, 3, 0);
   require_all_taken(left);
   const DeformTask task = read_deform_task(request);
   require_no_free_motion(task.mesh, task.problem);
 
+  TetMesh mesh = task.mesh;
+  BoundaryProblem problem = task.problem;
+  for (std::int64_t level = 0; level < refine; ++level) {
+    TetMesh refined = refine_uniformly(mesh);
+    problem = refine_problem(problem, mesh, refined);
+    mesh = std::move(refined);
+  }
   const auto start = std::chrono::steady_clock::now();
-  ElasticBody body(task.mesh, task.problem.material, task.problem.strain, request.method == "fem.p1" ? 1 : 2);
+  ElasticBody body(mesh, problem.material, problem.strain, request.method == "fem.p1" ? 1 : 2);
   const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Equilibrium found = find_equilibrium(task.mesh, task.problem, body, options);
+  const Equilibrium found = find_equilibrium(mesh, problem, body, options);
   Response response;
   response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   response.report = {{"method", request.method},
                      {"outcome", found.outcome},
                      {"dofs", 3 * body.global_nodes()},
+                     {"refine", refine},
                      {"solver", found.solver},
                      {"iterations", found.linear_iterations},
                      {"residual_relative", found.residual_relative},
