@@ -81,7 +81,7 @@ void hold_boundary(KnownCase& known, std::function<Vec3(const Vec3&)> field) {
 KnownCase patch_test(int cells) {
   KnownCase known;
   known.mesh = build_kuhn_cube(cells, 0.25, 5);
-  known.problem.material = {10000.0, 0.3, 0.0};
+  known.problem.material = {10000.0, 0.3, 1000.0};
   const LinearField field{{Vec3{0.010, -0.004, 0.007}, {0.003, -0.008, 0.002}, {-0.005, 0.006, 0.009}},
                           {0.02, -0.01, 0.03}};
   hold_boundary(known, [field](const Vec3& x) { return field.displacement(x); });
@@ -94,7 +94,7 @@ constexpr double kBarSide = 0.01;
 KnownCase bar_tension(int cells) {
   KnownCase known;
   known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
-  known.problem.material = {10000.0, 0.3, 0.0};
+  known.problem.material = {10000.0, 0.3, 1000.0};
   hold_symmetry_planes(known);
   constexpr double kStress = 250.0;
   known.problem.tractions = {{whole(faces_on(known.mesh, &Vec3::x, kBarLength)), {kStress, 0, 0}, 0.0}};
@@ -107,7 +107,7 @@ KnownCase bar_tension(int cells) {
 KnownCase bar_pads(int cells) {
   KnownCase known;
   known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
-  known.problem.material = {10000.0, 0.0, 0.0};
+  known.problem.material = {10000.0, 0.0, 1000.0};
   const BarBetweenPads bar{kBarLength, 1.0e6, 2.0e6, 0.002};
   known.problem.supports = {
       {whole(faces_on(known.mesh, &Vec3::x, 0.0)), bar.near_pa_per_m, {}},
@@ -134,7 +134,7 @@ KnownCase bar_own_weight(int cells) {
 KnownCase bar_large_tension(int cells) {
   KnownCase known;
   known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
-  known.problem.material = {10000.0, 0.3, 0.0};
+  known.problem.material = {10000.0, 0.3, 1000.0};
   known.problem.strain = StrainSize::kLarge;
   hold_symmetry_planes(known);
   constexpr double kStretch = 1.3;
@@ -150,7 +150,7 @@ KnownCase bar_large_tension(int cells) {
 KnownCase manufactured(int cells) {
   KnownCase known;
   known.mesh = jittered_cube(cells, 1.0);
-  known.problem.material = {10000.0, 0.3, 0.0};
+  known.problem.material = {10000.0, 0.3, 1000.0};
   const std::vector<PlaneWave> waves{{{0.010, 0.004, -0.006}, {2.0, 1.0, -1.5}, 0.3},
                                      {{-0.003, 0.008, 0.005}, {-1.0, 2.5, 1.0}, 1.1},
                                      {{0.004, -0.005, 0.009}, {1.5, -0.5, 2.5}, -0.4}};
@@ -164,7 +164,7 @@ KnownCase thick_sphere(int cells) {
   KnownCase known;
   const PressedShell shell{0.05, 0.1, 1000.0};
   known.mesh = build_shell_octant(cells, cells, shell.inner_m, shell.outer_m);
-  known.problem.material = {10000.0, 0.3, 0.0};
+  known.problem.material = {10000.0, 0.3, 1000.0};
   hold_symmetry_planes(known);
   const auto inside = [&](const Vec3& p) { return is_zero(length(p) - shell.inner_m, shell.outer_m); };
   known.problem.tractions = {{whole(select_boundary(known.mesh, inside)), {}, shell.pressure_pa}};
@@ -191,7 +191,7 @@ KnownCase cantilever(int cells) {
   constexpr double kTraction = -1.0;
   KnownCase known;
   known.mesh = bar_mesh(cells, kLength, kBarSide, 1.0);
-  known.problem.material = {10000.0, 0.25, 0.0};
+  known.problem.material = {10000.0, 0.25, 1000.0};
   known.problem.held = {{faces_on(known.mesh, &Vec3::x, 0.0), kAll, {}}};
   known.problem.tractions = {{whole(faces_on(known.mesh, &Vec3::x, kLength)), {0, 0, kTraction}, 0.0}};
   const Index tip = vertex_at(known.mesh, {kLength, 0.5 * kBarSide, 0.5 * kBarSide});
@@ -214,7 +214,7 @@ KnownCase elliptic_membrane(int cells) {
     return Vec3{(2.0 + 1.25 * across) * cosine, (1.0 + 1.75 * across) * std::sin(angle),
                 kHalfThickness * s.z};
   });
-  known.problem.material = {210.0e9, 0.3, 0.0};
+  known.problem.material = {210.0e9, 0.3, 1000.0};
   hold_symmetry_planes(known);
   const auto outside = [](const Vec3& p) {
     return is_zero(p.x * p.x / (3.25 * 3.25) + p.y * p.y / (2.75 * 2.75) - 1.0, 1.0);
