@@ -243,7 +243,7 @@ class TrueProblem : public ::testing::Test {
       const TetMesh fine = build_kuhn_cube(cells, 0.0, 1);
       const Field all = solve_smooth_problem(fine, material, kMaterial);
       const auto step = static_cast<std::size_t>(cells / 4);
-      const auto side = static_cast<std::size_t>(cells + 1);
+      const auto side = static_cast<std::size_t>(cells) + 1;
       Field at;
       for (const Vec3& p : mesh_.points) {
         const auto grid = [&](double x) { return step * static_cast<std::size_t>(std::lround(4.0 * x)); };
