@@ -9,6 +9,7 @@
 
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
+#include "reference/adapter.h"
 
 namespace palpate::reference {
 
@@ -27,6 +28,15 @@ nlohmann::json problem_to_json(const BoundaryProblem& problem);
 /// >= 0, -1 < nu < 0.5, faces that are boundary faces of the mesh, nothing held in two ways. Throws:
 /// InputError that starts with `where`.
 BoundaryProblem problem_from_json(const nlohmann::json& json, const TetMesh& mesh, const std::string& where);
+
+/// What a request of the contest deform asks: the mesh in metres, positively oriented, and its problem.
+struct DeformTask {
+  TetMesh mesh;
+  BoundaryProblem problem;
+};
+
+/// Reads both files of a request. Throws: InputError, also for a request of another contest.
+DeformTask read_deform_task(const Request& request);
 
 /// A displacement as CSV: "vertex,ux_m,uy_m,uz_m", one row a vertex of the mesh, in order. A contestant with
 /// quadratic shape functions adds one row for the midpoint of each edge of build_edges(mesh), in that order,
