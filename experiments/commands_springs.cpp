@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <set>
@@ -32,7 +31,11 @@ namespace {
 using nlohmann::json;
 
 /// No organ is longer: a bigger box is most likely in millimetres.
-constexpr double kLongestOrgan_m = 10.0;
+constexpr double kLongestOrganM = 10.0;
+
+/// Of moduli, densities and units, in size; and of ratios, so that what is out of range is named as such.
+constexpr double kMostNumber = 1e15;
+constexpr double kMostRatio = 1000.0;
 
 struct SpringsArguments {
   std::string mesh;
@@ -102,7 +105,7 @@ TetMesh read_mesh_in_metres(const SpringsArguments& arguments) {
   for (Vec3& point : file.mesh.points) point = arguments.unit_m * point;
   const BoundingBox box = bounding_box(file.mesh.points);
   const double longest = std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
-  if (longest > kLongestOrgan_m) {
+  if (longest > kLongestOrganM) {
     print_note(arguments.mesh + ": the mesh is " + short_number(longest) +
                " m long; if its unit is the millimetre, say --unit-m 0.001");
   }
@@ -183,6 +186,7 @@ int identify(const SpringsArguments& arguments) {
   check_above_zero(arguments.unit_m, "--unit-m");
   check_output_csv(arguments.out);
   if (!arguments.masses.empty()) check_output_csv(arguments.masses);
+  if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");
   const TetMesh mesh = read_mesh_in_metres(arguments);
   springs::IdentifyReport report;
   const auto start = std::chrono::steady_clock::now();
@@ -225,8 +229,8 @@ std::string springs_footer() {
 void add_springs_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SpringsArguments>();
   CLI::App* command = app.add_subcommand("springs", "Find the spring constants of a mesh with one method");
-  constexpr double kMost = std::numeric_limits<double>::max();
-  const auto any_number = number_from(-kMost, kMost);
+  // What is above 0 or below 0.5 is checked later, so that the message can say so.
+  const auto number_above_zero = number_from(-kMostNumber, kMostNumber);
   command->add_option("MESH", arguments->mesh, "Mesh to put springs on")->required();
   command->add_option("-o,--output", arguments->out, "Springs to write (.csv)")
       ->required()
