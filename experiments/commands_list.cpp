@@ -65,7 +65,7 @@ json describe_contestant(const Contestant& contestant) {
 
 void print_method(const MethodSpec& method) {
   std::cout << "  " << colored(method.name, Color::kBold) << ": " << method.summary << '\n';
-  std::cout << "    stops at: " << joined(method.stops) << '\n';
+  if (!method.stops.empty()) std::cout << "    stops at: " << joined(method.stops) << '\n';
   if (method.keeps) std::cout << "    takes --keep \"sphere x y z r\" and the like\n";
   if (!method.deterministic) std::cout << "    not deterministic: the same request may give another mesh\n";
   for (const OptionSpec& option : method.options) {

@@ -66,19 +66,28 @@ std::vector<OptionSpec> keep_options() {
   return {near_size, reach};
 }
 
-MethodSpec read_method(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
-  MethodSpec method;
-  method.name = fields.need("name").identifier();
-  method.summary = fields.need("summary").text();
+/// Stops belong to the contest `simplify`: nothing else ends at a count.
+std::vector<std::string> read_stops(const YamlFields& fields, const std::string& method,
+                                    const std::string& contest) {
+  std::vector<std::string> stops;
+  if (contest != "simplify" && !fields.find("stops")) return stops;
   for (const YamlValue& stop : fields.need("stops").items()) {
     const std::string kind = stop.text();
     if (std::find(kStops.begin(), kStops.end(), kind) == kStops.end()) {
       stop.fail("unknown stop \"" + kind + "\"" + nearest_hint(kind, kStops));
     }
-    method.stops.push_back(kind);
+    stops.push_back(kind);
   }
-  if (method.stops.empty()) value.fail("method " + method.name + " has no stop");
+  if (stops.empty()) fields.self().fail("method " + method + " has no stop");
+  return stops;
+}
+
+MethodSpec read_method(const YamlValue& value, const std::string& contest) {
+  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
+  MethodSpec method;
+  method.name = fields.need("name").identifier();
+  method.summary = fields.need("summary").text();
+  method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
@@ -192,7 +201,7 @@ Contestant read_contestant(const std::filesystem::path& description,
   contestant.licence = fields.need("licence").text();
   if (const auto source = fields.find("source")) contestant.source = source->text();
   for (const YamlValue& method : fields.need("methods").items()) {
-    contestant.methods.push_back(read_method(method));
+    contestant.methods.push_back(read_method(method, contestant.contest));
   }
   if (contestant.methods.empty()) root.fail("a contestant needs at least one method");
   return contestant;

@@ -30,7 +30,7 @@ struct OptionSpec {
 struct MethodSpec {
   std::string name;  ///< "palpate.hierarchical"
   std::string summary;
-  std::vector<std::string> stops;  ///< of "fusions", "tets", "ratio", "limit"
+  std::vector<std::string> stops;  ///< of "fusions", "tets", "ratio", "limit"; contest simplify alone
   std::vector<OptionSpec> options;
   bool keeps = false;  ///< honours regions to keep, and has the options near_size and reach for them
   bool deterministic =

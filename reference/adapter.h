@@ -16,13 +16,15 @@ namespace palpate::reference {
 ///    true), "options": {"levels": "vertex", "drop": 0.01}, "threads": 1, "tuned": {"edge_length": 0.1},
 ///    "keep": ["sphere 0 0 5 2"]}
 ///
-/// "tuned" is there only if an earlier repeat's search found something, "keep" only if the plan or the
-/// command line asks for it.
+/// In the contest deform there is "problem_in" beside the mesh, "displacement_out" in place of "mesh_out",
+/// and no stop (reference/deform_problem.h). "tuned" is there only if an earlier repeat's search found
+/// something, "keep" only if the plan or the command line asks for it.
 struct Request {
   std::string contest;
   std::string method;
-  std::filesystem::path input;   ///< "mesh_in" (or "surface_in" for meshers)
-  std::filesystem::path output;  ///< "mesh_out"
+  std::filesystem::path input;    ///< "mesh_in" (or "surface_in" for meshers)
+  std::filesystem::path output;   ///< "mesh_out"; "displacement_out" in the contest deform
+  std::filesystem::path problem;  ///< "problem_in", in the contest deform alone
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;

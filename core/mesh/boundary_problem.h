@@ -76,6 +76,13 @@ struct BoundaryProblem {
   std::vector<ElasticSupport> supports;
   std::vector<Traction> tractions;
   std::vector<NodalForce> nodal_forces;
+  /// A body force that varies, in N/m^3, beside gravity: a value at each vertex and at each edge midpoint of
+  /// build_edges, quadratic in each tet. Empty: none. Linear elements may use all of it or the vertices'
+  /// alone.
+  std::vector<Vec3> body_force_n_m3;
+  /// A displacement that varies, added to `by_m` of every held face in its held directions: a value at each
+  /// vertex and at each edge midpoint, as above; linear elements use the vertices' alone. Empty: zero.
+  std::vector<Vec3> held_field_m;
 };
 
 }  // namespace palpate

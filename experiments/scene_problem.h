@@ -1,0 +1,40 @@
+// A scene on a mesh: regions become faces, totals become tractions, and what cannot be solved is refused.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/boundary_problem.h"
+#include "core/mesh/tet_mesh.h"
+#include "experiments/scene.h"
+
+namespace palpate::experiments {
+
+/// The scene's mesh in metres. `vertices` replaces the count of a made shape.
+/// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for `vertices` of a
+/// file.
+MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices = std::nullopt);
+
+/// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a
+/// simplified one say, it still means the same parts of space.
+Scene place_scene(Scene scene, const TetMesh& mesh);
+
+/// A placed scene on a mesh in metres, by its boundary faces.
+///
+/// The weight of a face in a region is the share of 256 equal parts of it whose centroids lie in the region,
+/// so that a region means nearly the same on every mesh. A hard clamp or displacement holds the boundary
+/// faces all of whose vertices lie in the region. A total force becomes a uniform traction over the weighted
+/// area, so that the total is kept whatever the mesh.
+///
+/// Requires: points in metres, positive tets.
+/// Throws: InputError that starts with the region's place for one that takes hold of no face (or lies so far
+///         off that its unit must be wrong), for vertices that are held in two ways, and for a body with a
+///         rigid motion left free, naming that motion.
+BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh);
+
+/// The rigid motions that the problem leaves free, one line each: "translation along (1, 0, 0)",
+/// "rotation about (0, 0, 1) through (0, 0, 0.01) m". Empty if there are none.
+std::vector<std::string> find_free_motions(const BoundaryProblem& problem, const TetMesh& mesh);
+
+}  // namespace palpate::experiments
