@@ -38,6 +38,8 @@ constexpr double kFirstAccuracy = 0.1;     // of the inner solves, relative to t
 constexpr double kSettledAccuracy = 0.01;  // at most so once the free set stays,
 constexpr double kSingleAccuracy = 1e-4;   // as much as single precision is asked for,
 constexpr double kLastAccuracy = 1e-10;    // the most that is asked for
+constexpr double kEnough = 0.2;            // share of the tolerance that an inner solve aims at
+constexpr int kPatience = 4;               // poor steps in a row before accuracy rises with each
 constexpr double kSufficient = 1e-4;       // share of the linear decrease that a step must bring
 
 // Sum of a_j b_j in four interleaved parts: the order of the additions is fixed, and no chain is long.
@@ -291,11 +293,13 @@ void minimize(ScaledProblem& problem, Iterate& at, const NonnegativeOptions& opt
     require(std::isfinite(at.gradient[j]), "solve_nonnegative: the gradient at the start is not finite");
   report.kkt_relative = kkt_residual(problem, at);
   double accuracy = kFirstAccuracy;
+  int patience = kPatience;
   while (report.kkt_relative > options.tolerance && report.iterations < most &&
          report.cg_iterations < kAllInnerIterations) {
     ++report.iterations;
     const bool same_set = choose_free(at, is_free) == 0;
-    const double wanted = same_set ? std::min(accuracy, kSettledAccuracy) : accuracy;
+    const double enough = kEnough * options.tolerance / report.kkt_relative;
+    const double wanted = std::max(enough, same_set ? std::min(accuracy, kSettledAccuracy) : accuracy);
     if (!in_single && !full) full.emplace(problem);
     report.cg_iterations += in_single ? single->solve(at.z, at.gradient, is_free, wanted, direction)
                                       : full->solve(at.z, at.gradient, is_free, wanted, direction);
@@ -311,7 +315,9 @@ void minimize(ScaledProblem& problem, Iterate& at, const NonnegativeOptions& opt
       report.kkt_relative = kkt_residual(problem, at);
     }
     if (!moved && !in_single) break;
-    if (!moved || report.kkt_relative > 0.5 * before) accuracy = std::max(0.1 * accuracy, kLastAccuracy);
+    const bool stalls = !moved || report.kkt_relative > 0.5 * before;
+    patience = stalls ? patience - 1 : kPatience;
+    if (!moved || patience <= 0) accuracy = std::max(0.1 * accuracy, kLastAccuracy);
     if (!moved || accuracy < kSingleAccuracy) in_single = false;
   }
 }
