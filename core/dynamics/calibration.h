@@ -16,17 +16,17 @@ struct EffectiveModuli {
   double bulk_pa() const { return lambda_pa + 2.0 / 3.0 * mu_pa; }
 };
 
-/// Moduli of a model under affine displacements of all its vertices (`affine`), and with the boundary vertices
-/// alone so displaced and the inside in equilibrium (`relaxed`), which is what the body shows. Inner vertices
-/// that an affine displacement leaves out of balance make it softer.
+/// Moduli of a model under affine displacements of all its vertices (`affine`), and with the boundary
+/// vertices alone so displaced and the inside in equilibrium (`relaxed`), which is what the body shows. Inner
+/// vertices that an affine displacement leaves out of balance make it softer.
 struct MeasuredModuli {
   EffectiveModuli affine;
   EffectiveModuli relaxed;
   bool converged = true;  ///< whether all six solves did
 };
 
-/// Measures them by six strains E_1..E_6, an orthonormal basis of the symmetric matrices: with C_ab V = u_a . K u_b
-/// the isotropic part of C has 3 K = (sum over the dilatations) and 2 mu = (trace of C - 3 K) / 5.
+/// Measures them by six strains E_1..E_6, an orthonormal basis of the symmetric matrices: with C_ab V = u_a .
+/// K u_b the isotropic part of C has 3 K = (sum over the dilatations) and 2 mu = (trace of C - 3 K) / 5.
 /// Requires: no volume force.
 MeasuredModuli measure_moduli(const TetMesh& mesh, const ElasticModel& model, const LinearOptions& options);
 
