@@ -171,7 +171,7 @@ LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, doubl
 
   const auto solve_start = std::chrono::steady_clock::now();
   Vector free_step = zeros_like(residual);
-  check(KSPSetTolerances(solver_.get(), tolerance_relative, 1e-300, PETSC_DEFAULT, kMostIterations),
+  check(KSPSetTolerances(solver_.get(), 0.5 * tolerance_relative, 1e-300, PETSC_DEFAULT, kMostIterations),
         "KSPSetTolerances");
   check(KSPSetOperators(solver_.get(), fine_.tangent.get(), fine_.tangent.get()), "KSPSetOperators");
   check(KSPSolve(solver_.get(), right.get(), free_step.get()), "KSPSolve");
@@ -188,8 +188,9 @@ LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, doubl
   PetscReal right_norm = 0.0;
   check(VecNorm(left_over.get(), NORM_2, &left_over_norm), "VecNorm");
   check(VecNorm(right.get(), NORM_2, &right_norm), "VecNorm");
+  report.right_side_norm = right_norm;
   report.residual_relative = right_norm > 0.0 ? left_over_norm / right_norm : 0.0;
-  report.converged = reason > 0 && report.residual_relative == report.residual_relative;
+  report.converged = reason > 0 && report.residual_relative <= tolerance_relative;
   update_ghosts(free_step);
   check(VecAXPY(step.get(), 1.0, free_step.get()), "VecAXPY");
   update_ghosts(step);

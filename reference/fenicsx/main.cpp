@@ -96,6 +96,8 @@ Response answer(const Request& request) {
                      {"refine", refine},
                      {"solver", found.solver},
                      {"iterations", found.linear_iterations},
+                     {"newton_steps", found.newton_steps},
+                     {"load_steps", found.load_steps},
                      {"residual_relative", found.residual_relative},
                      {"energy_j", found.strain_energy_j},
                      {"support_energy_j", found.support_energy_j},
