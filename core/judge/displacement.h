@@ -20,8 +20,9 @@ struct DisplacementSize {
   std::size_t max_point = 0;  ///< the first row at which `max` is taken
 };
 
-/// Measures a field. Linear time for n rows, one sort of the edges for n + e.
-/// Throws: ContractError for other sizes or a material that is not positive (mu > 0, 3 lambda + 2 mu > 0).
+/// Measures a field, in linear time. A tet whose volume is not positive in double precision has no part in
+/// it. Throws: ContractError for other sizes or a material that is not positive (mu > 0, 3 lambda + 2 mu >
+/// 0).
 DisplacementSize measure_displacement(const TetMesh& mesh, std::span<const Vec3> field, double lambda_pa,
                                       double mu_pa);
 
@@ -49,7 +50,9 @@ DisplacementError compare_displacement(const TetMesh& mesh, std::span<const Vec3
                                        std::span<const Vec3> truth, double lambda_pa, double mu_pa);
 
 /// A field on the vertices of `source`, linear in each tet, evaluated at `points`: barycentric inside;
-/// outside, at the nearest point of the nearest boundary face. `outside` counts those.
+/// outside, at the nearest point of the nearest boundary face. `outside` counts those that are farther out
+/// than rounding (1e-12 of the box's diagonal). Time: a search in trees of boxes for each point. Throws:
+/// ContractError for other sizes or no tets, InputError for numbers that are not finite.
 struct TransferredField {
   std::vector<Vec3> value;
   std::size_t outside = 0;

@@ -55,15 +55,32 @@ struct ReferenceOptions {
 ///   three levels: extrapolated if 1 <= p <= 4 and the differences point the same way (alignment >= 1/2);
 ///   two levels:   extrapolated if an order is stated; else the finest;
 ///   one level:    that level, and no estimate.
-/// Error: extrapolated, max(1/x, 1 - 1/x) D; finest, max(1, 1/x) D. It is no less than the true error for any
-/// sum of terms a_i h^(p_i) with p_i >= 1 (or >= the observed p, if that is less) whose a_i point the same
-/// way or across. Where the differences point elsewhere, the error is the larger difference; where they do
-/// not shrink, there is no estimate. docs/judge.md has the proof.
+/// Error: extrapolated, max(1/x, 1/x0 - 1/x) D; finest, D / x0; x0 = 2^p0 - 1. It is no less than the true
+/// error for any sum of terms a_i h^(p_i) with p_i >= p0 whose a_i point the same way or across. p0 is 1 in
+/// the L2 norm, 1/2 for maximum and energy (the edge of a hard clamp), or the order observed in that figure
+/// if it is less. A last difference below 1/16 of the one before counts as 1/16 of it (order 4). Where the
+/// differences point elsewhere, the error is the larger one; where they do not shrink, there is no estimate.
+/// docs/judge.md has the proof.
 ///
 /// Throws: ContractError for no level or other sizes; InputError for values that are not finite, a field that
 /// is zero, or a stated order outside [1, 4].
 ReferenceEstimate estimate_reference(const TetMesh& mesh, std::span<const std::vector<Vec3>> levels,
                                      double lambda_pa, double mu_pa, const ReferenceOptions& options = {});
+
+/// Two references that were made by different ways, such as P1 and P2, on the same mesh and its refinements.
+struct ReferenceAgreement {
+  double relative_l2 = 0.0;        ///< |first - second| / |first|
+  std::optional<double> expected;  ///< the sum of their errors, if both have one
+  /// False if they are farther apart than their errors allow: then at least one of them solves another
+  /// problem, or its error is too small.
+  bool agree = false;
+};
+
+/// Holds two references against each other. A reference that is wrong in a way that refining does not change
+/// (another material, another load, a factor) has an estimate as small as a right one: only this finds it.
+/// Throws: ContractError for other sizes, InputError for a field that is zero or not finite.
+ReferenceAgreement compare_references(const TetMesh& mesh, const ReferenceEstimate& first,
+                                      const ReferenceEstimate& second, double lambda_pa, double mu_pa);
 
 /// A reference must be so many times better than the error that it judges.
 inline constexpr double kReferenceMargin = 5.0;
