@@ -61,7 +61,8 @@ json problem_sweep(const json& sweep) {
 
 std::string problem_id(const std::string& scene, const json& sweep) {
   std::string id = scene;
-  for (const auto& [name, value] : problem_sweep(sweep).items()) id += "/" + name + "=" + value.dump();
+  const json own = problem_sweep(sweep);
+  for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
   return id;
 }
 
