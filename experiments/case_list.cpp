@@ -16,6 +16,8 @@ struct Point {
   json sweep = json::object();
   std::map<std::string, GivenOption> set;
   Stop stop;
+  std::optional<std::size_t> simplifier;
+  Stop simplifier_stop;
 };
 
 std::string value_text(const json& value) {
@@ -29,9 +31,10 @@ class CaseBuilder {
   }
 
   std::vector<Case> build() {
-    for (std::size_t mesh = 0; mesh < plan_.meshes.size(); ++mesh) {
-      first_of_mesh_ = cases_.size();
-      for (const std::size_t contestant : order_) add_cases(mesh, contestant);
+    for (const std::string& name : subject_names(plan_)) {
+      first_of_subject_ = cases_.size();
+      for (const std::size_t contestant : order_) add_cases(name, contestant);
+      ++subject_;
     }
     return std::move(cases_);
   }
@@ -65,6 +68,8 @@ class CaseBuilder {
 
   /// Whether the axis changes what this contestant does, by itself or through the label it refers to.
   bool applies(std::size_t contestant, const SweepAxis& axis) const {
+    if (axis.is_problem()) return true;
+    if (axis.is_stop() && plan_.contest == "deform") return false;  // the simplifiers', see below
     const bool own = axis.is_option() ? has_free_option(contestant, axis.option())
                                       : !plan_.contestants[contestant].stop.has_value();
     if (own) return true;
@@ -87,7 +92,7 @@ class CaseBuilder {
           next.sweep[axis.name] = axis.values[i];
           if (axis.is_option()) {
             if (has_free_option(contestant, axis.option())) next.set[axis.option()] = axis.texts[i];
-          } else if (!c.stop) {
+          } else if (axis.is_stop() && !c.stop) {
             next.stop = {axis.stop_kind(), axis.values[i].get<double>(), ""};
           }
           crossed.push_back(std::move(next));
@@ -95,12 +100,39 @@ class CaseBuilder {
       }
       points = std::move(crossed);
     }
-    return points;
+    return plan_.simplifiers.empty() ? points : cross_simplifiers(points);
+  }
+
+  /// Each point with each simplifier, and one without a stop of its own with each swept one.
+  std::vector<Point> cross_simplifiers(const std::vector<Point>& points) const {
+    std::vector<Point> crossed;
+    for (const Point& point : points) {
+      for (std::size_t i = 0; i < plan_.simplifiers.size(); ++i) {
+        const PlanContestant& simplifier = plan_.simplifiers[i];
+        Point next = point;
+        next.simplifier = i;
+        next.sweep["simplify"] = simplifier.label;
+        if (simplifier.stop) next.simplifier_stop = *simplifier.stop;
+        const bool is_free = !simplifier.method.empty() && !simplifier.stop;
+        const auto axis = std::find_if(plan_.sweep.begin(), plan_.sweep.end(),
+                                       [](const SweepAxis& a) { return a.is_stop(); });
+        if (!is_free || axis == plan_.sweep.end()) {
+          crossed.push_back(std::move(next));
+          continue;
+        }
+        for (const json& value : axis->values) {
+          next.sweep[axis->name] = value;
+          next.simplifier_stop = {axis->stop_kind(), value.get<double>(), ""};
+          crossed.push_back(next);
+        }
+      }
+    }
+    return crossed;
   }
 
   /// The case of `label` on this mesh whose sweep values are all among `sweep`.
   std::size_t find_referred(const std::string& label, const json& sweep) const {
-    for (std::size_t i = first_of_mesh_; i < cases_.size(); ++i) {
+    for (std::size_t i = first_of_subject_; i < cases_.size(); ++i) {
       if (plan_.contestants[cases_[i].contestant].label != label) continue;
       const json& own = cases_[i].sweep;
       const bool matches = std::all_of(own.items().begin(), own.items().end(), [&](const auto& item) {
@@ -111,16 +143,18 @@ class CaseBuilder {
     throw ContractError("build_cases: tets_of meets no case");
   }
 
-  void add_cases(std::size_t mesh, std::size_t contestant) {
+  void add_cases(const std::string& subject, std::size_t contestant) {
     const PlanContestant& c = plan_.contestants[contestant];
     const MethodSpec& method = *registry_.find(c.method)->method;
     for (const Point& point : points_of(contestant)) {
       Case base;
-      base.id = plan_.meshes[mesh].name + "/" + c.label;
-      base.mesh = mesh;
+      base.id = subject + "/" + c.label;
+      base.subject = subject_;
       base.contestant = contestant;
       base.stop = point.stop;
       base.sweep = point.sweep;
+      base.simplifier = point.simplifier;
+      base.simplifier_stop = point.simplifier_stop;
       for (const auto& [name, value] : point.sweep.items()) base.id += "/" + name + "=" + value_text(value);
       base.options = resolve_options(method, point.set);
       if (base.stop.kind == StopKind::kTetsOf) base.tets_of = find_referred(base.stop.of, base.sweep);
@@ -139,7 +173,8 @@ class CaseBuilder {
   const Registry& registry_;
   std::vector<std::size_t> order_;
   std::vector<Case> cases_;
-  std::size_t first_of_mesh_ = 0;
+  std::size_t subject_ = 0;
+  std::size_t first_of_subject_ = 0;
 };
 
 }  // namespace

@@ -14,18 +14,21 @@ namespace palpate::experiments {
 /// One thing to run, some times over.
 struct Case {
   std::string id;              ///< "kidney/sequential_random/tets_removed_ratio=0.1/seed=3"
-  std::size_t mesh = 0;        ///< index into Plan::meshes
+  std::size_t subject = 0;     ///< index into Plan::meshes, or into Plan::scenes in the contest deform
   std::size_t contestant = 0;  ///< index into Plan::contestants
   Stop stop;
   nlohmann::json options;  ///< every option, typed
   nlohmann::json sweep = nlohmann::json::object();
   std::optional<std::int64_t> seed;
-  std::optional<std::size_t> tets_of;  ///< index of the case whose tets are matched; always an earlier one
+  std::optional<std::size_t> tets_of;     ///< index of the case whose tets are matched; always an earlier one
+  std::optional<std::size_t> simplifier;  ///< index into Plan::simplifiers, where the plan has some
+  Stop simplifier_stop;
 };
 
-/// Builds the cases, meshes outermost. A contestant without a stop of its own is crossed with the sweep's
-/// stop, one that has a swept option free with that option, and one with `tets_of` follows the label that it
-/// names through that label's sweep.
+/// Builds the cases, meshes or scenes outermost. A contestant without a stop of its own is crossed with the
+/// sweep's stop, one that has a swept option free with that option, and one with `tets_of` follows the label
+/// that it names through that label's sweep. In the contest deform, each is crossed with the problems' axes
+/// (poisson_ratio, vertices) and with the simplifiers ("simplify=LABEL").
 std::vector<Case> build_cases(const Plan& plan, const Registry& registry);
 
 /// The indices of the cases that `id` names, themselves or by a leading part ("kidney",

@@ -4,9 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/file_hash.h"
-#include "experiments/judge_record.h"
 #include "experiments/measure.h"
-#include "experiments/mesh_source.h"
 #include "experiments/provenance.h"
 #include "experiments/terminal.h"
 
@@ -32,18 +30,10 @@ json describe_stop(const Stop& stop) {
   return value;
 }
 
-json mesh_facts(const RunMesh& mesh) {
-  return {{"name", mesh.name},
-          {"vertices", mesh.mesh.points.size()},
-          {"tets", mesh.mesh.tets.size()},
-          {"hash", mesh.hash},
-          {"ideal_volume", mesh.ideal_volume}};
-}
-
-json base_record(const Plan& plan, const RunMesh& mesh) {
+json base_record(const Plan& plan, const json& subject) {
   return {{"schema", "palpate/record/1"},
           {"plan", plan.name},
-          {"mesh", mesh_facts(mesh)},
+          {"mesh", subject},
           {"message", ""},
           {"violations", json::array()},
           {"null_reasons", json::object()},
@@ -74,45 +64,28 @@ void add_bound_violations(const Plan& plan, json& record) {
   }
 }
 
-/// What the adapter reports of the mesh has to be what the judge counts.
-void add_report_violations(json& record) {
-  for (const auto& [reported, counted] :
-       {std::pair{"tets_out", "tets"}, std::pair{"vertices_out", "vertices"}}) {
-    const json said = record.at("report").value(reported, json());
-    const json seen = record.at("judge").value(counted, json());
-    if (said.is_number() && seen.is_number() && said != seen) {
-      record["violations"].push_back(std::string("reports ") + reported + " " + said.dump() +
-                                     ", the judge counts " + seen.dump());
-    }
-  }
-}
-
 /// The judge's figures and violations of an output, from an earlier repeat if it is the same.
-void judge_answer(const RepeatFacts& facts, const ContestantAnswer& answer, const std::vector<json>& earlier,
-                  json& record) {
-  const std::string hash = hash_file(answer.mesh_out);
+void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
+                       const std::vector<json>& earlier, json& record) {
+  std::error_code error;
+  const bool has_output = std::filesystem::is_regular_file(answer.output, error);
+  const json hash = has_output ? json(hash_file(answer.output)) : json();
   const json* same = nullptr;
   bool differs = false;
   for (const json& other : earlier) {
-    if (!other.at("output_hash").is_string()) continue;
+    if (!has_output || !other.at("output_hash").is_string()) continue;
     if (other.at("output_hash") == hash) {
       same = &other;
     } else {
       differs = true;
     }
   }
-  if (same != nullptr) {
-    record["judge"] = same->at("judge");
-    record["violations"] = json::array();
-    if (!record["judge"].value("valid", false))
-      record["violations"] = record["judge"].value("findings", json::array());
-  } else {
-    const TetMesh output = read_mesh(answer.mesh_out, ReadOrientation::kKeep).mesh;
-    Judgement judgement = judge_output(output, facts.mesh.mesh, facts.contestant.keep);
-    add_region_figures(judgement.figures, output, facts.mesh.mesh, facts.plan.region);
-    record["judge"] = judgement.figures;
-    record["violations"] = judgement.violations;
-  }
+  record["judge"] = same != nullptr ? same->at("judge") : judge.figures(answer.output);
+  record["violations"] = json::array();
+  if (!record["judge"].value("valid", false))
+    record["violations"] = record["judge"].value("findings", json::array());
+  if (record["violations"].empty() && !record["judge"].value("valid", false))
+    record["violations"].push_back(std::string("the ") + judge.what + " is invalid");
   record["output_hash"] = hash;
   if (!differs) return;
   if (facts.deterministic) {
@@ -132,16 +105,15 @@ void add_null_reasons(json& record) {
 
 }  // namespace
 
-json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
-                  const std::vector<json>& earlier) {
-  json record = base_record(facts.plan, facts.mesh);
+json start_record(const RepeatFacts& facts, const json& subject, const ContestantAnswer& answer) {
+  json record = base_record(facts.plan, subject);
   record["case"] = facts.run_case.id;
   record["contestant"] = facts.contestant.method;
   record["label"] = facts.contestant.label;
   record["required"] = facts.contestant.required;
   record["options"] = facts.run_case.options;
   record["keep"] = facts.contestant.keep;
-  record["stop"] = describe_stop(facts.stop);
+  record["stop"] = facts.plan.contest == "simplify" ? describe_stop(facts.stop) : json();
   record["sweep"] = facts.run_case.sweep;
   record["seed"] = or_null(facts.run_case.seed);
   record["repeat"] = facts.repeat;
@@ -152,38 +124,42 @@ json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
   record["peak_rss_bytes"] = or_null(answer.peak_rss_bytes);
   record["outcome"] = answer.outcome;
   record["message"] = answer.message;
+  record["finished_at"] = utc_now();
+  if (answer.outcome != "ok") return record;
+  record["report"] = answer.report;
+  record["tuned"] = answer.tuned;
+  record["searched"] = answer.searched;
+  record["notes"] = answer.notes;
+  return record;
+}
+
+void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
+                  const std::vector<json>& earlier, json& record) {
   if (answer.outcome == "ok") {
-    record["report"] = answer.report;
-    record["tuned"] = answer.tuned;
-    record["searched"] = answer.searched;
-    record["notes"] = answer.notes;
     try {
-      judge_answer(facts, answer, earlier, record);
-      add_report_violations(record);
+      judge_output_file(judge, facts, answer, earlier, record);
+      judge.add_violations(record);
       add_bound_violations(facts.plan, record);
       const bool accepted = record.at("violations").empty();
       record["outcome"] = accepted ? "accepted" : "rejected";
       if (!accepted) record["message"] = reason_of(record);
     } catch (const InputError& error) {
       std::string message = error.what();  // names the scratch file: of no use to a reader
-      const std::size_t name = message.find(answer.mesh_out.filename().string());
+      const std::size_t name = message.find(answer.output.filename().string());
       if (name != std::string::npos) message.erase(0, name);
       record["outcome"] = "bad_answer";
-      record["message"] = "its mesh cannot be read: " + message;
+      record["message"] = std::string("its ") + judge.what + " cannot be read: " + message;
     }
   }
   add_null_reasons(record);
-  record["finished_at"] = utc_now();
-  return record;
 }
 
-json build_input_record(const Plan& plan, const RunMesh& mesh) {
-  json record = base_record(plan, mesh);
-  Judgement judgement = judge_mesh(mesh.mesh);
-  add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, plan.region);
-  record["case"] = mesh.name + "/input";
+json start_input_record(const Plan& plan, const json& subject, const std::string& case_id,
+                        const std::string& label) {
+  json record = base_record(plan, subject);
+  record["case"] = case_id;
   record["contestant"] = nullptr;
-  record["label"] = "input";
+  record["label"] = label;
   record["required"] = true;
   record["options"] = json::object();
   record["keep"] = json::array();
@@ -192,16 +168,8 @@ json build_input_record(const Plan& plan, const RunMesh& mesh) {
   record["seed"] = nullptr;
   record["repeat"] = 0;
   record["warmup"] = false;
-  for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"}) {
-    record[key] = nullptr;
-    record["null_reasons"][key] = "the input mesh itself: nothing ran";
-  }
-  record["judge"] = judgement.figures;
-  record["output_hash"] = mesh.hash;
-  record["mesh_file"] = "meshes/" + mesh.name + "/input.mesh";
-  record["violations"] = judgement.violations;
-  record["outcome"] = judgement.violations.empty() ? "accepted" : "rejected";
-  if (!judgement.violations.empty()) record["message"] = reason_of(record);
+  for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"}) record[key] = nullptr;
+  record["outcome"] = "accepted";
   record["finished_at"] = utc_now();
   return record;
 }

@@ -1,6 +1,8 @@
 // One record: who ran on what, how it went, and what the judge says (palpate/record/1).
 #pragma once
 
+#include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -8,7 +10,6 @@
 #include "experiments/case_list.h"
 #include "experiments/contestant_run.h"
 #include "experiments/plan.h"
-#include "experiments/plan_mesh.h"
 
 namespace palpate::experiments {
 
@@ -17,22 +18,36 @@ struct RepeatFacts {
   const Plan& plan;
   const Case& run_case;
   const PlanContestant& contestant;
-  const RunMesh& mesh;
-  Stop stop;  ///< resolved where it could be
+  Stop stop;  ///< resolved where it could be; contest simplify alone
   int repeat = 0;
   bool warmup = false;
   bool deterministic = true;  ///< whether another output than an earlier repeat's is a violation
 };
 
-/// Judges the answer's mesh and builds its record. `earlier` are the records of the case so far: the same
+/// How a contest judges an output.
+struct OutputJudge {
+  /// Figures of the output file (which is missing where a numerical outcome left none); "valid" and
+  /// "findings" are among them. Throws: InputError if it cannot be read.
+  std::function<nlohmann::json(const std::filesystem::path&)> figures;
+  /// Adds violations that follow from the whole record.
+  std::function<void(nlohmann::json&)> add_violations;
+  const char* what;  ///< "mesh", for messages
+};
+
+/// A record with everything but a judgement; its outcome is the answer's. `subject` is its key "mesh".
+nlohmann::json start_record(const RepeatFacts& facts, const nlohmann::json& subject,
+                            const ContestantAnswer& answer);
+
+/// Judges an answer that is "ok", and ends the record. `earlier` are the records of the case so far: the same
 /// output is not judged again, another output is a violation. Keys: experiments/schema/record.schema.json.
-nlohmann::json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
-                            const std::vector<nlohmann::json>& earlier);
+void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
+                  const std::vector<nlohmann::json>& earlier, nlohmann::json& record);
 
-/// The record of an input mesh, with label "input".
-nlohmann::json build_input_record(const Plan& plan, const RunMesh& mesh);
+/// The record of something that no contestant of the plan made ("input", "reference"), to be filled.
+nlohmann::json start_input_record(const Plan& plan, const nlohmann::json& subject, const std::string& case_id,
+                                  const std::string& label);
 
-/// Why a record is not accepted, in one line.
+/// One line that says why a record is not accepted; empty if it is.
 std::string reason_of(const nlohmann::json& record);
 
 }  // namespace palpate::experiments

@@ -230,7 +230,7 @@ int simplify(const SimplifyArguments& arguments) {
   }
   TetMesh out;
   try {
-    out = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+    out = read_medit(answer.output, ReadOrientation::kKeep).mesh;
   } catch (const InputError& error) {
     throw UnavailableError(arguments.method + ": its mesh cannot be read: " + error.what());
   }

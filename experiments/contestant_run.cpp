@@ -39,15 +39,24 @@ std::string one_line(const std::string& text) {
   return line;
 }
 
-json build_request(const ContestantTask& task, const std::filesystem::path& mesh_out) {
+bool deforms(const ContestantTask& task) {
+  return task.method.contestant->contest == "deform";
+}
+
+json build_request(const ContestantTask& task, const std::filesystem::path& output) {
   json request = {{"schema", "palpate/request/1"},
                   {"contest", task.method.contestant->contest},
                   {"method", task.method.method->name},
                   {"mesh_in", task.mesh_in.string()},
-                  {"mesh_out", mesh_out.string()},
-                  {"stop", stop_request(task.stop)},
                   {"options", task.options},
                   {"threads", task.threads}};
+  if (deforms(task)) {
+    request["problem_in"] = task.problem_in.string();
+    request["displacement_out"] = output.string();
+  } else {
+    request["mesh_out"] = output.string();
+    request["stop"] = stop_request(task.stop);
+  }
   if (!task.tuned.empty()) request["tuned"] = task.tuned;
   if (!task.keep.empty()) request["keep"] = task.keep;
   return request;
@@ -107,6 +116,17 @@ std::string form_error(const json& response) {
   return texts ? "" : "its notes are no list of texts";
 }
 
+/// What is wrong with what was written, empty if nothing is.
+std::string output_error(const ContestantTask& task, const json& report,
+                         const std::filesystem::path& output) {
+  std::error_code error;
+  const bool is_there = std::filesystem::is_regular_file(output, error);
+  if (!deforms(task)) return is_there ? "" : "it wrote no mesh";
+  const json outcome = report.value("outcome", json());
+  if (!outcome.is_string()) return "its report has no outcome";
+  return outcome != "converged" || is_there ? "" : "it converged and wrote no displacement";
+}
+
 ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
                              const ProcessResult& process, const std::filesystem::path& response_file) {
   std::error_code error;
@@ -133,9 +153,8 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   if (*answer.kernel_s > process.wall_s * 1.01 + 0.001) {
     return failed(std::move(answer), "bad_answer", "its kernel time exceeds the time of its process");
   }
-  if (!std::filesystem::is_regular_file(answer.mesh_out, error)) {
-    return failed(std::move(answer), "bad_answer", "it wrote no mesh");
-  }
+  const std::string bad_output = output_error(task, response.at("report"), answer.output);
+  if (!bad_output.empty()) return failed(std::move(answer), "bad_answer", bad_output);
   answer.report = response.at("report");
   answer.tuned = response.value("tuned", json::object());
   answer.searched = !answer.tuned.empty() && task.tuned.empty();
@@ -156,8 +175,8 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   const auto request_file = task.scratch / "request.json";
   const auto response_file = task.scratch / "response.json";
   const auto error_file = task.scratch / "stderr.txt";
-  answer.mesh_out = task.scratch / "out.mesh";
-  write_file_atomically(request_file, build_request(task, answer.mesh_out).dump(2) + "\n");
+  answer.output = task.scratch / (deforms(task) ? "displacement.csv" : "out.mesh");
+  write_file_atomically(request_file, build_request(task, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;
   spec.arguments = {contestant.program.string(), request_file.string(), response_file.string()};

@@ -18,8 +18,9 @@ namespace palpate::experiments {
 struct ContestantTask {
   MethodEntry method;
   std::filesystem::path mesh_in;
-  std::filesystem::path scratch;  ///< an empty folder of its own; request, answer and output mesh go there
-  Stop stop;                      ///< resolved: not kTetsOf
+  std::filesystem::path problem_in;  ///< contest deform alone (reference/deform_problem.h)
+  std::filesystem::path scratch;     ///< an empty folder of its own; request, answer and output go there
+  Stop stop;                         ///< contest simplify alone; resolved: not kTetsOf
   nlohmann::json options;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
   std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
@@ -42,7 +43,9 @@ struct ContestantAnswer {
   nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
   bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
-  std::filesystem::path mesh_out;  ///< there only if "ok"
+  /// Mesh or displacement, there only if "ok"; in the contest deform only if the report's outcome is
+  /// "converged" as well.
+  std::filesystem::path output;
 };
 
 /// Runs it to its end. Never throws for what the contestant does; everything that it says is checked: exit

@@ -9,6 +9,7 @@
 #include "experiments/measure.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
+#include "experiments/plan_deform.h"
 #include "experiments/plan_report.h"
 
 namespace palpate::experiments {
@@ -69,26 +70,33 @@ std::vector<PlanMesh> read_meshes(const YamlValue& value, const std::filesystem:
   return meshes;
 }
 
-std::vector<SweepAxis> read_sweep(const YamlValue& value) {
-  static const std::vector<std::string> stops{"tets_removed_ratio", "fusions", "tets"};
+/// A value of an axis that is no option, checked.
+void check_axis_value(const SweepAxis& axis, const YamlValue& value) {
+  if (axis.is_stop()) read_stop_value(axis.stop_kind(), value);
+  if (axis.name == "poisson_ratio") check_poisson_ratio(value, value.number());
+  if (axis.name == "vertices") value.integer(4, kMostVertices);
+}
+
+/// `axes`: the names that the plan's contest knows beside option.NAME.
+std::vector<SweepAxis> read_sweep(const YamlValue& value, const std::vector<std::string>& axes) {
   std::vector<SweepAxis> sweep;
   bool has_stop = false;
   for (const auto& [key, list] : value.entries()) {
     SweepAxis axis;
     axis.name = key;
     if (!axis.is_option()) {
-      if (std::find(stops.begin(), stops.end(), key) == stops.end()) {
-        auto known = stops;
+      if (std::find(axes.begin(), axes.end(), key) == axes.end()) {
+        auto known = axes;
         known.emplace_back("option.NAME");
         list.fail("unknown sweep \"" + key + "\"" + nearest_hint(key, known));
       }
-      if (has_stop) list.fail("a sweep takes one kind of stop, not two");
-      has_stop = true;
+      if (axis.is_stop() && has_stop) list.fail("a sweep takes one kind of stop, not two");
+      has_stop = has_stop || axis.is_stop();
     }
     std::set<std::string> seen;
     for (const YamlValue& item : list.items()) {
       if (!seen.insert(item.text()).second) item.fail_expected("values that differ");
-      if (!axis.is_option()) read_stop_value(axis.stop_kind(), item);
+      if (!axis.is_option()) check_axis_value(axis, item);
       axis.values.push_back(item.json());
       axis.texts.push_back({item.text(), item.file() + ":" + std::to_string(item.line())});
     }
@@ -178,11 +186,68 @@ StopKind SweepAxis::stop_kind() const {
   return name == "tets" ? StopKind::kTets : StopKind::kRatio;
 }
 
+std::vector<std::string> subject_names(const Plan& plan) {
+  std::vector<std::string> names;
+  for (const PlanMesh& mesh : plan.meshes) names.push_back(mesh.name);
+  for (const PlanScene& scene : plan.scenes) names.push_back(scene.name);
+  return names;
+}
+
+namespace {
+
+/// What a contest of simplifiers is about.
+void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  for (const char* key : {"scenes", "reference", "simplify"}) {
+    if (const auto extra = fields.find(key))
+      extra->fail("\"" + std::string(key) + "\" belongs to the contest deform, not to simplify");
+  }
+  plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
+  if (const auto sweep = fields.find("sweep"))
+    plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
+  plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
+  if (const auto region = fields.find("region")) plan.region = read_keep(*region);
+  if (const auto equal_count = fields.find("equal_count")) plan.equal_count = equal_count->number(1e-6, 0.1);
+}
+
+/// What a contest of displacements is about.
+void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  for (const char* key : {"meshes", "region", "equal_count"}) {
+    if (const auto extra = fields.find(key))
+      extra->fail("\"" + std::string(key) + "\" belongs to the contest simplify, not to deform");
+  }
+  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path());
+  if (const auto sweep = fields.find("sweep"))
+    plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
+  read_simplifiers(fields, plan, registry);
+  std::vector<SweepAxis> own;  // the ratio is the simplifiers'
+  for (const SweepAxis& axis : plan.sweep) {
+    if (!axis.is_stop()) own.push_back(axis);
+  }
+  plan.contestants = read_contestants(fields.need("contestants"), "deform", own, registry);
+  check_reserved_labels(fields.need("contestants"), plan);
+  plan.reference = read_reference(fields.need("reference"), registry);
+  check_vertices_sweep(fields, plan);
+}
+
+void add_availability_notes(Plan& plan, const Registry& registry) {
+  const auto add = [&](const std::string& label, const std::string& method) {
+    const std::string why = registry.find(method)->contestant->unavailable();
+    if (!why.empty()) plan.notes.push_back(label + " is unavailable: " + why);
+  };
+  for (const PlanContestant& contestant : plan.contestants) add(contestant.label, contestant.method);
+  for (const PlanContestant& simplifier : plan.simplifiers) {
+    if (!simplifier.method.empty()) add(simplifier.label, simplifier.method);
+  }
+  if (plan.reference) add("the reference", plan.reference->method);
+}
+
+}  // namespace
+
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields =
-      root.fields({"schema", "question", "meshes", "contest", "contestants", "sweep", "region", "run",
-                   "measure", "accept", "claim", "equal_count", "comparisons", "charts"});
+  const YamlFields fields = root.fields({"schema", "question", "contest", "meshes", "scenes", "reference",
+                                         "simplify", "contestants", "sweep", "region", "run", "measure",
+                                         "accept", "claim", "equal_count", "comparisons", "charts"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -192,24 +257,22 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (plan.question.empty()) fields.need("question").fail_expected("a question");
   const YamlValue contest = fields.need("contest");
   plan.contest = contest.text();
-  if (plan.contest != "simplify") contest.fail_expected("simplify");
-  plan.meshes = read_meshes(fields.need("meshes"), path.parent_path());
-  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep);
-  plan.contestants = read_contestants(fields.need("contestants"), plan, registry);
-  if (const auto region = fields.find("region")) plan.region = read_keep(*region);
+  if (plan.contest == "simplify") {
+    read_simplify_parts(fields, plan, registry);
+  } else if (plan.contest == "deform") {
+    read_deform_parts(fields, plan, registry);
+  } else {
+    contest.fail_expected("simplify or deform");
+  }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto claim = fields.find("claim")) plan.claim = read_claim(*claim, plan.contestants);
-  if (const auto equal_count = fields.find("equal_count")) plan.equal_count = equal_count->number(1e-6, 0.1);
   if (const auto comparisons = fields.find("comparisons")) {
     plan.comparisons = read_comparisons(*comparisons, plan.contestants);
   }
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts);
-  for (const PlanContestant& contestant : plan.contestants) {
-    const std::string why = registry.find(contestant.method)->contestant->unavailable();
-    if (!why.empty()) plan.notes.push_back(contestant.label + " is unavailable: " + why);
-  }
+  add_availability_notes(plan, registry);
   return plan;
 }
 

@@ -11,6 +11,7 @@
 
 #include "experiments/contestant.h"
 #include "experiments/mesh_source.h"
+#include "experiments/scene.h"
 
 namespace palpate::experiments {
 
@@ -19,6 +20,21 @@ struct PlanMesh {
   std::string name;
   std::optional<ShapeRequest> shape;
   std::filesystem::path file;  ///< when there is no shape; resolved against the plan's folder
+};
+
+/// A scene of a plan, read and checked.
+struct PlanScene {
+  std::string name;
+  Scene scene;
+};
+
+/// The reference that a contest of displacements is judged by: a method with quadratic elements and an
+/// integer option "refine", solved on the mesh (refine 0) and on its uniform refinements.
+struct PlanReference {
+  std::string method;
+  std::map<std::string, GivenOption> set;
+  int levels = 2;                      ///< refine = 0 ... levels - 1
+  std::optional<double> stated_order;  ///< of convergence, for two levels; three observe their own
 };
 
 /// When a simplifier stops.
@@ -49,11 +65,14 @@ struct PlanContestant {
 
 /// One dimension of the sweep.
 struct SweepAxis {
-  std::string name;  ///< "tets_removed_ratio", "fusions", "tets" or "option.NAME"
+  std::string name;  ///< a stop ("tets_removed_ratio", "fusions", "tets"), "poisson_ratio", "vertices" or
+                     ///< "option.NAME"
   std::vector<nlohmann::json> values;
   std::vector<GivenOption> texts;  ///< the same as written, for options
 
   bool is_option() const { return name.rfind("option.", 0) == 0; }
+  bool is_problem() const { return name == "poisson_ratio" || name == "vertices"; }
+  bool is_stop() const { return !is_option() && !is_problem(); }
   std::string option() const { return name.substr(7); }
   StopKind stop_kind() const;
 };
@@ -101,8 +120,11 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::vector<PlanMesh> meshes;
-  std::string contest;
+  std::string contest;                      ///< "simplify" or "deform"
+  std::vector<PlanMesh> meshes;             ///< simplify
+  std::vector<PlanScene> scenes;            ///< deform
+  std::optional<PlanReference> reference;   ///< deform
+  std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
   std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself
@@ -115,6 +137,12 @@ struct Plan {
   std::vector<std::string> charts;  ///< empty: the report's choice
   std::vector<std::string> notes;   ///< worth saying, no error: contestants that are unavailable here
 };
+
+/// The simplifier that leaves the mesh as it is: its method is empty.
+inline constexpr const char* kNoSimplifier = "none";
+
+/// The names of what a plan's cases are about: its meshes, or its scenes.
+std::vector<std::string> subject_names(const Plan& plan);
 
 /// Reads and checks a plan (palpate/plan/1).
 ///

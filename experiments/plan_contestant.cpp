@@ -58,16 +58,6 @@ std::vector<std::int64_t> read_seeds(const YamlValue& value) {
   return seeds;
 }
 
-MethodEntry find_method(const YamlValue& at, const std::string& name, const std::string& contest,
-                        const Registry& registry) {
-  const auto entry = registry.find(name);
-  if (!entry) at.fail("unknown method \"" + name + "\"" + nearest_hint(name, registry.method_names()));
-  if (entry->contestant->contest != contest) {
-    at.fail("method " + name + " is in the contest " + entry->contestant->contest + ", not in " + contest);
-  }
-  return *entry;
-}
-
 Entry read_entry(const YamlValue& value, const std::string& contest, const Registry& registry) {
   if (value.is_text()) {
     const std::string name = value.text();
@@ -83,13 +73,11 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   contestant.method = method.text();
   const auto label = fields.find("label");
   contestant.label = label ? label->identifier() : contestant.method;
+  if (entry.stop_at && contest != "simplify")
+    entry.stop_at->fail("stops belong to the contest simplify, not to " + contest);
   if (entry.stop_at) contestant.stop = read_stop(*entry.stop_at);
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
-  if (const auto set = fields.find("set")) {
-    for (const auto& [name, option] : set->entries()) {
-      contestant.set[name] = {option.text(), option.file() + ":" + std::to_string(option.line())};
-    }
-  }
+  if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
   if (const auto keep = fields.find("keep")) {
     if (!entry.method.method->keeps)
       keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
@@ -102,7 +90,6 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     if (contestant.set.count("seed") > 0) seeds->fail("\"seeds\" and the option \"seed\" exclude each other");
     contestant.seeds = read_seeds(*seeds);
   }
-  resolve_options(*entry.method.method, contestant.set);  // throws where a name or a value is wrong
   return entry;
 }
 
@@ -136,6 +123,7 @@ void check_tets_of(const std::vector<Entry>& entries, const Entry& entry) {
 }
 
 void check_sweep(const std::vector<Entry>& entries, const SweepAxis& axis) {
+  if (axis.is_problem()) return;  // of the scenes, whoever solves them
   bool used = false;
   for (const Entry& entry : entries) {
     if (!axis.is_option()) {
@@ -159,6 +147,25 @@ void check_sweep(const std::vector<Entry>& entries, const SweepAxis& axis) {
 
 }  // namespace
 
+MethodEntry find_method(const YamlValue& at, const std::string& name, const std::string& contest,
+                        const Registry& registry) {
+  const auto entry = registry.find(name);
+  if (!entry) at.fail("unknown method \"" + name + "\"" + nearest_hint(name, registry.method_names()));
+  if (entry->contestant->contest != contest) {
+    at.fail("method " + name + " is in the contest " + entry->contestant->contest + ", not in " + contest);
+  }
+  return *entry;
+}
+
+std::map<std::string, GivenOption> read_set(const YamlValue& value, const MethodSpec& method) {
+  std::map<std::string, GivenOption> set;
+  for (const auto& [name, option] : value.entries()) {
+    set[name] = {option.text(), option.file() + ":" + std::to_string(option.line())};
+  }
+  resolve_options(method, set);  // throws where a name or a value is wrong
+  return set;
+}
+
 double read_stop_value(StopKind kind, const YamlValue& value) {
   if (kind == StopKind::kRatio) {
     const double ratio = value.number();
@@ -170,11 +177,11 @@ double read_stop_value(StopKind kind, const YamlValue& value) {
   return static_cast<double>(value.integer(kind == StopKind::kTets ? 1 : 0, kLargestCount));
 }
 
-std::vector<PlanContestant> read_contestants(const YamlValue& value, const Plan& plan,
-                                             const Registry& registry) {
+std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::string& contest,
+                                             const std::vector<SweepAxis>& sweep, const Registry& registry) {
   std::vector<Entry> entries;
   for (const YamlValue& item : value.items()) {
-    Entry entry = read_entry(item, plan.contest, registry);
+    Entry entry = read_entry(item, contest, registry);
     const std::string& label = entry.contestant.label;
     if (label == "input") item.fail("the label \"input\" stands for the input mesh itself");
     for (const Entry& other : entries) {
@@ -188,7 +195,7 @@ std::vector<PlanContestant> read_contestants(const YamlValue& value, const Plan&
     check_stop_kind(entry, entry.contestant.stop->kind);
     if (entry.contestant.stop->kind == StopKind::kTetsOf) check_tets_of(entries, entry);
   }
-  for (const SweepAxis& axis : plan.sweep) check_sweep(entries, axis);
+  for (const SweepAxis& axis : sweep) check_sweep(entries, axis);
   std::vector<PlanContestant> contestants;
   contestants.reserve(entries.size());
   for (Entry& entry : entries) contestants.push_back(std::move(entry.contestant));

@@ -11,9 +11,18 @@ namespace palpate::experiments {
 /// The value of a stop, checked against its kind: counts are whole and not negative, a ratio is in [0, 1).
 double read_stop_value(StopKind kind, const YamlValue& value);
 
-/// Reads the list of contestants; `plan` holds its contest and its sweep already.
+/// Reads a list of contestants of one contest, held against the plan's sweep (the axes of `contest` alone).
 /// Throws: InputError with file and line.
-std::vector<PlanContestant> read_contestants(const YamlValue& value, const Plan& plan,
-                                             const Registry& registry);
+std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::string& contest,
+                                             const std::vector<SweepAxis>& sweep, const Registry& registry);
+
+/// The method of that name. Throws: InputError at `at` for an unknown one (with the nearest), or one of
+/// another contest.
+MethodEntry find_method(const YamlValue& at, const std::string& name, const std::string& contest,
+                        const Registry& registry);
+
+/// The options that a mapping sets. Throws: InputError with file and line for one that `method` does not
+/// have.
+std::map<std::string, GivenOption> read_set(const YamlValue& value, const MethodSpec& method);
 
 }  // namespace palpate::experiments

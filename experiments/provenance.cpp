@@ -84,10 +84,15 @@ json program_hashes(const Plan& plan, const Registry& registry) {
   json hashes = json::object();
   hashes["palpate"] = hash_file("/proc/self/exe");
   std::set<std::filesystem::path> programs;
-  for (const PlanContestant& contestant : plan.contestants) {
-    const Contestant& entry = *registry.find(contestant.method)->contestant;
+  const auto add = [&](const std::string& method) {
+    const Contestant& entry = *registry.find(method)->contestant;
     if (entry.unavailable().empty()) programs.insert(entry.program);
+  };
+  for (const PlanContestant& contestant : plan.contestants) add(contestant.method);
+  for (const PlanContestant& simplifier : plan.simplifiers) {
+    if (!simplifier.method.empty()) add(simplifier.method);
   }
+  if (plan.reference) add(plan.reference->method);
   for (const auto& program : programs) hashes[program.filename().string()] = hash_file(program);
   return hashes;
 }
@@ -96,6 +101,9 @@ json seeds_of(const Plan& plan) {
   json seeds = json::object();
   for (const PlanMesh& mesh : plan.meshes) {
     if (mesh.shape) seeds["mesh " + mesh.name] = mesh.shape->seed;
+  }
+  for (const PlanScene& scene : plan.scenes) {
+    if (scene.scene.mesh.shape) seeds["scene " + scene.name] = scene.scene.mesh.shape->seed;
   }
   for (const PlanContestant& contestant : plan.contestants) {
     if (!contestant.seeds.empty()) seeds[contestant.label] = contestant.seeds;

@@ -25,6 +25,14 @@ struct RunPaths {
   std::filesystem::path mesh(const std::string& case_id) const {
     return folder / "meshes" / (case_id + ".mesh");
   }
+
+  /// The displacement of a case of the contest deform.
+  std::filesystem::path displacement(const std::string& case_id) const {
+    return folder / "displacements" / (case_id + ".csv");
+  }
+
+  /// The folder of a problem of the contest deform: in.mesh (metres) and problem.json.
+  std::filesystem::path problem(const std::string& id) const { return folder / "problems" / id; }
 };
 
 /// A run folder that this process holds.

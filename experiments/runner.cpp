@@ -1,15 +1,15 @@
 #include "experiments/runner.h"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 #include <set>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/case_record.h"
+#include "experiments/contest.h"
 #include "experiments/contestant_run.h"
-#include "experiments/file_hash.h"
-#include "experiments/plan_mesh.h"
 #include "experiments/provenance.h"
 #include "experiments/record_file.h"
 #include "experiments/run_folder.h"
@@ -46,6 +46,7 @@ class Runner {
         cases_(build_cases(plan, registry)),
         states_(cases_.size()),
         selected_(cases_.size()) {
+    contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
     std::iota(selected_.begin(), selected_.end(), std::size_t{0});
     if (!options.case_id.empty()) selected_ = select_cases(cases_, options.case_id);
   }
@@ -55,7 +56,7 @@ class Runner {
     RecordFile records(folder_.paths().records());
     load_records();
     record_inputs(records);
-    run_rounds(records);
+    if (!result_.interrupted) run_rounds(records);
     summarise();
     return result_;
   }
@@ -64,9 +65,9 @@ class Runner {
   const PlanContestant& contestant_of(const Case& c) const { return plan_.contestants[c.contestant]; }
   int rounds() const { return plan_.run.warmup + plan_.run.repeats; }
 
-  /// Plan, meshes and provenance: made, or taken up and compared.
+  /// Plan, inputs and provenance: made, or taken up and compared.
   void prepare() {
-    json now = build_provenance(plan_, registry_, threads_);
+    const json now = build_provenance(plan_, registry_, threads_);
     const auto then = folder_.earlier_provenance();
     if (then) {
       std::string changes;
@@ -74,28 +75,18 @@ class Runner {
       if (!changes.empty()) {
         throw InputError(options_.folder.string() + ": this run cannot be continued" + changes);
       }
-      progress_.say("run " + options_.folder.string());
-      for (const PlanMesh& mesh : plan_.meshes) {
-        meshes_.push_back(reload_mesh(mesh, folder_.paths().mesh(mesh.name + "/input"), *then));
-      }
-      return;
+    } else {
+      std::error_code error;
+      fs::copy_file(plan_.file, folder_.paths().plan(), fs::copy_options::overwrite_existing, error);
+      if (error)
+        throw InputError(folder_.paths().plan().string(), 0, "a file that can be written", error.message());
     }
-    std::error_code error;
-    fs::copy_file(plan_.file, folder_.paths().plan(), fs::copy_options::overwrite_existing, error);
-    if (error)
-      throw InputError(folder_.paths().plan().string(), 0, "a file that can be written", error.message());
     progress_.say("run " + options_.folder.string());
-    now["meshes"] = json::array();
-    for (const PlanMesh& mesh : plan_.meshes) {
-      progress_.show("mesh " + mesh.name);
-      meshes_.push_back(obtain_mesh(mesh, folder_.paths().mesh(mesh.name + "/input")));
-      for (const std::string& note : meshes_.back().notes) {
-        const bool named = note.rfind(mesh.name + ":", 0) == 0;
-        progress_.say(named ? note : mesh.name + ": " + note);
-      }
-      now["meshes"].push_back(describe_mesh(meshes_.back()));
-    }
-    write_file_atomically(folder_.paths().provenance(), now.dump(2) + "\n");
+    std::vector<const Case*> wanted;
+    for (const std::size_t index : selected_) wanted.push_back(&cases_[index]);
+    json known = then.value_or(now);
+    known.update(contest_->prepare(wanted, then.value_or(json())));
+    if (known != then) write_file_atomically(folder_.paths().provenance(), known.dump(2) + "\n");
   }
 
   void load_records() {
@@ -117,11 +108,11 @@ class Runner {
   }
 
   void record_inputs(RecordFile& records) {
-    for (const RunMesh& mesh : meshes_) {
-      if (recorded_inputs_.count(mesh.name + "/input") > 0) continue;
-      records.append(build_input_record(plan_, mesh));
+    const bool finished = contest_->record_inputs(recorded_inputs_, [&](const json& record) {
+      records.append(record);
       ++result_.records_added;
-    }
+    });
+    result_.interrupted = !finished;
   }
 
   bool is_due(std::size_t index, int repeat) const {
@@ -194,16 +185,17 @@ class Runner {
   std::optional<json> run_repeat(std::size_t index, int repeat) {
     const Case& c = cases_[index];
     const PlanContestant& contestant = contestant_of(c);
-    const RunMesh& mesh = meshes_[c.mesh];
     const auto stop = resolve_stop(c);
+    ContestantTask task;
     ContestantAnswer answer;
+    answer.outcome = "error";
     if (!stop) {
-      answer.outcome = "error";
       answer.message = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
     } else {
-      ContestantTask task;
+      answer.message = contest_->fill_task(c, task);
+    }
+    if (answer.message.empty()) {
       task.method = *registry_.find(contestant.method);
-      task.mesh_in = fs::absolute(mesh.file);
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
       task.options = c.options;
@@ -219,19 +211,19 @@ class Runner {
       result_.interrupted = true;
       return std::nullopt;
     }
-    RepeatFacts facts{plan_, c, contestant, mesh, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
+    RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
     facts.deterministic = registry_.find(contestant.method)->method->deterministic;
-    json record = build_record(facts, answer, states_[index].records);
-    keep_mesh(c, repeat, answer, record);
+    json record = contest_->build_record(facts, answer, states_[index].records);
+    keep_output(c, repeat, answer, record);
     return record;
   }
 
-  void keep_mesh(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
-    const fs::path kept = folder_.paths().mesh(c.id);
+  void keep_output(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
+    const fs::path kept = contest_->kept_output(c);
     if (repeat == 0 && record.at("output_hash").is_string()) {
       std::error_code error;
       fs::create_directories(kept.parent_path(), error);
-      fs::rename(answer.mesh_out, kept, error);
+      fs::rename(answer.output, kept, error);
       if (error) throw InputError(kept.string(), 0, "a file that can be written", error.message());
     }
     record["mesh_file"] = fs::exists(kept) ? json(kept.lexically_relative(options_.folder).string()) : json();
@@ -256,10 +248,11 @@ class Runner {
       result_.required_failed = result_.required_failed || (worst != "accepted" && worst != "rejected");
     }
     for (const json& record : read_records(folder_.paths().records())) {
-      if (record.value("label", "") != "input" || record.at("outcome") == "accepted") continue;
+      const bool is_input = record.at("contestant").is_null();
+      if (!is_input || record.at("outcome") == "accepted") continue;
       const std::string id = record.at("case").get<std::string>();
       result_.required_rejected = true;
-      result_.failures[id] = "rejected: " + reason_of(record);
+      result_.failures[id] = record.at("outcome").get<std::string>() + ": " + reason_of(record);
     }
   }
 
@@ -272,7 +265,7 @@ class Runner {
   std::vector<Case> cases_;
   std::vector<CaseState> states_;
   std::vector<std::size_t> selected_;
-  std::vector<RunMesh> meshes_;
+  std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;
   RunResult result_;
 };
@@ -280,20 +273,26 @@ class Runner {
 }  // namespace
 
 void require_available(const Plan& plan, const Registry& registry) {
+  const auto need_method = [&](const std::string& label, const std::string& method) {
+    const std::string why = registry.find(method)->contestant->unavailable();
+    if (!why.empty()) throw UnavailableError(label + " (" + method + ") is unavailable: " + why);
+  };
   for (const PlanContestant& contestant : plan.contestants) {
-    const std::string why = registry.find(contestant.method)->contestant->unavailable();
-    if (contestant.required && !why.empty()) {
-      throw UnavailableError(contestant.label + " (" + contestant.method + ") is unavailable: " + why);
-    }
+    if (contestant.required) need_method(contestant.label, contestant.method);
   }
+  for (const PlanContestant& simplifier : plan.simplifiers) {
+    if (simplifier.required && !simplifier.method.empty()) need_method(simplifier.label, simplifier.method);
+  }
+  if (plan.reference) need_method("the reference", plan.reference->method);
   const auto shapes = list_shapes();
-  for (const PlanMesh& mesh : plan.meshes) {
+  const auto need_shape = [&](const std::string& name, const std::optional<ShapeRequest>& request) {
     for (const ShapeInfo& shape : shapes) {
-      if (mesh.shape && mesh.shape->name == shape.name && !shape.unavailable.empty()) {
-        throw UnavailableError("the mesh " + mesh.name + " is unavailable: " + shape.unavailable);
-      }
+      if (request && request->name == shape.name && !shape.unavailable.empty())
+        throw UnavailableError("the mesh " + name + " is unavailable: " + shape.unavailable);
     }
-  }
+  };
+  for (const PlanMesh& mesh : plan.meshes) need_shape(mesh.name, mesh.shape);
+  for (const PlanScene& scene : plan.scenes) need_shape("of " + scene.name, scene.scene.mesh.shape);
 }
 
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,

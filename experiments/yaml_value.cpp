@@ -158,6 +158,14 @@ std::vector<YamlValue> YamlValue::items() const {
   return all;
 }
 
+YamlValue YamlValue::without_text(const std::string& text) const {
+  YAML::Node rest(YAML::NodeType::Sequence);
+  for (const YAML::Node& item : node_) {
+    if (!item.IsScalar() || item.Scalar() != text) rest.push_back(item);
+  }
+  return {file_, rest, line_, name_};
+}
+
 std::string YamlValue::text() const {
   if (!node_.IsScalar()) fail_expected("text");
   return node_.Scalar();

@@ -37,6 +37,9 @@ class YamlValue {
   std::vector<std::pair<std::string, YamlValue>> entries() const;
 
   std::vector<YamlValue> items() const;
+
+  /// The list without the items that are this text.
+  YamlValue without_text(const std::string& text) const;
   std::string text() const;
   double number() const;
   std::int64_t integer() const;

@@ -34,9 +34,9 @@ class ProblemReader {
   }
 
   BoundaryProblem read(const json& value) const {
-    check_keys(
-        value, "",
-        {"schema", "strain", "material", "gravity_m_s2", "held", "supports", "tractions", "nodal_forces"});
+    check_keys(value, "",
+               {"schema", "strain", "material", "gravity_m_s2", "held", "supports", "tractions",
+                "nodal_forces", "body_force_n_m3", "held_field_m"});
     if (value.value("schema", json()) != kSchema) fail("schema", kSchema, value.value("schema", json()));
     BoundaryProblem problem;
     problem.material = read_material(at(value, "material"));
@@ -65,6 +65,8 @@ class ProblemReader {
           {read_index(at(item, "vertex", key), key + ".vertex"), read_vector(item, "force_n", key)});
     });
     check_agreement(problem.held);
+    problem.body_force_n_m3 = read_field(value, "body_force_n_m3");
+    problem.held_field_m = read_field(value, "held_field_m");
     return problem;
   }
 
@@ -113,10 +115,29 @@ class ProblemReader {
 
   Vec3 read_vector(const json& object, const char* name, const std::string& inside = "") const {
     if (!object.contains(name)) return {};
-    const std::string key = inside.empty() ? name : inside + "." + name;
-    const json& value = object.at(name);
+    return to_vector(object.at(name), inside.empty() ? name : inside + "." + name);
+  }
+
+  Vec3 to_vector(const json& value, const std::string& key) const {
     if (!value.is_array() || value.size() != 3) fail(key, "three numbers", value);
     return {read_number(value[0], key), read_number(value[1], key), read_number(value[2], key)};
+  }
+
+  /// A value at each vertex and edge midpoint; empty if the key is not there.
+  std::vector<Vec3> read_field(const json& object, const char* key) const {
+    if (!object.contains(key)) return {};
+    const json& list = object.at(key);
+    const std::size_t nodes = mesh_.points.size() + build_edges(mesh_).size();
+    if (!list.is_array() || list.size() != nodes) {
+      fail(key, "a value a vertex and a value an edge midpoint (" + std::to_string(nodes) + ")",
+           list.is_array() ? json(list.size()) : list);
+    }
+    std::vector<Vec3> field;
+    field.reserve(nodes);
+    for (std::size_t i = 0; i < nodes; ++i) {
+      field.push_back(to_vector(list[i], std::string(key) + "[" + std::to_string(i) + "]"));
+    }
+    return field;
   }
 
   std::array<bool, 3> read_axes(const json& object, const std::string& key) const {
@@ -260,6 +281,12 @@ json problem_to_json(const BoundaryProblem& problem) {
   }
   for (const NodalForce& force : problem.nodal_forces) {
     value["nodal_forces"].push_back({{"vertex", force.vertex}, {"force_n", vector_to_json(force.force_n)}});
+  }
+  for (const auto& [key, field] : {std::pair{"body_force_n_m3", &problem.body_force_n_m3},
+                                   std::pair{"held_field_m", &problem.held_field_m}}) {
+    if (field->empty()) continue;
+    value[key] = json::array();
+    for (const Vec3& v : *field) value[key].push_back(vector_to_json(v));
   }
   return value;
 }

@@ -21,7 +21,11 @@ namespace palpate::reference {
 ///    "held": [{"faces": [[a, b, c], ...], "axes": [true, true, true], "by_m": [0, 0, 0]}],
 ///    "supports": [{"faces": [...], "weight": [...], "stiffness_pa_per_m": 1e6, "by_m": [0, 0, 0]}],
 ///    "tractions": [{"faces": [...], "weight": [...], "traction_pa": [0, 0, -100], "pressure_pa": 0}],
-///    "nodal_forces": [{"vertex": 7, "force_n": [0, 0, -0.1]}]}
+///    "nodal_forces": [{"vertex": 7, "force_n": [0, 0, -0.1]}],
+///    "body_force_n_m3": [[0, 0, -100], ...], "held_field_m": [[0, 0, 0.001], ...]}
+///
+/// The last two hold one vector a vertex and one an edge midpoint, in the order of the displacement's rows,
+/// and are left out where they are empty.
 nlohmann::json problem_to_json(const BoundaryProblem& problem);
 
 /// Reads it back and checks it against the mesh: indices, finite numbers, weights in (0, 1], E > 0, density

@@ -36,7 +36,7 @@ TEST(ContestantRun, GoodAnswer) {
   EXPECT_EQ(answer.report.at("tets_in"), 384);
   EXPECT_GE(*answer.wall_s, *answer.kernel_s);
   EXPECT_GT(*answer.peak_rss_bytes, 0U);
-  EXPECT_EQ(test::bytes_of(answer.mesh_out), test::bytes_of(fixture.folder() / "cube.mesh"));
+  EXPECT_EQ(test::bytes_of(answer.output), test::bytes_of(fixture.folder() / "cube.mesh"));
 }
 
 /// A behaviour, and the outcome and words that it has to give.

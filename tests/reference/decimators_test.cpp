@@ -62,7 +62,7 @@ TEST_P(Decimators, AnswerMeetsTheCountAndSaysWhatItIs) {
   const TetMesh input = build_kuhn_cube(8, 0.2, 5);
   const ContestantAnswer answer = ask(input, {StopKind::kRatio, 0.3, ""});
   ASSERT_EQ(answer.outcome, "ok") << answer.message;
-  const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+  const TetMesh output = read_medit(answer.output, ReadOrientation::kKeep).mesh;
   const double target = std::floor(0.7 * static_cast<double>(input.tets.size()));
   EXPECT_LE(static_cast<double>(output.tets.size()), target);
   EXPECT_GT(static_cast<double>(output.tets.size()), target - 40.0);  // one step's removal
@@ -86,17 +86,17 @@ TEST_P(Decimators, TheSameRequestGivesTheSameBytesAndAnotherSeedOthers) {
   const ContestantAnswer second = ask(input, stop);
   ASSERT_EQ(first.outcome, "ok") << first.message;
   ASSERT_EQ(second.outcome, "ok") << second.message;
-  EXPECT_EQ(test::bytes_of(first.mesh_out), test::bytes_of(second.mesh_out));
+  EXPECT_EQ(test::bytes_of(first.output), test::bytes_of(second.output));
   if (!GetParam().has_a_seed) return;
   const ContestantAnswer other = ask(input, stop, {{"seed", 2}});
   ASSERT_EQ(other.outcome, "ok") << other.message;
-  EXPECT_NE(test::bytes_of(first.mesh_out), test::bytes_of(other.mesh_out));
+  EXPECT_NE(test::bytes_of(first.output), test::bytes_of(other.output));
 }
 
 TEST_P(Decimators, ACountThatIsMissedIsSaid) {
   const ContestantAnswer answer = ask(build_kuhn_cube(8, 0.2, 5), {StopKind::kTets, 9.0, ""});
   ASSERT_EQ(answer.outcome, "ok") << answer.message;
-  const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+  const TetMesh output = read_medit(answer.output, ReadOrientation::kKeep).mesh;
   EXPECT_EQ(answer.report.at("tets_out"), output.tets.size());
   if (GetParam().is_ours) {
     EXPECT_GT(output.tets.size(), 9U);
@@ -163,7 +163,7 @@ TEST_P(OurDecimators, AMeshWithoutAnythingToTakeAwayIsLeftAsItIs) {
   const ContestantAnswer answer = ask(input, {StopKind::kLimit, 0.0, ""});
   ASSERT_EQ(answer.outcome, "ok") << answer.message;
   EXPECT_EQ(answer.report.at("stop"), "limit");
-  EXPECT_EQ(read_medit(answer.mesh_out).mesh, input);
+  EXPECT_EQ(read_medit(answer.output).mesh, input);
 }
 
 const Decimator kOurs[] = {{"palpate.outcome", true, false}, {"random.edge_collapse", true, true}};

@@ -29,6 +29,10 @@ class DeformProblem : public ::testing::Test {
     made.supports.push_back({{{faces[2]}, {1.0 / 3.0}}, 1e6, {0.0, 0.0, -5e-3}});
     made.tractions.push_back({{{faces[3], faces[4]}, {1.0, 0.25}}, {0.0, 0.0, -100.0}, 7.0});
     made.nodal_forces.push_back({7, {0.0, 0.1, 0.0}});
+    for (std::size_t i = 0; i < mesh_.points.size() + build_edges(mesh_).size(); ++i) {
+      made.body_force_n_m3.push_back({1.0 / (1.0 + static_cast<double>(i)), 0.5, -2.0});
+      made.held_field_m.push_back({0.0, 1e-3 / (3.0 + static_cast<double>(i)), 0.0});
+    }
     return made;
   }
 
@@ -52,6 +56,18 @@ TEST_F(DeformProblem, ComesBackToTheBit) {
   EXPECT_EQ(read.supports[0].patch.weight[0], 1.0 / 3.0);
   EXPECT_EQ(read.strain, StrainSize::kLarge);
   EXPECT_FALSE(read.held[0].axes[1]);
+  EXPECT_EQ(read.body_force_n_m3, problem().body_force_n_m3);
+  EXPECT_EQ(read.held_field_m, problem().held_field_m);
+}
+
+TEST_F(DeformProblem, LeavesEmptyFieldsOut) {
+  BoundaryProblem plain = problem();
+  plain.body_force_n_m3.clear();
+  plain.held_field_m.clear();
+  const json written = problem_to_json(plain);
+  EXPECT_FALSE(written.contains("body_force_n_m3"));
+  EXPECT_FALSE(written.contains("held_field_m"));
+  EXPECT_TRUE(problem_from_json(written, mesh_, "problem.json").held_field_m.empty());
 }
 
 TEST_F(DeformProblem, RefusesWhatDoesNotFitWithItsPlace) {
@@ -76,6 +92,8 @@ TEST_F(DeformProblem, RefusesWhatDoesNotFitWithItsPlace) {
   EXPECT_THAT(changed("/tractions/0/faces/1", good["tractions"][0]["faces"][0]), HasSubstr("each face once"));
   EXPECT_THAT(changed("/nodal_forces/0/force_n", json({1, 2})), HasSubstr("three numbers"));
   EXPECT_THAT(changed("/held/0/axes", json({1, 0, 1})), HasSubstr("held[0].axes"));
+  EXPECT_THAT(changed("/body_force_n_m3/3", json({1, 2})), HasSubstr("body_force_n_m3[3]"));
+  EXPECT_THAT(changed("/held_field_m", json::array()), HasSubstr("a value a vertex and a value an edge"));
   EXPECT_THAT(changed("/speed", 1), HasSubstr("no key \"speed\""));
 }
 

@@ -83,7 +83,7 @@ TEST_P(Remeshers, AnswerIsValidAndMeetsTheCount) {
   const TetMesh input = good_mesh();
   const ContestantAnswer answer = ask(input, {StopKind::kRatio, 0.4, ""});
   ASSERT_EQ(answer.outcome, "ok") << answer.message;
-  const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+  const TetMesh output = read_medit(answer.output, ReadOrientation::kKeep).mesh;
   const judge::Validity validity = judge::check_validity(output);
   EXPECT_TRUE(validity.is_valid()) << testing::PrintToString(validity.findings);
   const judge::Comparison comparison = judge::compare_with_input(output, input);
@@ -120,7 +120,7 @@ TEST_P(Remeshers, WhatWasFoundGivesTheSameMeshWithoutASearch) {
   EXPECT_FALSE(later.searched);
   EXPECT_EQ(later.tuned, first.tuned);
   EXPECT_THAT(testing::PrintToString(later.notes), HasSubstr("handed back"));
-  EXPECT_EQ(test::bytes_of(first.mesh_out), test::bytes_of(later.mesh_out));
+  EXPECT_EQ(test::bytes_of(first.output), test::bytes_of(later.output));
 }
 
 TEST_P(Remeshers, ACountOutOfReachGivesTheNearestAndSaysSo) {
@@ -133,7 +133,7 @@ TEST_P(Remeshers, ACountOutOfReachGivesTheNearestAndSaysSo) {
   EXPECT_GT(answer.report.at("tets_out"), 1);
   EXPECT_THAT(testing::PrintToString(answer.notes),
               HasSubstr("more tetrahedra than asked for, the nearest found"));
-  EXPECT_TRUE(judge::check_validity(read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh).is_valid());
+  EXPECT_TRUE(judge::check_validity(read_medit(answer.output, ReadOrientation::kKeep).mesh).is_valid());
 }
 
 TEST_P(Remeshers, RefusesOptionsAndParametersThatItDoesNotKnow) {
@@ -196,7 +196,7 @@ TEST_F(RemesherRun, CollapseKeepsTheShareOfTheSkinThatIsAskedFor) {
     const ContestantAnswer answer =
         run("cgal.collapse", input, {StopKind::kRatio, 0.3, ""}, {{"skin_edges_kept", kept}}, kNoSearch);
     ASSERT_EQ(answer.outcome, "ok") << answer.message;
-    const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+    const TetMesh output = read_medit(answer.output, ReadOrientation::kKeep).mesh;
     const double wanted = edges_in * (kept > 0.0 ? kept : std::pow(0.7, 2.0 / 3.0));
     // A collapse takes three edges of a closed surface at once.
     EXPECT_NEAR(static_cast<double>(judge::count_elements(output).boundary_edges), wanted, 3.5) << kept;
@@ -212,7 +212,7 @@ TEST_F(RemesherRun, ThresholdOfGmshIsHandedOn) {
       const ContestantAnswer answer =
           run(method, input, {StopKind::kRatio, 0.3, ""}, {{"optimize_threshold", threshold}}, kNoSearch);
       ASSERT_EQ(answer.outcome, "ok") << answer.message;
-      const TetMesh output = read_medit(answer.mesh_out, ReadOrientation::kKeep).mesh;
+      const TetMesh output = read_medit(answer.output, ReadOrientation::kKeep).mesh;
       EXPECT_TRUE(judge::check_validity(output).is_valid());
       least.push_back(judge::measure_quality(output).p1_dihedral_deg);
     }

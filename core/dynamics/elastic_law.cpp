@@ -1,0 +1,230 @@
+#include "core/dynamics/elastic_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/dynamics/jacobi_eigen.h"
+
+namespace palpate::dynamics {
+namespace {
+
+/// det(I + h) - 1 without cancellation: tr h + sum of the principal minors + det h.
+double volume_strain(const Mat3& h) {
+  return trace(h) + trace(cofactors(h)) + determinant(h);
+}
+
+/// Higham's scaled Newton iteration X <- (g X + X^-T / g) / 2, which converges to the rotation of the polar
+/// decomposition quadratically while det X > 0. Source: N. Higham, SIAM J. Sci. Stat. Comput. 7 (1986).
+bool iterate_polar(Mat3& x) {
+  constexpr int kMostSteps = 30;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double det = determinant(x);
+    const double norm_sq = contract(x, x);
+    if (!(det > 1e-12 * norm_sq * std::sqrt(norm_sq))) return false;
+    const Mat3 inverse_transposed = (1.0 / det) * cofactors(x);
+    const double inverse_sq = contract(inverse_transposed, inverse_transposed);
+    // Scaling only helps far from the rotation; near it the plain step keeps the convergence quadratic.
+    const bool is_near = norm_sq < 4.0 && inverse_sq < 4.0;
+    const double scale = is_near ? 1.0 : std::sqrt(std::sqrt(inverse_sq / norm_sq));
+    const Mat3 next = (0.5 * scale) * x + (0.5 / scale) * inverse_transposed;
+    const Mat3 change = next - x;
+    x = next;
+    // The next change is about the square of this one.
+    if (contract(change, change) < 1e-17) return true;
+  }
+  return true;
+}
+
+/// From the eigenvectors of f^T f; the least singular value takes the sign of the determinant.
+Mat3 rotate_by_singular_vectors(const Mat3& f) {
+  const SymmetricEigen<3> eigen = decompose_symmetric<3>(multiply_transposed(f, f).m);
+  std::array<std::size_t, 3> order{0, 1, 2};
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return eigen.values[a] > eigen.values[b]; });
+  const auto vector = [&](std::size_t k) {
+    const std::size_t c = order[k];
+    return Vec3{eigen.vectors[c], eigen.vectors[3 + c], eigen.vectors[6 + c]};
+  };
+  const auto unit = [](const Vec3& v, const Vec3& fallback) {
+    const double size = length(v);
+    return size > 1e-150 ? (1.0 / size) * v : fallback;
+  };
+  const auto across = [&](const Vec3& a) {  // any direction normal to a
+    const Vec3 axis = std::abs(a.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    return unit(cross(a, axis), {0, 0, 1});
+  };
+  const Vec3 v0 = vector(0);
+  const Vec3 v1 = vector(1);
+  const Vec3 v2 = cross(v0, v1);
+  const Vec3 u0 = unit(f * v0, {1, 0, 0});
+  const Vec3 second = f * v1;
+  const Vec3 u1 = unit(second - dot(second, u0) * u0, across(u0));
+  const Vec3 u2 = cross(u0, u1);
+  return outer(u0, v0) + outer(u1, v1) + outer(u2, v2);
+}
+
+/// R and the strain S - I = sym(R^T (F - R)).
+struct Corotated {
+  Mat3 rotation;
+  Mat3 strain;
+};
+
+Corotated corotate(const Mat3& h) {
+  const Mat3 f = kIdentity + h;
+  const Mat3 r = nearest_rotation(f);
+  const Mat3 e = multiply_transposed(r, f - r);
+  return {r, 0.5 * (e + transpose(e))};
+}
+
+Mat3 inverse_symmetric(const Mat3& a) {
+  SymmetricEigen<3> eigen = decompose_symmetric<3>(a.m);
+  const double largest = std::max({std::abs(eigen.values[0]), std::abs(eigen.values[1]),
+                                   std::abs(eigen.values[2]), std::numeric_limits<double>::min()});
+  Mat3 inverse;
+  for (std::size_t k = 0; k < 3; ++k) {
+    // Two opposite singular values leave the rotation undefined; the bound keeps the derivative finite.
+    const double value = std::copysign(std::max(std::abs(eigen.values[k]), 1e-9 * largest), eigen.values[k]);
+    const Vec3 v{eigen.vectors[k], eigen.vectors[3 + k], eigen.vectors[6 + k]};
+    inverse += (1.0 / value) * outer(v, v);
+  }
+  return inverse;
+}
+
+/// dP = 2 mu dF + (lambda tr E - 2 mu) dR + lambda (R : dF) R, with dR = R [w]x, (tr S I - S) w = axial of
+/// R^T dF - dF^T R. For dF = e_i e_j^T that axial vector is e_j x (row i of R).
+Tangent9 corotated_tangent(const Moduli& moduli, const Mat3& h) {
+  const Corotated c = corotate(h);
+  const Mat3 stretch = kIdentity + c.strain;
+  const Mat3 inverse = inverse_symmetric(trace(stretch) * kIdentity - stretch);
+  const double twist = moduli.lambda_pa * trace(c.strain) - 2.0 * moduli.mu_pa;
+  constexpr std::array<Vec3, 3> kAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
+  std::array<Vec3, 9> axial;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) axial[3 * i + j] = cross(kAxes[j], c.rotation.row(i));
+  }
+  Tangent9 out{};
+  for (std::size_t a = 0; a < 9; ++a) {
+    const Vec3 turned = inverse * axial[a];
+    for (std::size_t b = 0; b < 9; ++b) {
+      out[9 * a + b] = twist * dot(turned, axial[b]) + moduli.lambda_pa * c.rotation.m[a] * c.rotation.m[b];
+    }
+    out[9 * a + a] += 2.0 * moduli.mu_pa;
+  }
+  return out;
+}
+
+/// dP = mu dF + (mu - lambda ln J) G dF^T G + lambda (G : dF) G, G = F^-T.
+Tangent9 neo_hookean_tangent(const Moduli& moduli, const Mat3& h) {
+  const Mat3 f = kIdentity + h;
+  const Mat3 g = (1.0 / determinant(f)) * cofactors(f);
+  const double shear = moduli.mu_pa - moduli.lambda_pa * std::log1p(volume_strain(h));
+  Tangent9 out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t l = 0; l < 3; ++l) {
+          out[9 * (3 * i + j) + 3 * k + l] = shear * g(i, l) * g(k, j) + moduli.lambda_pa * g(i, j) * g(k, l);
+        }
+      }
+      out[10 * (3 * i + j)] += moduli.mu_pa;
+    }
+  }
+  return out;
+}
+
+Tangent9 linear_tangent(const Moduli& moduli) {
+  Tangent9 out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      out[9 * (3 * i + j) + 3 * i + j] += moduli.mu_pa;
+      out[9 * (3 * i + j) + 3 * j + i] += moduli.mu_pa;
+      out[9 * (4 * i) + 4 * j] += moduli.lambda_pa;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+StrainLaw parse_strain_law(std::string_view name) {
+  for (const StrainLaw law : {StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean}) {
+    if (name == strain_law_name(law)) return law;
+  }
+  throw InputError("law", 0, "linear, corotated or neo_hookean", std::string(name));
+}
+
+const char* strain_law_name(StrainLaw law) {
+  switch (law) {
+    case StrainLaw::kLinear:
+      return "linear";
+    case StrainLaw::kCorotated:
+      return "corotated";
+    case StrainLaw::kNeoHookean:
+      return "neo_hookean";
+  }
+  throw ContractError("a strain law without a name");
+}
+
+Mat3 nearest_rotation(const Mat3& f) {
+  Mat3 rotation = f;
+  return iterate_polar(rotation) ? rotation : rotate_by_singular_vectors(f);
+}
+
+double energy_density(StrainLaw law, const Moduli& moduli, const Mat3& h) {
+  if (law == StrainLaw::kNeoHookean) {
+    const double dilatation = volume_strain(h);
+    if (!(dilatation > -1.0)) return std::numeric_limits<double>::infinity();
+    const double log_j = std::log1p(dilatation);
+    return 0.5 * moduli.mu_pa * (2.0 * trace(h) + contract(h, h)) - moduli.mu_pa * log_j +
+           0.5 * moduli.lambda_pa * log_j * log_j;
+  }
+  const Mat3 strain = law == StrainLaw::kLinear ? 0.5 * (h + transpose(h)) : corotate(h).strain;
+  const double dilatation = trace(strain);
+  return moduli.mu_pa * contract(strain, strain) + 0.5 * moduli.lambda_pa * dilatation * dilatation;
+}
+
+Mat3 stress(StrainLaw law, const Moduli& moduli, const Mat3& h) {
+  if (law == StrainLaw::kNeoHookean) {
+    const Mat3 f = kIdentity + h;
+    const Mat3 g = (1.0 / determinant(f)) * cofactors(f);
+    const double log_j = std::log1p(volume_strain(h));
+    return moduli.mu_pa * (f - g) + (moduli.lambda_pa * log_j) * g;
+  }
+  if (law == StrainLaw::kLinear) {
+    return moduli.mu_pa * (h + transpose(h)) + (moduli.lambda_pa * trace(h)) * kIdentity;
+  }
+  const Corotated c = corotate(h);
+  return multiply(c.rotation,
+                  (2.0 * moduli.mu_pa) * c.strain + (moduli.lambda_pa * trace(c.strain)) * kIdentity);
+}
+
+Tangent9 tangent(StrainLaw law, const Moduli& moduli, const Mat3& h) {
+  switch (law) {
+    case StrainLaw::kLinear:
+      return linear_tangent(moduli);
+    case StrainLaw::kCorotated:
+      return corotated_tangent(moduli, h);
+    case StrainLaw::kNeoHookean:
+      return neo_hookean_tangent(moduli, h);
+  }
+  throw ContractError("a strain law without a tangent");
+}
+
+Tangent9 project_to_semidefinite(const Tangent9& tangent) {
+  const SymmetricEigen<9> eigen = decompose_symmetric<9>(tangent);
+  Tangent9 out{};
+  for (std::size_t k = 0; k < 9; ++k) {
+    const double value = std::max(eigen.values[k], 0.0);
+    if (value == 0.0) continue;
+    for (std::size_t a = 0; a < 9; ++a) {
+      const double scaled = value * eigen.vectors[9 * a + k];
+      for (std::size_t b = 0; b < 9; ++b) out[9 * a + b] += scaled * eigen.vectors[9 * b + k];
+    }
+  }
+  return out;
+}
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,28 @@
+// The stiffness of an elastic model: the second derivative of its energy.
+#pragma once
+
+#include <span>
+
+#include "core/dynamics/block_matrix.h"
+#include "core/dynamics/elastic_model.h"
+
+namespace palpate::dynamics {
+
+/// kExact is the second derivative; kProjected makes each spring and each domain semidefinite on its own, so
+/// that what it solves for is a way down.
+enum class TangentKind { kExact, kProjected };
+
+/// The zero matrix with the pattern of the model's tangent and of the triangles `faces` (elastic supports).
+BlockMatrix build_tangent_pattern(const ElasticModel& model, std::span<const Triangle> faces);
+
+/// Adds the tangent of elastic_energy in N/m:
+///
+///   springs: k (n n^T + (1 - L/|d|)(I - n n^T)), n = d / |d|; linearised: k e e^T
+///   strain terms: sum over s of V_s (dP/dF)_ijkl g_sa,j g_sb,l
+///
+/// The volume force, if there is one, is left out: see differentiate_volume_force.
+/// Requires: the pattern of build_tangent_pattern; a finite energy.
+void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, TangentKind kind,
+                 BlockMatrix& matrix);
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,115 @@
+#include "experiments/answer_cache.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/file_hash.h"
+#include "experiments/mesh_cache.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kSchema = "palpate/answer_cache/1";
+
+std::string bytes_of(const fs::path& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+json key_of(const ContestantTask& task) {
+  json key = {{"contest", task.method.contestant->contest},
+              {"method", task.method.method->name},
+              {"program", hash_file(task.method.contestant->program)},
+              {"mesh", hash_file(task.mesh_in)},
+              {"options", task.options}};
+  if (task.problem_in.empty()) {
+    key["stop"] = stop_request(task.stop);
+  } else {
+    key["problem"] = hash_file(task.problem_in);
+  }
+  return key;
+}
+
+/// The kept answer, or nothing if there is none or it is damaged.
+std::optional<ContestantAnswer> load(const fs::path& folder, const json& key) {
+  const json kept = json::parse(bytes_of(folder / "answer.json"), nullptr, false);
+  if (!kept.is_object() || kept.value("schema", "") != kSchema || kept.value("key", json()) != key) return {};
+  try {
+    ContestantAnswer answer;
+    answer.outcome = "ok";
+    answer.kernel_s = kept.at("kernel_s").get<double>();
+    answer.wall_s = kept.at("wall_s").get<double>();
+    if (kept.at("user_s").is_number()) answer.user_s = kept.at("user_s").get<double>();
+    if (kept.at("peak_rss_bytes").is_number())
+      answer.peak_rss_bytes = kept.at("peak_rss_bytes").get<std::uint64_t>();
+    answer.report = kept.at("report");
+    answer.notes = kept.at("notes").get<std::vector<std::string>>();
+    answer.output = folder / kept.at("output").get<std::string>();
+    std::error_code error;
+    const bool is_there = fs::is_regular_file(answer.output, error);
+    const json checksum = is_there ? json(hash_file(answer.output)) : json();
+    if (kept.at("checksum") != checksum) return {};
+    return answer;
+  } catch (const json::exception&) {  // damaged in whatever way: made again
+    return {};
+  }
+}
+
+template <typename T>
+json or_null(const std::optional<T>& value) {
+  return value ? json(*value) : json();
+}
+
+/// Keeps the answer and returns it with its output's new place.
+ContestantAnswer keep(const fs::path& folder, const json& key, ContestantAnswer answer) {
+  json kept = {{"schema", kSchema},
+               {"key", key},
+               {"kernel_s", or_null(answer.kernel_s)},
+               {"wall_s", or_null(answer.wall_s)},
+               {"user_s", or_null(answer.user_s)},
+               {"peak_rss_bytes", or_null(answer.peak_rss_bytes)},
+               {"report", answer.report},
+               {"notes", answer.notes},
+               {"output", answer.output.filename().string()},
+               {"checksum", nullptr}};
+  try {
+    fs::create_directories(folder);
+    const fs::path output = folder / answer.output.filename();
+    if (fs::is_regular_file(answer.output)) {
+      write_file_atomically(output, bytes_of(answer.output));
+      kept["checksum"] = hash_file(output);
+      answer.output = output;
+    }
+    write_file_atomically(folder / "answer.json", kept.dump(2) + "\n");
+  } catch (const InputError& error) {
+    answer.notes.push_back(std::string("the answer was not kept in the cache: ") + error.what());
+  } catch (const fs::filesystem_error& error) {
+    answer.notes.push_back(std::string("the answer was not kept in the cache: ") + error.what());
+  }
+  return answer;
+}
+
+}  // namespace
+
+ContestantAnswer run_cached(const ContestantTask& task, bool& was_kept) {
+  was_kept = false;
+  if (!task.method.contestant->unavailable().empty()) return run_contestant(task);
+  const json key = key_of(task);
+  const std::string name = hash_bytes(key.dump());
+  const fs::path folder = cache_root() / "answer_cache" / name.substr(name.find(':') + 1);
+  if (auto kept = load(folder, key)) {
+    was_kept = true;
+    return *std::move(kept);
+  }
+  ContestantAnswer answer = run_contestant(task);
+  return answer.outcome == "ok" ? keep(folder, key, std::move(answer)) : answer;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,235 @@
+// The contest deform: problems in, displacements out, held against a converged reference.
+#include <map>
+
+#include "core/base/error.h"
+#include "core/judge/displacement.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/topology.h"
+#include "experiments/contest.h"
+#include "experiments/deform_input.h"
+#include "reference/deform_problem.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+json or_null(const std::optional<double>& value) {
+  return value ? json(*value) : json();
+}
+
+double largest(const std::vector<Vec3>& field) {
+  double most = 0.0;
+  for (const Vec3& u : field) most = std::max(most, length(u));
+  return most;
+}
+
+json mesh_facts(const std::string& name, const ProblemFiles& files) {
+  const auto tets = static_cast<double>(files.mesh.tets.size());
+  return {{"name", name},
+          {"vertices", files.mesh.points.size()},
+          {"tets", files.mesh.tets.size()},
+          {"hash", files.mesh_hash},
+          {"ideal_volume", total_volume(files.mesh) / tets}};
+}
+
+json describe_reference(const DeformReference& reference) {
+  const judge::ReferenceEstimate& estimate = reference.estimate;
+  json figures = {
+      {"valid", reference.failure.empty()}, {"findings", json::array()}, {"level_reports", reference.levels}};
+  if (!reference.failure.empty()) {
+    figures["findings"].push_back(reference.failure);
+    return figures;
+  }
+  figures["kind"] = judge::reference_kind_name(estimate.kind);
+  figures["levels"] = estimate.levels;
+  figures["order"] = or_null(estimate.order);
+  figures["alignment"] = or_null(estimate.alignment);
+  figures["differences"] = estimate.difference;
+  figures["rule"] = estimate.rule;
+  figures["reference_error"] = or_null(estimate.error.relative_l2);
+  figures["reference_error_max"] = or_null(estimate.error.relative_max);
+  figures["reference_error_energy"] = or_null(estimate.error.relative_energy);
+  figures["max_displacement_m"] = largest(estimate.field);
+  return figures;
+}
+
+/// Figures of an answer: errors at the vertices of the scene's own mesh, whatever mesh it was solved on.
+json judge_displacement(const DeformInput& input, const DeformReference& reference,
+                        const ProblemFiles& solved_on, const json& report,
+                        const std::filesystem::path& file) {
+  json figures = {{"valid", false}, {"findings", json::array()}};
+  const std::string outcome = report.at("outcome").get<std::string>();
+  if (outcome != "converged") {
+    figures["findings"].push_back("its outcome is " + outcome);
+    return figures;
+  }
+  const std::size_t vertices = solved_on.mesh.points.size();
+  std::vector<Vec3> field = reference::read_displacement(file, vertices, build_edges(solved_on.mesh).size());
+  field.resize(vertices);
+  figures["max_displacement_m"] = largest(field);
+  if (&solved_on != &input.own) {
+    judge::TransferredField moved = judge::transfer_field(solved_on.mesh, field, input.own.mesh.points);
+    figures["points_outside"] = moved.outside;
+    figures["farthest_outside_m"] = moved.farthest_outside;
+    field = std::move(moved.value);
+  }
+  const Material& material = input.own.problem.material;
+  const judge::DisplacementError error = judge::compare_displacement(
+      input.own.mesh, field, reference.estimate.field, material.lambda_pa(), material.mu_pa());
+  figures["displacement_l2"] = error.relative_l2;
+  figures["displacement_max"] = error.relative_max;
+  figures["displacement_energy"] = error.relative_energy;
+  figures["worst_vertex"] = error.worst_point;
+  const auto& own_error = reference.estimate.error.relative_l2;
+  figures["reference_error"] = or_null(own_error);
+  figures["reference_ratio"] = own_error && *own_error > 0.0 ? json(error.relative_l2 / *own_error) : json();
+  figures["reference_too_coarse"] = judge::is_reference_too_coarse(error.relative_l2, own_error);
+  figures["valid"] = true;
+  return figures;
+}
+
+class DeformContest : public Contest {
+ public:
+  explicit DeformContest(const ContestSetting& setting) : setting_(setting) {}
+
+  json prepare(const std::vector<const Case*>& cases, const json& earlier) override {
+    json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
+    for (const Case* c : cases) {
+      const std::string id = id_of(*c);
+      if (inputs_.count(id) == 0) {
+        setting_.progress.show("scene " + id);
+        inputs_.emplace(id, build_input(setting_.plan.scenes[c->subject], c->sweep, folder_of(id)));
+        order_.push_back(id);
+        describe(inputs_.at(id), described);
+      }
+      if (is_simplified(*c) && simplified_.count(simplified_id(*c)) == 0) {
+        setting_.progress.show("simplified scene " + simplified_id(*c));
+        simplified_.emplace(simplified_id(*c),
+                            simplify_input(inputs_.at(id), setting_.plan.simplifiers[*c->simplifier],
+                                           c->simplifier_stop, folder_of(simplified_id(*c)), setting_));
+      }
+    }
+    return {{"problems", described}};
+  }
+
+  bool record_inputs(const std::set<std::string>& recorded,
+                     const std::function<void(json)>& append) override {
+    for (const std::string& id : order_) {
+      const DeformInput& input = inputs_.at(id);
+      setting_.progress.show("reference of " + id);
+      DeformReference reference = solve_reference(input, setting_);
+      if (reference.interrupted) return false;
+      json record = build_reference_record(input, reference);
+      if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));
+      references_.emplace(id, std::move(reference));
+    }
+    return true;
+  }
+
+  std::string fill_task(const Case& run_case, ContestantTask& task) const override {
+    const DeformReference& reference = references_.at(id_of(run_case));
+    if (!reference.failure.empty()) return "there is nothing to judge it by: " + reference.failure;
+    if (is_simplified(run_case)) {
+      const std::string& failure = simplified_.at(simplified_id(run_case)).failure;
+      if (!failure.empty()) return failure;
+    }
+    const ProblemFiles& files = files_of(run_case);
+    task.mesh_in = files.mesh_file;
+    task.problem_in = files.problem_file;
+    return "";
+  }
+
+  json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
+                    const std::vector<json>& earlier) const override {
+    const DeformInput& input = inputs_.at(id_of(facts.run_case));
+    const DeformReference& reference = references_.at(input.id);
+    const auto judge = [&](const std::filesystem::path& file) {
+      return judge_displacement(input, reference, files_of(facts.run_case), answer.report, file);
+    };
+    json record = start_record(facts, mesh_facts(input.scene, input.own), answer);
+    record["scene"] = scene_facts(input);
+    if (is_simplified(facts.run_case) && simplified_.at(simplified_id(facts.run_case)).failure.empty())
+      record["solved_on"] = mesh_facts(simplified_id(facts.run_case), files_of(facts.run_case));
+    judge_answer({judge, [](json&) {}, "displacement"}, facts, answer, earlier, record);
+    return record;
+  }
+
+  std::filesystem::path kept_output(const Case& run_case) const override {
+    return setting_.folder.paths().displacement(run_case.id);
+  }
+
+ private:
+  static json scene_facts(const DeformInput& input) {
+    const Material& material = input.own.problem.material;
+    return {{"name", input.scene},
+            {"problem_hash", input.own.problem_hash},
+            {"strain", input.own.problem.strain == StrainSize::kSmall ? "small" : "large"},
+            {"young_modulus_pa", material.young_modulus_pa},
+            {"poisson_ratio", material.poisson_ratio}};
+  }
+
+  std::string id_of(const Case& run_case) const {
+    return problem_id(setting_.plan.scenes[run_case.subject].name, run_case.sweep);
+  }
+
+  bool is_simplified(const Case& run_case) const {
+    return run_case.simplifier && !setting_.plan.simplifiers[*run_case.simplifier].method.empty();
+  }
+
+  std::string simplified_id(const Case& run_case) const {
+    std::string id = id_of(run_case) + "/simplify=" + setting_.plan.simplifiers[*run_case.simplifier].label;
+    if (run_case.sweep.contains("tets_removed_ratio"))
+      id += "/tets_removed_ratio=" + run_case.sweep.at("tets_removed_ratio").dump();
+    return id;
+  }
+
+  const ProblemFiles& files_of(const Case& run_case) const {
+    return is_simplified(run_case) ? simplified_.at(simplified_id(run_case)).files
+                                   : inputs_.at(id_of(run_case)).own;
+  }
+
+  std::filesystem::path folder_of(const std::string& id) const { return setting_.folder.paths().problem(id); }
+
+  /// Names the problem in the provenance, or holds it against what an earlier start named.
+  void describe(const DeformInput& input, json& described) const {
+    const json now = {{"mesh_hash", input.own.mesh_hash},
+                      {"problem_hash", input.own.problem_hash},
+                      {"vertices", input.own.mesh.points.size()},
+                      {"tets", input.own.mesh.tets.size()}};
+    if (described.contains(input.id) && described.at(input.id) != now) {
+      throw InputError(setting_.folder.paths().folder.string() +
+                       ": this run cannot be continued; the problem " + input.id +
+                       " is no longer what it was");
+    }
+    described[input.id] = now;
+  }
+
+  json build_reference_record(const DeformInput& input, const DeformReference& reference) const {
+    std::string id = input.scene + "/reference";
+    for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
+    json record = start_input_record(setting_.plan, mesh_facts(input.scene, input.own), id, "reference");
+    record["sweep"] = input.sweep;
+    record["scene"] = scene_facts(input);
+    record["judge"] = describe_reference(reference);
+    record["outcome"] = reference.outcome;
+    record["message"] = reference.failure;
+    for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
+      record["null_reasons"][key] = "several runs: see judge.level_reports";
+    return record;
+  }
+
+  ContestSetting setting_;
+  std::vector<std::string> order_;
+  std::map<std::string, DeformInput> inputs_;
+  std::map<std::string, DeformReference> references_;
+  std::map<std::string, SimplifiedInput> simplified_;
+};
+
+}  // namespace
+
+std::unique_ptr<Contest> make_deform_contest(const ContestSetting& setting) {
+  return std::make_unique<DeformContest>(setting);
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,164 @@
+#include "experiments/deform_input.h"
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/topology.h"
+#include "experiments/answer_cache.h"
+#include "experiments/file_hash.h"
+#include "experiments/judge_record.h"
+#include "experiments/mesh_source.h"
+#include "experiments/scene_problem.h"
+#include "reference/deform_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr double kReferenceTimeout = 7200.0;  // s
+constexpr double kSimplifierTimeout = 1800.0;
+
+/// Writes mesh and problem below `folder`, which is made.
+void write_problem(ProblemFiles& files, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+  files.mesh_file = fs::absolute(folder / "in.mesh");
+  files.problem_file = fs::absolute(folder / "problem.json");
+  write_medit(files.mesh_file, files.mesh);
+  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
+  files.mesh_hash = hash_file(files.mesh_file);
+  files.problem_hash = hash_file(files.problem_file);
+}
+
+ContestantTask start_task(const std::string& method, const ProblemFiles& files,
+                          const ContestSetting& setting) {
+  ContestantTask task;
+  task.method = *setting.registry.find(method);
+  task.mesh_in = files.mesh_file;
+  task.scratch = fs::absolute(setting.folder.fresh_scratch());
+  task.threads = setting.threads;
+  task.stop_flag = setting.stop_flag;
+  return task;
+}
+
+void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
+  reference.outcome = outcome;
+  reference.failure = why;
+}
+
+}  // namespace
+
+json problem_sweep(const json& sweep) {
+  json own = json::object();
+  for (const char* name : {"poisson_ratio", "vertices"}) {
+    if (sweep.contains(name)) own[name] = sweep.at(name);
+  }
+  return own;
+}
+
+std::string problem_id(const std::string& scene, const json& sweep) {
+  std::string id = scene;
+  const json own = problem_sweep(sweep);
+  for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
+  return id;
+}
+
+DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
+  DeformInput input;
+  input.scene = scene.name;
+  input.sweep = problem_sweep(sweep);
+  input.id = problem_id(scene.name, sweep);
+  Scene own = scene.scene;
+  if (input.sweep.contains("poisson_ratio"))
+    own.material.poisson_ratio = input.sweep.at("poisson_ratio").get<double>();
+  std::optional<std::uint64_t> vertices;
+  if (input.sweep.contains("vertices")) vertices = input.sweep.at("vertices").get<std::uint64_t>();
+  input.own.mesh = build_scene_mesh(own.mesh, vertices).mesh;
+  input.placed = place_scene(std::move(own), input.own.mesh);
+  input.own.problem = build_problem(input.placed, input.own.mesh);
+  write_problem(input.own, folder);
+  return input;
+}
+
+DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting) {
+  const PlanReference& plan = *setting.plan.reference;
+  const std::size_t vertices = input.own.mesh.points.size();
+  const std::size_t edges = build_edges(input.own.mesh).size();
+  DeformReference reference;
+  std::vector<std::vector<Vec3>> levels;
+  for (int level = 0; level < plan.levels; ++level) {
+    ContestantTask task = start_task(plan.method, input.own, setting);
+    task.problem_in = input.own.problem_file;
+    task.options = resolve_options(*task.method.method, plan.set);
+    task.options["refine"] = level;
+    task.timeout_s = kReferenceTimeout;
+    bool was_kept = false;
+    const ContestantAnswer answer = run_cached(task, was_kept);
+    const std::string which = "level " + std::to_string(level) + " of the reference ";
+    if (answer.outcome == "interrupted") {
+      reference.interrupted = true;
+      return reference;
+    }
+    if (answer.outcome != "ok") {
+      fail(reference, answer.outcome, which + "ended: " + answer.message);
+      return reference;
+    }
+    json facts = {{"refine", level},
+                  {"kernel_s", *answer.kernel_s},
+                  {"from_cache", was_kept},
+                  {"report", answer.report}};
+    reference.levels.push_back(std::move(facts));
+    const std::string outcome = answer.report.at("outcome").get<std::string>();
+    if (outcome != "converged") {
+      fail(reference, "error", which + "ended with the outcome " + outcome);
+      return reference;
+    }
+    try {
+      levels.push_back(reference::read_displacement(answer.output, vertices, edges));
+    } catch (const InputError& error) {
+      fail(reference, "bad_answer", which + "cannot be read: " + error.what());
+      return reference;
+    }
+    levels.back().resize(vertices);
+  }
+  try {
+    const Material& material = input.own.problem.material;
+    reference.estimate = judge::estimate_reference(input.own.mesh, levels, material.lambda_pa(),
+                                                   material.mu_pa(), {plan.stated_order});
+  } catch (const InputError& error) {
+    fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
+  }
+  return reference;
+}
+
+SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
+                               const fs::path& folder, const ContestSetting& setting) {
+  SimplifiedInput simplified;
+  ContestantTask task = start_task(simplifier.method, input.own, setting);
+  task.options = resolve_options(*task.method.method, simplifier.set);
+  task.stop = stop;
+  task.timeout_s = kSimplifierTimeout;
+  bool was_kept = false;
+  const ContestantAnswer answer = run_cached(task, was_kept);
+  if (answer.outcome != "ok") {
+    simplified.failure =
+        "simplifying with " + simplifier.label + " ended: " + answer.outcome + ": " + answer.message;
+    return simplified;
+  }
+  simplified.report = answer.report;
+  try {
+    simplified.files.mesh = read_medit(answer.output, ReadOrientation::kKeep).mesh;
+    const Judgement judgement = judge_mesh(simplified.files.mesh);
+    if (!judgement.violations.empty()) throw InputError(judgement.violations.front());
+    simplified.files.problem = build_problem(input.placed, simplified.files.mesh);
+    write_problem(simplified.files, folder);
+  } catch (const InputError& error) {
+    simplified.failure = "on the mesh of " + simplifier.label + ": " + error.what();
+  }
+  return simplified;
+}
+
+}  // namespace palpate::experiments

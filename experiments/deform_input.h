@@ -1,0 +1,73 @@
+// The inputs of a contest of displacements: each scene as a problem on its mesh, its reference, simplified
+// meshes.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/judge/reference_estimate.h"
+#include "core/mesh/boundary_problem.h"
+#include "core/mesh/tet_mesh.h"
+#include "experiments/case_list.h"
+#include "experiments/contest.h"
+#include "experiments/plan.h"
+
+namespace palpate::experiments {
+
+/// A mesh in metres with its problem, as files that requests name.
+struct ProblemFiles {
+  TetMesh mesh;
+  BoundaryProblem problem;
+  std::filesystem::path mesh_file;
+  std::filesystem::path problem_file;
+  std::string mesh_hash;
+  std::string problem_hash;
+};
+
+/// One problem of a run: a scene at one Poisson ratio and one size of mesh.
+struct DeformInput {
+  std::string id;  ///< "kidney_gravity", then "/poisson_ratio=0.45" and "/vertices=1503" where they are swept
+  std::string scene;                                ///< its name in the plan
+  nlohmann::json sweep = nlohmann::json::object();  ///< of the problem alone
+  Scene placed;
+  ProblemFiles own;
+};
+
+/// What came of the reference.
+struct DeformReference {
+  std::string failure;                 ///< why there is none; empty if there is
+  std::string outcome = "accepted";    ///< of its record
+  judge::ReferenceEstimate estimate;   ///< at the vertices of the problem's own mesh
+  std::vector<nlohmann::json> levels;  ///< what each level reports, with its times
+  bool interrupted = false;
+};
+
+/// A mesh that a simplifier made of a problem's own, with the same problem on it.
+struct SimplifiedInput {
+  std::string failure;  ///< why there is none; empty if there is
+  ProblemFiles files;
+  nlohmann::json report;
+};
+
+/// The part of a case's sweep that makes its problem: poisson_ratio and vertices.
+nlohmann::json problem_sweep(const nlohmann::json& sweep);
+
+/// "kidney_gravity/poisson_ratio=0.45".
+std::string problem_id(const std::string& scene, const nlohmann::json& sweep);
+
+/// Makes the mesh, places the scene on it and writes both below `folder`.
+/// Throws: InputError or UnavailableError as build_scene_mesh and build_problem do.
+DeformInput build_input(const PlanScene& scene, const nlohmann::json& sweep,
+                        const std::filesystem::path& folder);
+
+/// Solves the reference on the problem's mesh and its refinements; what an earlier run solved is taken from
+/// the cache. `scratch` gives an empty folder for each solution.
+DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting);
+
+/// Simplifies the problem's mesh (or takes the mesh from the cache) and puts the problem on it.
+SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
+                               const std::filesystem::path& folder, const ContestSetting& setting);
+
+}  // namespace palpate::experiments

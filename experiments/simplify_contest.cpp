@@ -1,0 +1,124 @@
+// The contest simplify: meshes in, meshes out, held against their inputs.
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "experiments/contest.h"
+#include "experiments/judge_record.h"
+#include "experiments/mesh_source.h"
+#include "experiments/plan_mesh.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+json mesh_facts(const RunMesh& mesh) {
+  return {{"name", mesh.name},
+          {"vertices", mesh.mesh.points.size()},
+          {"tets", mesh.mesh.tets.size()},
+          {"hash", mesh.hash},
+          {"ideal_volume", mesh.ideal_volume}};
+}
+
+/// What the adapter reports of the mesh has to be what the judge counts.
+void add_report_violations(json& record) {
+  for (const auto& [reported, counted] :
+       {std::pair{"tets_out", "tets"}, std::pair{"vertices_out", "vertices"}}) {
+    const json said = record.at("report").value(reported, json());
+    const json seen = record.at("judge").value(counted, json());
+    if (said.is_number() && seen.is_number() && said != seen) {
+      record["violations"].push_back(std::string("reports ") + reported + " " + said.dump() +
+                                     ", the judge counts " + seen.dump());
+    }
+  }
+}
+
+class SimplifyContest : public Contest {
+ public:
+  explicit SimplifyContest(const ContestSetting& setting) : setting_(setting) {}
+
+  json prepare(const std::vector<const Case*>&, const json& earlier) override {
+    json described = json::array();
+    for (const PlanMesh& mesh : setting_.plan.meshes) {
+      const auto file = setting_.folder.paths().mesh(mesh.name + "/input");
+      if (!earlier.is_null()) {
+        meshes_.push_back(reload_mesh(mesh, file, earlier));
+        continue;
+      }
+      setting_.progress.show("mesh " + mesh.name);
+      meshes_.push_back(obtain_mesh(mesh, file));
+      for (const std::string& note : meshes_.back().notes) {
+        const bool named = note.rfind(mesh.name + ":", 0) == 0;
+        setting_.progress.say(named ? note : mesh.name + ": " + note);
+      }
+      described.push_back(describe_mesh(meshes_.back()));
+    }
+    return earlier.is_null() ? json{{"meshes", described}} : json::object();
+  }
+
+  bool record_inputs(const std::set<std::string>& recorded,
+                     const std::function<void(json)>& append) override {
+    for (const RunMesh& mesh : meshes_) {
+      if (recorded.count(mesh.name + "/input") == 0) append(build_input_record(mesh));
+    }
+    return true;
+  }
+
+  std::string fill_task(const Case& run_case, ContestantTask& task) const override {
+    task.mesh_in = std::filesystem::absolute(mesh_of(run_case).file);
+    return "";
+  }
+
+  json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
+                    const std::vector<json>& earlier) const override {
+    const RunMesh& mesh = mesh_of(facts.run_case);
+    const auto judge = [&](const std::filesystem::path& file) {
+      const TetMesh output = read_mesh(file, ReadOrientation::kKeep).mesh;
+      Judgement judgement = judge_output(output, mesh.mesh, facts.contestant.keep);
+      add_region_figures(judgement.figures, output, mesh.mesh, facts.plan.region);
+      return judgement.figures;
+    };
+    json record = start_record(facts, mesh_facts(mesh), answer);
+    judge_answer({judge, add_report_violations, "mesh"}, facts, answer, earlier, record);
+    return record;
+  }
+
+  std::filesystem::path kept_output(const Case& run_case) const override {
+    return setting_.folder.paths().mesh(run_case.id);
+  }
+
+ private:
+  const RunMesh& mesh_of(const Case& run_case) const { return meshes_[run_case.subject]; }
+
+  json build_input_record(const RunMesh& mesh) const {
+    json record = start_input_record(setting_.plan, mesh_facts(mesh), mesh.name + "/input", "input");
+    Judgement judgement = judge_mesh(mesh.mesh);
+    add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, setting_.plan.region);
+    for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
+      record["null_reasons"][key] = "the input mesh itself: nothing ran";
+    record["judge"] = judgement.figures;
+    record["output_hash"] = mesh.hash;
+    record["mesh_file"] = "meshes/" + mesh.name + "/input.mesh";
+    record["violations"] = judgement.violations;
+    record["outcome"] = judgement.violations.empty() ? "accepted" : "rejected";
+    if (!judgement.violations.empty()) record["message"] = reason_of(record);
+    return record;
+  }
+
+  ContestSetting setting_;
+  std::vector<RunMesh> meshes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting) {
+  return std::make_unique<SimplifyContest>(setting);
+}
+
+std::unique_ptr<Contest> make_contest(const ContestSetting& setting) {
+  if (setting.plan.contest == "simplify") return make_simplify_contest(setting);
+  require(setting.plan.contest == "deform", "make_contest: unknown contest");
+  return make_deform_contest(setting);
+}
+
+}  // namespace palpate::experiments

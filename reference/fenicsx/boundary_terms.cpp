@@ -1,0 +1,191 @@
+#include "reference/fenicsx/boundary_terms.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <unordered_map>
+
+#include "core/mesh/topology.h"
+
+namespace palpate::reference::fenicsx {
+namespace {
+
+Vec3 area_vector(const TetMesh& mesh, const Triangle& face) {
+  const Vec3& a = mesh.points[face[0]];
+  return 0.5 * cross(mesh.points[face[1]] - a, mesh.points[face[2]] - a);
+}
+
+Edge edge_of(Index a, Index b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+double sum_over_processes(double here) {
+  double sum = 0.0;
+  MPI_Allreduce(&here, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  return sum;
+}
+
+}  // namespace
+
+double face_mass(int node_count, std::size_t i, std::size_t j) {
+  if (node_count == 3) return i == j ? 1.0 / 6.0 : 1.0 / 12.0;
+  if (i > j) std::swap(i, j);
+  if (j < 3) return i == j ? 6.0 / 180.0 : -1.0 / 180.0;
+  if (i >= 3) return i == j ? 32.0 / 180.0 : 16.0 / 180.0;
+  return (i + 1) % 3 == j - 3 ? -4.0 / 180.0 : 0.0;  // the midpoint of 1-2 is opposite to vertex 0
+}
+
+double face_load(int node_count, std::size_t i) {
+  if (node_count == 3) return 1.0 / 3.0;
+  return i < 3 ? 0.0 : 1.0 / 3.0;
+}
+
+BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
+  find_held(mesh, problem, body);
+  find_faces(mesh, problem, body);
+  std::unordered_map<Index, std::size_t> node_of;
+  for (std::size_t node = 0; node < body.owned_nodes(); ++node) {
+    const auto [a, b] = body.nodes()[node];
+    if (a == b) node_of.emplace(a, node);
+  }
+  for (const NodalForce& load : problem.nodal_forces) {
+    const auto found = node_of.find(load.vertex);
+    if (found != node_of.end())
+      nodal_forces_.emplace_back(static_cast<PetscInt>(found->second), load.force_n);
+  }
+}
+
+void BoundaryTerms::find_held(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
+  std::vector<Edge> edges;
+  if (!problem.held_field_m.empty()) edges = build_edges(mesh);
+  const auto displacement_at = [&](const HeldFaces& patch, const Edge& ends) {
+    if (problem.held_field_m.empty()) return patch.by_m;
+    if (ends[0] == ends[1]) return patch.by_m + problem.held_field_m[ends[0]];
+    const auto at = std::lower_bound(edges.begin(), edges.end(), ends) - edges.begin();
+    return patch.by_m + problem.held_field_m[mesh.points.size() + static_cast<std::size_t>(at)];
+  };
+  std::unordered_map<std::uint64_t, std::size_t> node_of;
+  const auto key = [](const Edge& ends) { return (std::uint64_t{ends[0]} << 32U) | ends[1]; };
+  if (!problem.held.empty()) {
+    for (std::size_t node = 0; node < body.nodes().size(); ++node)
+      node_of.emplace(key(body.nodes()[node]), node);
+  }
+  std::set<PetscInt> seen;
+  for (const HeldFaces& patch : problem.held) {
+    for (const Triangle& f : patch.faces) {
+      for (const Edge& ends : {Edge{f[0], f[0]}, Edge{f[1], f[1]}, Edge{f[2], f[2]}, edge_of(f[0], f[1]),
+                               edge_of(f[1], f[2]), edge_of(f[2], f[0])}) {
+        const auto found = node_of.find(key(ends));
+        if (found == node_of.end()) continue;
+        const Vec3 move = displacement_at(patch, ends);
+        const std::array<double, 3> by{move.x, move.y, move.z};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          const auto entry = static_cast<PetscInt>(3 * found->second + axis);
+          if (!patch.axes[axis] || !seen.insert(entry).second) continue;
+          held_.push_back({entry, by[axis]});
+          if (found->second < body.owned_nodes()) {
+            held_rows_.push_back(3 * body.global_numbers()[found->second] + static_cast<PetscInt>(axis));
+          }
+        }
+        is_moved_ = is_moved_ || (move != Vec3{});
+      }
+    }
+  }
+  is_moved_ = sum_over_processes(is_moved_ ? 1.0 : 0.0) > 0.0;
+}
+
+void BoundaryTerms::find_faces(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
+  for (const ElasticSupport& support : problem.supports) {
+    for (const LocalFace& face : body.find_faces(support.patch.faces)) {
+      const double area = length(area_vector(mesh, support.patch.faces[face.given]));
+      supports_.push_back(
+          {face, support.stiffness_pa_per_m * support.patch.weight[face.given] * area, support.by_m});
+    }
+  }
+  for (const Traction& traction : problem.tractions) {
+    for (const LocalFace& face : body.find_faces(traction.patch.faces)) {
+      const Vec3 area = area_vector(mesh, traction.patch.faces[face.given]);
+      const Vec3 force = length(area) * traction.traction_pa - traction.pressure_pa * area;
+      loads_.push_back({face, 1.0, traction.patch.weight[face.given] * force});
+    }
+  }
+}
+
+void BoundaryTerms::set_held(double factor, const Vector& u) const {
+  const LocalEntries entries(u.get());
+  for (const Held& held : held_) entries[static_cast<std::size_t>(held.entry)] = factor * held.value_m;
+}
+
+void BoundaryTerms::clear_held(const Vector& u) const {
+  set_held(0.0, u);
+}
+
+void BoundaryTerms::add_supports(const Matrix& tangent) const {
+  std::vector<PetscScalar> block;
+  for (const FaceTerm& term : supports_) {
+    const auto n = static_cast<std::size_t>(term.face.node_count);
+    block.assign(9 * n * n, 0.0);
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const double mass = term.scale * face_mass(term.face.node_count, i, j);
+        for (std::size_t axis = 0; axis < 3; ++axis) block[(3 * i + axis) * 3 * n + 3 * j + axis] = mass;
+      }
+    }
+    check(MatSetValuesBlockedLocal(tangent.get(), term.face.node_count, term.face.nodes.data(),
+                                   term.face.node_count, term.face.nodes.data(), block.data(), ADD_VALUES),
+          "MatSetValuesBlockedLocal");
+  }
+}
+
+void BoundaryTerms::add_support_force(const Vector& u, double factor, const Vector& force) const {
+  const LocalEntries at(u.get());
+  const LocalEntries to(force.get());
+  for (const FaceTerm& term : supports_) {
+    const auto n = static_cast<std::size_t>(term.face.node_count);
+    const std::array<double, 3> by{factor * term.vector.x, factor * term.vector.y, factor * term.vector.z};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const double mass = term.scale * face_mass(term.face.node_count, i, j);
+        const auto row = static_cast<std::size_t>(3 * term.face.nodes[i]);
+        const auto column = static_cast<std::size_t>(3 * term.face.nodes[j]);
+        for (std::size_t axis = 0; axis < 3; ++axis) to[row + axis] -= mass * (at[column + axis] - by[axis]);
+      }
+    }
+  }
+}
+
+double BoundaryTerms::support_energy(const Vector& u, double factor) const {
+  double energy = 0.0;
+  const LocalEntries at(u.get());
+  for (const FaceTerm& term : supports_) {
+    const auto n = static_cast<std::size_t>(term.face.node_count);
+    const std::array<double, 3> by{factor * term.vector.x, factor * term.vector.y, factor * term.vector.z};
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const double mass = term.scale * face_mass(term.face.node_count, i, j);
+        const auto row = static_cast<std::size_t>(3 * term.face.nodes[i]);
+        const auto column = static_cast<std::size_t>(3 * term.face.nodes[j]);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          energy += 0.5 * mass * (at[row + axis] - by[axis]) * (at[column + axis] - by[axis]);
+      }
+    }
+  }
+  return sum_over_processes(energy);
+}
+
+void BoundaryTerms::add_loads(const Vector& force) const {
+  const LocalEntries to(force.get());
+  const auto add = [&](PetscInt node, const Vec3& f) {
+    const auto at = static_cast<std::size_t>(3 * node);
+    to[at] += f.x;
+    to[at + 1] += f.y;
+    to[at + 2] += f.z;
+  };
+  for (const FaceTerm& term : loads_) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(term.face.node_count); ++i)
+      add(term.face.nodes[i], face_load(term.face.node_count, i) * term.vector);
+  }
+  for (const auto& [node, f] : nodal_forces_) add(node, f);
+}
+
+}  // namespace palpate::reference::fenicsx
