@@ -67,6 +67,13 @@ struct Scene {
 ///         a mesh file that is not there, no load that does anything.
 Scene read_scene(const std::filesystem::path& path);
 
+/// The parts of a scene, for files that combine them (palpate train). `folder` is where a mesh file's path
+/// starts. Throws: as read_scene.
+SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder);
+Material read_scene_material(const YamlValue& value);
+SceneClamp read_scene_clamp(const YamlValue& value);
+SceneLoad read_scene_load(const YamlValue& value);
+
 /// Throws: InputError unless -1 < ratio < 0.5; `at` names the place.
 void check_poisson_ratio(const YamlValue& at, double ratio);
 
