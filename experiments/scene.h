@@ -67,6 +67,10 @@ struct Scene {
 ///         a mesh file that is not there, no load that does anything.
 Scene read_scene(const std::filesystem::path& path);
 
+/// The method that the scene's model stands for. Throws: InputError without a model, or for an unknown one
+/// (with the nearest).
+MethodEntry find_model(const Scene& scene, const Registry& registry);
+
 /// Throws: InputError unless -1 < ratio < 0.5; `at` names the place.
 void check_poisson_ratio(const YamlValue& at, double ratio);
 
