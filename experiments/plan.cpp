@@ -11,6 +11,7 @@
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_targets.h"
 
 namespace palpate::experiments {
 namespace {
@@ -197,7 +198,7 @@ namespace {
 
 /// What a contest of simplifiers is about.
 void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  for (const char* key : {"scenes", "reference", "simplify"}) {
+  for (const char* key : {"scenes", "reference", "simplify", "scene_sets", "targets"}) {
     if (const auto extra = fields.find(key))
       extra->fail("\"" + std::string(key) + "\" belongs to the contest deform, not to simplify");
   }
@@ -227,6 +228,7 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   check_reserved_labels(fields.need("contestants"), plan);
   plan.reference = read_reference(fields.need("reference"), registry);
   check_vertices_sweep(fields, plan);
+  check_targets(fields, plan);
 }
 
 void add_availability_notes(Plan& plan, const Registry& registry) {
@@ -245,9 +247,10 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields({"schema", "question", "contest", "meshes", "scenes", "reference",
-                                         "simplify", "contestants", "sweep", "region", "run", "measure",
-                                         "accept", "claim", "equal_count", "comparisons", "charts"});
+  const YamlFields fields =
+      root.fields({"schema", "question", "contest", "meshes", "scenes", "reference", "simplify",
+                   "contestants", "sweep", "region", "run", "measure", "accept", "claim", "equal_count",
+                   "comparisons", "charts", "scene_sets", "targets"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -271,7 +274,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto comparisons = fields.find("comparisons")) {
     plan.comparisons = read_comparisons(*comparisons, plan.contestants);
   }
-  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts);
+  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, plan.contest);
   add_availability_notes(plan, registry);
   return plan;
 }
