@@ -1,4 +1,5 @@
 // The contest deform: problems in, displacements out, held against a converged reference.
+#include <algorithm>
 #include <map>
 
 #include "core/base/error.h"
@@ -35,12 +36,8 @@ json mesh_facts(const std::string& name, const ProblemFiles& files) {
 
 json describe_reference(const DeformReference& reference) {
   const judge::ReferenceEstimate& estimate = reference.estimate;
-  json figures = {
-      {"valid", reference.failure.empty()}, {"findings", json::array()}, {"level_reports", reference.levels}};
-  if (!reference.failure.empty()) {
-    figures["findings"].push_back(reference.failure);
-    return figures;
-  }
+  if (!reference.failure.empty()) return nullptr;
+  json figures = {{"valid", true}, {"findings", json::array()}, {"level_reports", reference.levels}};
   figures["kind"] = judge::reference_kind_name(estimate.kind);
   figures["levels"] = estimate.levels;
   figures["order"] = or_null(estimate.order);

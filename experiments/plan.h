@@ -33,7 +33,8 @@ struct PlanScene {
 struct PlanReference {
   std::string method;
   std::map<std::string, GivenOption> set;
-  int levels = 2;                      ///< refine = 0 ... levels - 1
+  int levels = 2;                ///< refine = 0 ... levels - 1
+  std::optional<double> enough;  ///< no further level once the estimated relative L2 error is this small
   std::optional<double> stated_order;  ///< of convergence, for two levels; three observe their own
 };
 

@@ -9,9 +9,9 @@ namespace palpate::reference::fenicsx {
 
 struct EquilibriumOptions {
   SolverChoice solver = SolverChoice::kAuto;
-  double tolerance_relative = 1e-10;  ///< of the residual, over that of the undeformed body under all load
-  int most_newton_steps = 30;         ///< a load step; large strain alone
-  int most_load_steps = 64;           ///< large strain alone
+  double tolerance_relative = 1e-10;  ///< of the force out of balance, over that of the undeformed body
+  int most_newton_steps = 20;         ///< for one load step; large strain alone
+  double least_load_step = 1.0 / 1024.0;
 };
 
 /// What was found. The displacement is in the body's own order, with ghosts up to date.
@@ -20,7 +20,7 @@ struct Equilibrium {
   Vector displacement;
   std::string solver;
   int linear_iterations = 0;
-  int newton_steps = 0;
+  int newton_steps = 0;  ///< linear systems solved
   int load_steps = 0;
   double residual_relative = 0.0;
   double strain_energy_j = 0.0;
@@ -29,8 +29,8 @@ struct Equilibrium {
   double solve_s = 0.0;
 };
 
-/// Small strain: one linear solve. Large strain: load steps, each with Newton's method and a line search on
-/// the total energy; a load step that fails is halved.
+/// Small strain: one linear solve. Large strain: all load at once and then, where that fails, in smaller load
+/// steps; each by Newton's method with a line search on the total energy.
 Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
                              const EquilibriumOptions& options);
 

@@ -19,6 +19,7 @@ enum class SolverChoice {
 struct LinearReport {
   int iterations = 0;
   double residual_relative = 0.0;  ///< |b - A x| / |b|, computed anew
+  double right_side_norm = 0.0;    ///< |b|, in N: what is out of balance, held displacements taken in
   bool converged = false;
 };
 
@@ -32,7 +33,8 @@ class TangentSystem {
   TangentSystem(const TangentSystem&) = delete;
   TangentSystem& operator=(const TangentSystem&) = delete;
 
-  /// Solves K(u) step = residual for the free entries; the held entries of `step` stay as they are given.
+  /// Solves K(u) step = residual for the free entries of `step`; its held entries stay as they are given, the
+  /// free ones must be zero.
   LinearReport solve(const Vector& u, const Vector& residual, double tolerance_relative, const Vector& step);
 
   /// "mumps", "gamg" or "p-multigrid + gamg".

@@ -2,9 +2,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iostream>
 
 #include "core/base/error.h"
 #include "core/mesh/refinement.h"
@@ -18,6 +22,9 @@ namespace palpate::reference::fenicsx {
 namespace {
 
 using nlohmann::json;
+
+constexpr std::int64_t kMostRefinements = 3;
+constexpr std::int64_t kMostProcesses = 64;
 
 /// The displacement of the base mesh's vertices and edge midpoints, on process 0; empty elsewhere.
 std::vector<Vec3> gather_rows(const TetMesh& base, const ElasticBody& body, const Vector& displacement) {
@@ -63,63 +70,142 @@ std::vector<Vec3> gather_rows(const TetMesh& base, const ElasticBody& body, cons
   return rows;
 }
 
-Response answer(const Request& request) {
+/// What a request asks.
+struct Options {
+  EquilibriumOptions equilibrium;
+  std::int64_t refine = 0;
+};
+
+Options read_options(const Request& request) {
   if (request.method != "fem.p1" && request.method != "fem.p2")
     throw InputError("method", 0, "fem.p1 or fem.p2", request.method);
   json left = request.options;
-  EquilibriumOptions options;
+  Options options;
   if (left.contains("solver")) {
-    options.solver = static_cast<SolverChoice>(take_choice(left, "solver", {"auto", "mumps", "gamg"}));
+    options.equilibrium.solver =
+        static_cast<SolverChoice>(take_choice(left, "solver", {"auto", "mumps", "gamg"}));
   }
-  options.tolerance_relative = take_number(left, "rtol", 1e-14, 0.1, options.tolerance_relative);
-  const auto refine = take_whole(left, "refine", 0, 3, 0);
+  options.equilibrium.tolerance_relative =
+      take_number(left, "rtol", 1e-14, 0.1, options.equilibrium.tolerance_relative);
+  options.refine = take_whole(left, "refine", 0, kMostRefinements, 0);
+  take_whole(left, "processes", 1, kMostProcesses, 1);  // start_mpirun() has seen to it
   require_all_taken(left);
+  return options;
+}
+
+int process_count() {
+  int count = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &count);
+  return count;
+}
+
+/// The part that all processes do together: one that fails in it alone would leave the others waiting.
+template <typename Work>
+void together(const Work& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    if (process_count() == 1) throw;
+    std::cerr << error.what() << '\n';
+    MPI_Abort(PETSC_COMM_WORLD, 3);
+  }
+}
+
+Response answer(const Request& request) {
+  const Options options = read_options(request);
   const DeformTask task = read_deform_task(request);
   require_no_free_motion(task.mesh, task.problem);
-
   TetMesh mesh = task.mesh;
   BoundaryProblem problem = task.problem;
-  for (std::int64_t level = 0; level < refine; ++level) {
+  for (std::int64_t level = 0; level < options.refine; ++level) {
     TetMesh refined = refine_uniformly(mesh);
     problem = refine_problem(problem, mesh, refined);
     mesh = std::move(refined);
   }
-  const auto start = std::chrono::steady_clock::now();
-  ElasticBody body(mesh, problem.material, problem.strain, request.method == "fem.p1" ? 1 : 2);
-  const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Equilibrium found = find_equilibrium(mesh, problem, body, options);
   Response response;
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  response.report = {{"method", request.method},
-                     {"outcome", found.outcome},
-                     {"dofs", 3 * body.global_nodes()},
-                     {"refine", refine},
-                     {"solver", found.solver},
-                     {"iterations", found.linear_iterations},
-                     {"residual_relative", found.residual_relative},
-                     {"energy_j", found.strain_energy_j},
-                     {"support_energy_j", found.support_energy_j},
-                     {"assembly_s", setup_s + found.assembly_s},
-                     {"solve_s", found.solve_s}};
-  const std::vector<Vec3> rows = gather_rows(task.mesh, body, found.displacement);
-  if (!rows.empty() && found.outcome == "converged") write_displacement(request.output, rows);
+  std::vector<Vec3> rows;
+  together([&] {
+    const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    ElasticBody body(mesh, problem.material, problem.strain, request.method == "fem.p1" ? 1 : 2);
+    const double setup_s = seconds();
+    const Equilibrium found = find_equilibrium(mesh, problem, body, options.equilibrium);
+    response.kernel_s = seconds();
+    response.report = {{"method", request.method},
+                       {"outcome", found.outcome},
+                       {"refine", options.refine},
+                       {"dofs", 3 * body.global_nodes()},
+                       {"processes", process_count()},
+                       {"solver", found.solver},
+                       {"iterations", found.linear_iterations},
+                       {"newton_steps", found.newton_steps},
+                       {"load_steps", found.load_steps},
+                       {"residual_relative", found.residual_relative},
+                       {"energy_j", found.strain_energy_j},
+                       {"support_energy_j", found.support_energy_j},
+                       {"assembly_s", setup_s + found.assembly_s},
+                       {"solve_s", found.solve_s}};
+    if (found.outcome == "converged") rows = gather_rows(task.mesh, body, found.displacement);
+  });
+  if (!rows.empty()) write_displacement(request.output, rows);
   return response;
 }
 
-/// Quiets what Open MPI says about containers, where processes may not read each other's memory.
-void set_mpi_defaults() {
-  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
-  setenv("OMPI_MCA_plm_rsh_agent", "", 0);
+/// Becomes mpirun of itself if the request asks for more than one process. Returns if it does not, if it runs
+/// under mpirun already, and if the request cannot be read, which run_adapter then tells. Throws:
+/// UnavailableError without mpirun.
+void start_mpirun(int argc, char** argv) {
+  if (argc != 3 || std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return;
+  std::ifstream file(argv[1]);
+  const json request = json::parse(file, nullptr, false);
+  if (!request.is_object()) return;
+  const json options = request.value("options", json::object());
+  if (!options.is_object() || !options.contains("processes") || !options["processes"].is_number_integer())
+    return;
+  const auto count = options["processes"].get<std::int64_t>();
+  if (count < 2 || count > kMostProcesses) return;
+  if (geteuid() == 0) {  // in a container; Open MPI wants to hear it twice
+    setenv("OMPI_ALLOW_RUN_AS_ROOT", "1", 0);
+    setenv("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1", 0);
+  }
+  const std::string number = std::to_string(count);
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  execlp("mpirun", "mpirun", "-quiet", "--oversubscribe", "--bind-to", "none", "-np", number.c_str(),
+         self.c_str(), argv[1], argv[2], static_cast<char*>(nullptr));
+  throw UnavailableError("more than one process needs mpirun (Debian: openmpi-bin)");
+}
+
+/// Answers on process 0; the others work along, and what they have to say is said by process 0 already.
+int run_on_all(int argc, char** argv) {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank == 0 || argc != 3) return run_adapter(argc, argv, answer);
+  std::string aside = std::string(argv[2]) + ".process" + std::to_string(rank);
+  std::array<char*, 3> arguments{argv[0], argv[1], aside.data()};
+  if (std::freopen("/dev/null", "w", stderr) == nullptr) return 3;
+  run_adapter(argc, arguments.data(), answer);
+  std::error_code ignored;
+  std::filesystem::remove(aside, ignored);
+  return 0;
 }
 
 int run(int argc, char** argv) {
-  set_mpi_defaults();
-  check(PetscInitialize(nullptr, nullptr, nullptr, nullptr), "PetscInitialize");
-  PetscPopSignalHandler();
+  // What Open MPI would otherwise say in containers: no reading of each other's memory, no ssh.
+  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
+  setenv("OMPI_MCA_plm_rsh_agent", "", 0);
+  setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+  try {
+    start_mpirun(argc, argv);
+    check(PetscInitialize(nullptr, nullptr, nullptr, nullptr), "PetscInitialize");
+  } catch (const std::exception& error) {
+    const std::string message = error.what();
+    return run_adapter(argc, argv, [&](const Request&) -> Response { throw UnavailableError(message); });
+  }
+  PetscPopSignalHandler();                                  // a crash is a crash
   PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // check() tells
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  const int code = run_adapter(argc, argv, answer);
+  const int code = run_on_all(argc, argv);
   PetscFinalize();
   return code;
 }
