@@ -1,5 +1,7 @@
 #include "experiments/training_run.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/atomic_file.h"
