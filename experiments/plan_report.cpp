@@ -69,6 +69,17 @@ const Measure& known_measure(const YamlValue& at, const std::string& name, bool 
   return *measure;
 }
 
+AcceptBound read_bound(const std::string& measure, const YamlValue& value) {
+  known_measure(value, measure, true);
+  const YamlFields fields = value.fields({"min", "max"});
+  AcceptBound bound{measure, std::nullopt, std::nullopt};
+  if (const auto min = fields.find("min")) bound.min = min->number();
+  if (const auto max = fields.find("max")) bound.max = max->number();
+  if (!bound.min && !bound.max) value.fail(measure + ": expected min or max");
+  if (bound.min && bound.max && *bound.min > *bound.max) value.fail(measure + ": min is above max");
+  return bound;
+}
+
 Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   const YamlFields fields =
       value.fields({"text", "source", "measure", "better", "than", "spread", "published"});
