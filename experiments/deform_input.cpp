@@ -20,19 +20,6 @@ using nlohmann::json;
 constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr double kSimplifierTimeout = 1800.0;
 
-/// Writes mesh and problem below `folder`, which is made.
-void write_problem(ProblemFiles& files, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
-  files.mesh_file = fs::absolute(folder / "in.mesh");
-  files.problem_file = fs::absolute(folder / "problem.json");
-  write_medit(files.mesh_file, files.mesh);
-  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
-  files.mesh_hash = hash_file(files.mesh_file);
-  files.problem_hash = hash_file(files.problem_file);
-}
-
 ContestantTask start_task(const std::string& method, const ProblemFiles& files,
                           const ContestSetting& setting) {
   ContestantTask task;
@@ -47,6 +34,48 @@ ContestantTask start_task(const std::string& method, const ProblemFiles& files,
 void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
   reference.outcome = outcome;
   reference.failure = why;
+}
+
+/// The displacement of one level at the vertices of the problem's own mesh. What goes wrong is put into
+/// `reference`.
+std::vector<Vec3> solve_level(const DeformInput& input, int level, const ContestSetting& setting,
+                              DeformReference& reference) {
+  const PlanReference& plan = *setting.plan.reference;
+  ContestantTask task = start_task(plan.method, input.own, setting);
+  task.problem_in = input.own.problem_file;
+  task.options = resolve_options(*task.method.method, plan.set);
+  task.options["refine"] = level;
+  task.timeout_s = kReferenceTimeout;
+  bool was_kept = false;
+  const ContestantAnswer answer = run_cached(task, was_kept);
+  const std::string which = "level " + std::to_string(level) + " of the reference ";
+  if (answer.outcome == "interrupted") {
+    reference.interrupted = true;
+    return {};
+  }
+  if (answer.outcome != "ok") {
+    fail(reference, answer.outcome, which + "ended: " + answer.message);
+    return {};
+  }
+  reference.levels.push_back({{"refine", level},
+                              {"kernel_s", *answer.kernel_s},
+                              {"from_cache", was_kept},
+                              {"report", answer.report}});
+  const std::string outcome = answer.report.at("outcome").get<std::string>();
+  if (outcome != "converged") {
+    fail(reference, "error", which + "ended with the outcome " + outcome);
+    return {};
+  }
+  const std::size_t vertices = input.own.mesh.points.size();
+  try {
+    std::vector<Vec3> field =
+        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size());
+    field.resize(vertices);
+    return field;
+  } catch (const InputError& error) {
+    fail(reference, "bad_answer", which + "cannot be read: " + error.what());
+    return {};
+  }
 }
 
 }  // namespace
@@ -64,6 +93,31 @@ std::string problem_id(const std::string& scene, const json& sweep) {
   const json own = problem_sweep(sweep);
   for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
   return id;
+}
+
+void write_problem(ProblemFiles& files, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+  files.mesh_file = fs::absolute(folder / "in.mesh");
+  files.problem_file = fs::absolute(folder / "problem.json");
+  write_medit(files.mesh_file, files.mesh);
+  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
+  files.mesh_hash = hash_file(files.mesh_file);
+  files.problem_hash = hash_file(files.problem_file);
+}
+
+void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
+                      json& described) {
+  const json now = {{"mesh_hash", files.mesh_hash},
+                    {"problem_hash", files.problem_hash},
+                    {"vertices", files.mesh.points.size()},
+                    {"tets", files.mesh.tets.size()}};
+  if (described.contains(id) && described.at(id) != now) {
+    throw InputError(paths.folder.string() + ": this run cannot be continued; the problem " + id +
+                     " is no longer what it was");
+  }
+  described[id] = now;
 }
 
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
@@ -85,51 +139,21 @@ DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::pat
 
 DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting) {
   const PlanReference& plan = *setting.plan.reference;
-  const std::size_t vertices = input.own.mesh.points.size();
-  const std::size_t edges = build_edges(input.own.mesh).size();
+  const Material& material = input.own.problem.material;
   DeformReference reference;
   std::vector<std::vector<Vec3>> levels;
   for (int level = 0; level < plan.levels; ++level) {
-    ContestantTask task = start_task(plan.method, input.own, setting);
-    task.problem_in = input.own.problem_file;
-    task.options = resolve_options(*task.method.method, plan.set);
-    task.options["refine"] = level;
-    task.timeout_s = kReferenceTimeout;
-    bool was_kept = false;
-    const ContestantAnswer answer = run_cached(task, was_kept);
-    const std::string which = "level " + std::to_string(level) + " of the reference ";
-    if (answer.outcome == "interrupted") {
-      reference.interrupted = true;
-      return reference;
-    }
-    if (answer.outcome != "ok") {
-      fail(reference, answer.outcome, which + "ended: " + answer.message);
-      return reference;
-    }
-    json facts = {{"refine", level},
-                  {"kernel_s", *answer.kernel_s},
-                  {"from_cache", was_kept},
-                  {"report", answer.report}};
-    reference.levels.push_back(std::move(facts));
-    const std::string outcome = answer.report.at("outcome").get<std::string>();
-    if (outcome != "converged") {
-      fail(reference, "error", which + "ended with the outcome " + outcome);
-      return reference;
-    }
+    levels.push_back(solve_level(input, level, setting, reference));
+    if (reference.interrupted || !reference.failure.empty()) return reference;
     try {
-      levels.push_back(reference::read_displacement(answer.output, vertices, edges));
+      reference.estimate = judge::estimate_reference(input.own.mesh, levels, material.lambda_pa(),
+                                                     material.mu_pa(), {plan.stated_order});
     } catch (const InputError& error) {
-      fail(reference, "bad_answer", which + "cannot be read: " + error.what());
+      fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
       return reference;
     }
-    levels.back().resize(vertices);
-  }
-  try {
-    const Material& material = input.own.problem.material;
-    reference.estimate = judge::estimate_reference(input.own.mesh, levels, material.lambda_pa(),
-                                                   material.mu_pa(), {plan.stated_order});
-  } catch (const InputError& error) {
-    fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
+    const auto& error = reference.estimate.error.relative_l2;
+    if (plan.enough && error && *error <= *plan.enough) break;
   }
   return reference;
 }

@@ -33,7 +33,8 @@ struct PlanScene {
 struct PlanReference {
   std::string method;
   std::map<std::string, GivenOption> set;
-  int levels = 2;                      ///< refine = 0 ... levels - 1
+  int levels = 2;                ///< refine = 0 ... levels - 1
+  std::optional<double> enough;  ///< no further level once the estimated relative L2 error is this small
   std::optional<double> stated_order;  ///< of convergence, for two levels; three observe their own
 };
 
@@ -93,6 +94,19 @@ struct AcceptBound {
   std::optional<double> max;
 };
 
+/// What some contestants are to reach on a case with a known answer, on its finest mesh.
+struct KnownCaseExpectation {
+  std::vector<std::string> labels;
+  std::vector<AcceptBound> bounds;
+};
+
+/// A case with a known answer, of reference/closed_form.
+struct PlanKnownCase {
+  std::string name;
+  std::vector<int> cells;  ///< one mesh each, rising
+  std::vector<KnownCaseExpectation> expect;
+};
+
 /// A published claim, and what would decide it.
 struct Claim {
   std::string text;
@@ -120,9 +134,10 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify" or "deform"
+  std::string contest;                      ///< "simplify", "deform" or "verify"
   std::vector<PlanMesh> meshes;             ///< simplify
   std::vector<PlanScene> scenes;            ///< deform
+  std::vector<PlanKnownCase> known_cases;   ///< verify
   std::optional<PlanReference> reference;   ///< deform
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;

@@ -58,7 +58,7 @@ std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::files
 }
 
 PlanReference read_reference(const YamlValue& value, const Registry& registry) {
-  const YamlFields fields = value.fields({"method", "levels", "stated_order", "set"});
+  const YamlFields fields = value.fields({"method", "levels", "enough", "stated_order", "set"});
   PlanReference reference;
   const YamlValue method = fields.need("method");
   reference.method = method.text();
@@ -70,6 +70,7 @@ PlanReference read_reference(const YamlValue& value, const Registry& registry) {
   if (reference.set.count("refine") > 0) value.fail("the option \"refine\" follows from \"levels\"");
   if (const auto levels = fields.find("levels"))
     reference.levels = static_cast<int>(levels->integer(1, kMostLevels));
+  if (const auto enough = fields.find("enough")) reference.enough = enough->number(1e-12, 1.0);
   if (const auto order = fields.find("stated_order")) reference.stated_order = order->number(1.0, 4.0);
   return reference;
 }

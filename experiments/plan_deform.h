@@ -14,7 +14,7 @@ namespace palpate::experiments {
 /// wrong.
 std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::filesystem::path& folder);
 
-/// Reads the reference: {method: fem.p2, levels: 2, stated_order: 2, set: {...}}.
+/// Reads the reference: {method: fem.p2, levels: 3, enough: 0.002, stated_order: 2, set: {...}}.
 /// Throws: InputError with file and line, also for a method without the integer option "refine".
 PlanReference read_reference(const YamlValue& value, const Registry& registry);
 

@@ -13,10 +13,14 @@ from dataclasses import dataclass
 
 import comparisons
 import contest
+import convergence
+import deform
+import deform_tables
 import equal_count
 import records
 import scaling
 import tables
+import targets
 import verdict
 
 
@@ -84,24 +88,61 @@ def write_tables(run, claim, found):
     remove_old(folder, names)
 
 
-def make_report(folder, with_charts):
-    """Does all of it; returns the exit code."""
-    run = records.read_run(folder)
+def report_displacements(run):
+    """Tables and summary of a contest of displacements; returns what its charts are drawn from."""
+    sections = deform.read_sections(run)
+    series = convergence.read_series(sections)
+    outcomes = targets.judge_targets(run, sections)
+    folder = run.folder / "tables"
+    names = deform_tables.write_tables(run, sections, folder)
+    names |= convergence.write_convergence(series, folder) if series else set()
+    names |= targets.write_targets(outcomes, folder) if outcomes else set()
+    remove_old(folder, names)
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(deform_tables.summary_text(run, sections))
+    if series:
+        print(f"\n{convergence.convergence_text(series)}")
+    if outcomes:
+        print(f"\n{targets.targets_text(outcomes)}")
+    return sections, series
+
+
+def draw_displacements(run, found):
+    import deform_charts  # needs matplotlib
+    return deform_charts.draw_charts(run, *found, run.folder / "charts")
+
+
+def draw_simplifiers(run, claim):
+    import charts  # needs matplotlib
+    return charts.draw_charts(run, claim, run.folder / "charts")
+
+
+def report_simplifiers(run):
+    """Tables and summary of a contest of simplifiers; returns its claim."""
     claim = verdict.read_claim(run.plan_data)
     equal_count.add_count_notes(run, claim)
     found = find(run, claim)
     write_tables(run, claim, found)
     print_summary(run, claim, found)
+    return claim
+
+
+def make_report(folder, with_charts):
+    """Does all of it; returns the exit code."""
+    run = records.read_run(folder)
+    report, draw = ((report_displacements, draw_displacements) if run.judges_displacements
+                    else (report_simplifiers, draw_simplifiers))
+    found = report(run)
     said = len(run.notes)
     for note in run.notes:
         print(f"\nnote: {note}")
     if with_charts:
         try:
-            import charts
+            drawn = draw(run, found)
         except ImportError as error:
             print(f"report: no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
             return 3
-        drawn = charts.draw_charts(run, claim, run.folder / "charts")
         remove_old(run.folder / "charts", set(drawn))
         for note in run.notes[said:]:
             print(f"\nnote: {note}")

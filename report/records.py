@@ -11,8 +11,10 @@ import statistics
 from dataclasses import dataclass, field
 
 INPUT_LABEL = "input"
+REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
 BUCKETS = 10
-PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts")  # what of the plan the provenance repeats
+PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts",
+             "contest", "scenes", "scene_sets", "targets")  # what of the plan the provenance repeats
 
 
 class BadRun(Exception):
@@ -79,6 +81,12 @@ class Run:
     groups: list
     inputs: dict
     notes: list
+    references: list = field(default_factory=list)  # their records, in the order of the file
+
+    @property
+    def judges_displacements(self):
+        """Whether it is a contest of displacements."""
+        return self.plan_data.get("contest") == "deform" or bool(self.references)
 
     def meshes(self):
         """Names of the meshes, in the order of the plan, else of the file."""
@@ -199,11 +207,14 @@ def read_run(folder):
     plan_data = provenance.get("plan_data")
     if not isinstance(plan_data, dict):
         plan_data = {key: provenance[key] for key in PLAN_KEYS if key in provenance}
-    groups, inputs = {}, {}
+    groups, inputs, references = {}, {}, []
     for record in lines:
         mesh = mesh_name(record)
         if record["label"] == INPUT_LABEL:
             inputs.setdefault(mesh, record)
+            continue
+        if record["label"] == REFERENCE_LABEL:
+            references.append(record)
             continue
         key = (mesh, record["label"], sweep_text(record))
         if key not in groups:
@@ -211,7 +222,7 @@ def read_run(folder):
         groups[key].records.append(record)
     ordered = sort_as_planned(list(groups.values()), plan_data)
     plan = str(lines[0].get("plan", folder.name)) if lines else folder.name
-    return Run(folder, plan, plan_data, provenance, ordered, inputs, notes)
+    return Run(folder, plan, plan_data, provenance, ordered, inputs, notes, references)
 
 
 def sort_as_planned(groups, plan_data):
@@ -231,7 +242,7 @@ def sort_as_planned(groups, plan_data):
                     order.setdefault(entry, len(order))
         return order
 
-    meshes = places("meshes", "name")
+    meshes = places("meshes", "name") | places("scenes", "name")
     labels = places("contestants", "label", "name", "method")
     for group in groups:
         meshes.setdefault(group.mesh, len(meshes))

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
 #include "core/dynamics/jacobi_eigen.h"
 #include "core/mesh/geometry.h"
 
@@ -109,11 +109,12 @@ double trace_of(const std::array<double, 36>& a) {
   return sum;
 }
 
-std::string direction_text(const Vec3& d) {
-  const auto number = [](double x) {
-    return std::to_string(std::round(1000.0 * x) / 1000.0 + 0.0).substr(0, 6);
-  };
-  return "(" + number(d.x) + ", " + number(d.y) + ", " + number(d.z) + ")";
+std::string vector_text(const Vec3& v) {
+  std::array<char, 96> text{};
+  // Adding zero turns the -0 that rounding leaves into 0.
+  const auto round = [](double x) { return std::round(1000.0 * x) / 1000.0 + 0.0; };
+  std::snprintf(text.data(), text.size(), "(%.3f, %.3f, %.3f)", round(v.x), round(v.y), round(v.z));
+  return text.data();
 }
 
 /// The motion of the least resistance in words; empty if all are resisted.
@@ -131,10 +132,10 @@ std::string free_motion(const Resistance& resistance, const RigidFrame& frame) {
   if (eigen.values[least] > kFree) return {};
   const Vec3 shift{eigen.vectors[least], eigen.vectors[6 + least], eigen.vectors[12 + least]};
   const Vec3 turn{eigen.vectors[18 + least], eigen.vectors[24 + least], eigen.vectors[30 + least]};
-  if (length(turn) < 1e-6) return "a translation along " + direction_text((1.0 / length(shift)) * shift);
+  if (length(turn) < 1e-6) return "a translation along " + vector_text((1.0 / length(shift)) * shift);
   const Vec3 point = frame.center + (frame.radius / length_sq(turn)) * cross(turn, shift);
-  return "a rotation about the axis " + direction_text((1.0 / length(turn)) * turn) + " through " +
-         direction_text(point) + " m";
+  return "a rotation about the axis " + vector_text((1.0 / length(turn)) * turn) + " through " +
+         vector_text(point) + " m";
 }
 
 /// The connected part of each vertex, named by its smallest vertex.

@@ -27,15 +27,22 @@ enum class SpringMethod {
   kIsotropyPatch
 };
 
-/// "isotropy_patch" and so on, as on the command line. Throws: InputError with the nearest name.
-SpringMethod parse_spring_method(std::string_view name);
+/// "isotropy_patch" and so on, as on the command line, in the order of the enumeration.
+const std::vector<std::string>& spring_method_names();
 const char* spring_method_name(SpringMethod method);
+
+/// The method of that name. Throws: InputError that lists the names.
+SpringMethod parse_spring_method(std::string_view name);
+
+/// Whether the method gives constants to springs between opposite apexes; the sums over tets cannot.
+bool takes_face_opposite(SpringMethod method);
 
 struct IdentifyOptions {
   bool face_opposite = false;  ///< also a spring between the two apexes of each interior face
   std::optional<double>
-      uniform_stiffness_n_per_m;      ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
+      uniform_stiffness_n_per_m{};    ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
   double stiffness_row_weight = 1.0;  ///< kThesisPrinted, kThesisCorrected: of the stiffness row
+  double patch_length = 1.0;          ///< kIsotropyPatch: weight of the patch rows, in mean rest lengths
   double tolerance = 1e-10;           ///< of the KKT residual
   int threads = 1;
 };
@@ -54,12 +61,17 @@ struct IdentifyReport {
   std::vector<std::string> warnings;  ///< one line each; they name the first few vertices
 };
 
-/// Identifies the stiffness of each spring for Young's modulus and Poisson's ratio; springs alone give 1/4
+/// Throws: InputError unless 0 < E < infinity, -1 < nu < 0.5 and density >= 0, naming what is wrong; `prefix`
+/// goes before "young_modulus_pa", "poisson_ratio", "density_kg_m3".
+void check_material(const Material& material, const std::string& prefix = "");
+
+/// Identifies the stiffness of each spring for Young's modulus and Poisson's ratio. Springs alone give 1/4
 /// whatever the ratio is, and a warning says so (a volume model carries the rest; fit to mu then: E_s = 2.5
-/// mu).
+/// mu). The formulas and where they come from: docs/springs.md.
 ///
-/// Requires: points in metres, positive tets without isolated vertices.
-/// Throws: InputError for a modulus, ratio or density out of range.
+/// Requires: points in metres, positive tets, no isolated vertices.
+/// Throws: InputError as check_material; for an option out of range; for face_opposite with a method that
+///         cannot. ContractError for a mesh that breaks what is required.
 SpringNetwork identify_springs(const TetMesh& mesh, const Material& material, SpringMethod method,
                                const IdentifyOptions& options, IdentifyReport& report);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -35,6 +36,46 @@ void add_face_opposite_pairs(const TetMesh& mesh, std::vector<Edge>& pairs) {
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// Mean of e e^T over directions: a symmetric 3 x 3 matrix of trace 1.
+struct SecondMoment {
+  double xx = 0.0, yy = 0.0, zz = 0.0, xy = 0.0, xz = 0.0, yz = 0.0;
+};
+
+SecondMoment mean_second_moment(std::span<const Index> springs, const std::vector<Vec3>& directions) {
+  SecondMoment m;
+  const double share = 1.0 / static_cast<double>(springs.size());
+  for (const Index s : springs) {
+    const Vec3& e = directions[s];
+    m.xx += share * e.x * e.x;
+    m.yy += share * e.y * e.y;
+    m.zz += share * e.z * e.z;
+    m.xy += share * e.x * e.y;
+    m.xz += share * e.x * e.z;
+    m.yz += share * e.y * e.z;
+  }
+  return m;
+}
+
+/// Least eigenvalue, by the trigonometric form for symmetric 3 x 3 matrices: the mean square of the sine of
+/// the angle between the directions and the plane that fits them best.
+double least_eigenvalue(const SecondMoment& m) {
+  const double mean = (m.xx + m.yy + m.zz) / 3.0;
+  const double x = m.xx - mean;
+  const double y = m.yy - mean;
+  const double z = m.zz - mean;
+  const double off = m.xy * m.xy + m.xz * m.xz + m.yz * m.yz;
+  const double p = std::sqrt((x * x + y * y + z * z + 2.0 * off) / 6.0);
+  if (p == 0.0) return mean;
+  const double det =
+      x * (y * z - m.yz * m.yz) - m.xy * (m.xy * z - m.yz * m.xz) + m.xz * (m.xy * m.yz - y * m.xz);
+  const double angle = std::acos(std::clamp(0.5 * det / (p * p * p), -1.0, 1.0)) / 3.0;
+  return mean + 2.0 * p * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
+}
+
+bool is_flat_fan(std::span<const Index> springs, const std::vector<Vec3>& directions) {
+  return least_eigenvalue(mean_second_moment(springs, directions)) < kFlatFan * kFlatFan;
 }
 
 }  // namespace
@@ -127,6 +168,20 @@ std::vector<Vec3> build_spring_directions(const TetMesh& mesh, const SpringNetwo
     directions.push_back((1.0 / length(d)) * d);
   }
   return directions;
+}
+
+std::vector<Index> find_degenerate_vertices(const TetMesh& mesh, const SpringNetwork& network) {
+  std::vector<Index> tets(mesh.points.size(), 0);
+  for (const Tet& tet : mesh.tets) {
+    for (const Index v : tet) ++tets[v];
+  }
+  const VertexSprings springs = build_vertex_springs(network, mesh.points.size());
+  const std::vector<Vec3> directions = build_spring_directions(mesh, network);
+  std::vector<Index> found;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (tets[v] == 1 || is_flat_fan(springs.of(v), directions)) found.push_back(v);
+  }
+  return found;
 }
 
 std::vector<double> build_stiffness_ratios(const SpringNetwork& network,

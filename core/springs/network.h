@@ -51,6 +51,11 @@ VertexSprings build_vertex_springs(const SpringNetwork& network, std::size_t ver
 /// Unit direction of each spring, from its first vertex to its second.
 std::vector<Vec3> build_spring_directions(const TetMesh& mesh, const SpringNetwork& network);
 
+/// Vertices whose constants rest on too few directions: those of one tet, and flat fans, whose springs lie
+/// within kFlatFan of a plane (root mean square of the sine of the angle between spring and plane). Sorted.
+inline constexpr double kFlatFan = 0.03;
+std::vector<Index> find_degenerate_vertices(const TetMesh& mesh, const SpringNetwork& network);
+
 /// Per vertex, the sum of k U^2 over its springs, divided by 12 E V_m: 1 where the network is as stiff as the
 /// solid (thesis 3.4, with its lost factor 1/2 restored). Mean over all: sum of k U^2 over springs / (6 E V).
 std::vector<double> build_stiffness_ratios(const SpringNetwork& network,

@@ -10,11 +10,12 @@
 // Each step frees the columns with s_j x_j > g_j / s_j, sends the others to zero, and solves for the free
 // ones by conjugate gradients (in single precision where the caller offers it), only as well as the step
 // needs. The end is clipped at zero and the step halved until the objective falls; where that fails, a scaled
-// gradient step takes its place, whose descent is certain. So the objective never rises and no set of free
-// columns can come twice for ever. The gradient is computed anew in double precision after each step: what
-// the inner solve rounds off costs iterations, never accuracy. Source: Bertsekas, Projected Newton methods,
-// SIAM J. Control Optim. 20 (1982); the free set is that of the primal-dual active set method (Hintermueller,
-// Ito and Kunisch, SIAM J. Optim. 13, 2002).
+// gradient step takes its place, whose descent is certain; where clipped steps stall, straight ones to the
+// first bound in the way. So the objective never rises and no set of free columns can come twice for ever.
+// The gradient is computed anew in double precision after each step: what the inner solve rounds off costs
+// iterations, never accuracy. Source: Bertsekas, Projected Newton methods, SIAM J. Control Optim. 20 (1982);
+// the free set is that of the primal-dual active set method (Hintermueller, Ito and Kunisch, SIAM J. Optim.
+// 13, 2002).
 #include "core/springs/nonnegative_least_squares.h"
 
 #include <algorithm>
@@ -29,9 +30,17 @@ namespace {
 
 constexpr std::size_t kDefaultIterations = 500;
 constexpr std::size_t kInnerIterations = 3000;  // of one step
-constexpr int kHalvings = 12;                   // of a Newton step
-constexpr int kGradientHalvings = 60;           // of a scaled gradient step
-constexpr double kSufficient = 1e-4;            // share of the linear decrease that a step must bring
+constexpr std::size_t kAllInnerIterations = 20000;
+constexpr int kHalvings = 12;              // of a Newton step
+constexpr int kGradientHalvings = 60;      // of a scaled gradient step
+constexpr int kStraightSteps = 200;        // in a row, where clipped ones stall
+constexpr double kFirstAccuracy = 0.1;     // of the inner solves, relative to their first residual,
+constexpr double kSettledAccuracy = 0.01;  // at most so once the free set stays,
+constexpr double kSingleAccuracy = 1e-4;   // as much as single precision is asked for,
+constexpr double kLastAccuracy = 1e-10;    // the most that is asked for
+constexpr double kEnough = 0.2;            // share of the tolerance that an inner solve aims at
+constexpr int kPatience = 4;               // poor steps in a row before accuracy rises with each
+constexpr double kSufficient = 1e-4;       // share of the linear decrease that a step must bring
 
 // Sum of a_j b_j in four interleaved parts: the order of the additions is fixed, and no chain is long.
 template <typename Scalar>
@@ -134,7 +143,7 @@ class InnerSolver {
     double rho = dot_product(residual_, residual_);
     const double target = accuracy * accuracy * rho;
     std::size_t iterations = 0;
-    while (rho > target && iterations < std::min(kInnerIterations, 20 + 2 * count)) {
+    while (rho > target && iterations < std::min(kInnerIterations, 200 + 2 * count)) {
       ++iterations;
       apply();
       for (std::size_t j = 0; j < count; ++j) image_[j] = is_free[j] != 0 ? image_[j] : Scalar(0);
@@ -196,6 +205,34 @@ bool take_step(ScaledProblem& problem, Iterate& at, const std::vector<double>& d
   return false;
 }
 
+// For problems so near singular that clipped steps stall: goes straight to the minimum on the free columns,
+// or to the first bound in the way, whose columns stay there; again until nothing is in the way. Every part
+// of it lowers the objective. `is_free` starts as the columns that are positive or pulled from their bound;
+// one that the others push back at once stays at it.
+template <typename Solver>
+bool take_straight_steps(ScaledProblem& problem, Iterate& at, Solver& solver, std::vector<double>& direction,
+                         NonnegativeReport& report) {
+  const std::size_t count = at.z.size();
+  std::vector<std::uint8_t> is_free(count);
+  for (std::size_t j = 0; j < count; ++j) is_free[j] = at.z[j] > 0.0 || at.gradient[j] < 0.0 ? 1 : 0;
+  bool moved = false;
+  for (int part = 0; part < kStraightSteps && report.cg_iterations < kAllInnerIterations; ++part) {
+    report.cg_iterations += solver.solve(at.z, at.gradient, is_free, kLastAccuracy, direction);
+    double length = 1.0;
+    for (std::size_t j = 0; j < count; ++j)
+      if (direction[j] < 0.0) length = std::min(length, at.z[j] / -direction[j]);
+    for (std::size_t j = 0; j < count; ++j) {
+      const bool stops = direction[j] < 0.0 && at.z[j] + length * direction[j] <= 0.0;
+      at.z[j] = stops ? 0.0 : std::max(0.0, at.z[j] + length * direction[j]);
+      if (stops) is_free[j] = 0;
+    }
+    moved = moved || length > 0.0;
+    if (length > 0.0) compute_gradient(problem, at.z, at.gradient);
+    if (length == 1.0) break;
+  }
+  return moved;
+}
+
 double kkt_residual(const ScaledProblem& problem, const Iterate& at) {
   double residual = 0.0;
   for (std::size_t j = 0; j < at.z.size(); ++j)
@@ -240,7 +277,8 @@ ScaledProblem scale_problem(const NormalEquations& equations, std::span<const do
   return problem;
 }
 
-// Newton steps until the KKT residual is small enough; in single precision until that brings too little.
+// Newton steps until the KKT residual is small enough. Where they bring too little, the inner solves get more
+// accurate, and leave single precision when it has no more to give.
 void minimize(ScaledProblem& problem, Iterate& at, const NonnegativeOptions& options,
               NonnegativeReport& report) {
   const std::size_t most = options.max_iterations > 0 ? options.max_iterations : kDefaultIterations;
@@ -254,13 +292,17 @@ void minimize(ScaledProblem& problem, Iterate& at, const NonnegativeOptions& opt
   for (std::size_t j = 0; j < at.z.size(); ++j)
     require(std::isfinite(at.gradient[j]), "solve_nonnegative: the gradient at the start is not finite");
   report.kkt_relative = kkt_residual(problem, at);
-  while (report.kkt_relative > options.tolerance && report.iterations < most) {
+  double accuracy = kFirstAccuracy;
+  int patience = kPatience;
+  while (report.kkt_relative > options.tolerance && report.iterations < most &&
+         report.cg_iterations < kAllInnerIterations) {
     ++report.iterations;
     const bool same_set = choose_free(at, is_free) == 0;
-    const double accuracy = same_set ? 0.01 : 0.1;
+    const double enough = kEnough * options.tolerance / report.kkt_relative;
+    const double wanted = std::max(enough, same_set ? std::min(accuracy, kSettledAccuracy) : accuracy);
     if (!in_single && !full) full.emplace(problem);
-    report.cg_iterations += in_single ? single->solve(at.z, at.gradient, is_free, accuracy, direction)
-                                      : full->solve(at.z, at.gradient, is_free, accuracy, direction);
+    report.cg_iterations += in_single ? single->solve(at.z, at.gradient, is_free, wanted, direction)
+                                      : full->solve(at.z, at.gradient, is_free, wanted, direction);
     bool moved = take_step(problem, at, direction, kHalvings);
     if (!moved) {
       for (std::size_t j = 0; j < at.z.size(); ++j) direction[j] = -at.gradient[j];
@@ -268,8 +310,15 @@ void minimize(ScaledProblem& problem, Iterate& at, const NonnegativeOptions& opt
     }
     const double before = report.kkt_relative;
     report.kkt_relative = kkt_residual(problem, at);
+    if (full && accuracy == kLastAccuracy && report.kkt_relative > 0.5 * before) {
+      moved = take_straight_steps(problem, at, *full, direction, report) || moved;
+      report.kkt_relative = kkt_residual(problem, at);
+    }
     if (!moved && !in_single) break;
-    if (!moved || (same_set && report.kkt_relative > 0.5 * before)) in_single = false;
+    const bool stalls = !moved || report.kkt_relative > 0.5 * before;
+    patience = stalls ? patience - 1 : kPatience;
+    if (!moved || patience <= 0) accuracy = std::max(0.1 * accuracy, kLastAccuracy);
+    if (!moved || accuracy < kSingleAccuracy) in_single = false;
   }
 }
 

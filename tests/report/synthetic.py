@@ -111,3 +111,40 @@ def write_run(folder, lines, plan=None):
                   "measures": MEASURES}
     (folder / "provenance.json").write_text(json.dumps(provenance), encoding="utf-8")
     return folder
+
+
+# --- Displacements --------------------------------------------------------------------------------------------------------
+
+DEFORM = {"question": "Which springs move like the organ?", "contest": "deform",
+          "scenes": ["bar_tension", "kidney_gravity"], "contestants": [{"label": "isotropy"}, {"label": "p1"}]}
+
+
+def deform_scene(scene, nu):
+    return {"name": scene, "problem_hash": "0", "strain": "small", "young_modulus_pa": 10000.0, "poisson_ratio": nu}
+
+
+def deformed(scene, label, l2, nu=0.25, sweep=None, vertices=1503, own=0.001, method="springs.isotropy", seconds=0.02, **other):
+    """An answer to a problem; `l2` None is one that did not converge."""
+    judged = {"valid": False, "findings": ["its outcome is diverged"]}
+    if l2 is not None:
+        judged = {"valid": True, "findings": [], "displacement_l2": l2, "displacement_max": 1.5 * l2, "displacement_energy": 2 * l2,
+                  "reference_error": own, "reference_ratio": None if not own else l2 / own,
+                  "reference_too_coarse": own is None or l2 < 5 * own, "max_displacement_m": 0.004, "worst_vertex": 3}
+    line = {"contestant": method, "judge": judged, "sweep": sweep or {}, "stop": None, "kernel_s": seconds,
+            "case": f"{scene}/{label}/{json.dumps(sweep)}", "scene": deform_scene(scene, nu),
+            "report": {"method": method, "outcome": "converged" if l2 is not None else "diverged", "identify_s": 0.3 * seconds,
+                       "solve_s": 0.6 * seconds, "iterations": 12}}
+    if l2 is None:
+        line |= {"outcome": "rejected", "violations": ["its outcome is diverged"]}
+    line |= other
+    return {**record(scene, label, None, **line), "mesh": {"name": scene, "vertices": vertices, "tets": 5 * vertices, "hash": "0"}}
+
+
+def reference_record(scene, own=0.001, nu=0.25, sweep=None, vertices=1503, order=2.1, **judged):
+    """The record of a reference: its own error in the three figures is own, 2 own and 4 own."""
+    figures = {"valid": True, "findings": [], "kind": "extrapolated", "levels": 3, "order": order, "alignment": 0.98,
+               "differences": [0.02, 0.005], "rule": "extrapolated with the observed order", "reference_error": own,
+               "reference_error_max": None if own is None else 2 * own, "reference_error_energy": None if own is None else 4 * own,
+               "max_displacement_m": 0.004, "level_reports": [], **judged}
+    line = deformed(scene, "reference", 0.0, nu, sweep, vertices, own)
+    return {**line, "contestant": None, "judge": figures, "report": None, "kernel_s": None, "message": "" if figures["valid"] else "level 1 diverged"}

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <set>
 
@@ -121,6 +122,23 @@ TEST(SpringNetwork, VertexSpringsAreAllThatTouchIt) {
     }
     EXPECT_EQ(std::vector<Index>(rows.of(v).begin(), rows.of(v).end()), expected);
   }
+}
+
+TEST(SpringNetwork, DegenerateAreVerticesOfOneTetAndFlatFans) {
+  EXPECT_EQ(find_degenerate_vertices(make_corner_tet(), build_spring_network(make_corner_tet())),
+            (std::vector<Index>{0, 1, 2, 3}));
+  const TetMesh two = make_two_tets();
+  EXPECT_EQ(find_degenerate_vertices(two, build_spring_network(two)).size(), 2U);
+  // A wheel of six tets around the axis 0-1, flattened until it is a disc.
+  TetMesh wheel;
+  wheel.points = {{0, 0, 0}, {0, 0, 1}};
+  for (int i = 0; i < 6; ++i)
+    wheel.points.push_back(
+        {std::cos((i + 0.5) * std::numbers::pi / 3), std::sin((i + 0.5) * std::numbers::pi / 3), 0.4});
+  for (Index i = 0; i < 6; ++i) wheel.tets.push_back({0, 2 + i, 2 + (i + 1) % 6, 1});
+  EXPECT_EQ(find_degenerate_vertices(wheel, build_spring_network(wheel)), std::vector<Index>{});
+  for (Vec3& point : wheel.points) point.x *= 0.01;
+  EXPECT_EQ(find_degenerate_vertices(wheel, build_spring_network(wheel)).size(), 8U);
 }
 
 }  // namespace
