@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
+#include "experiments/plan_verify.h"
 
 namespace palpate::experiments {
 namespace {
@@ -180,6 +181,7 @@ class CaseBuilder {
 }  // namespace
 
 std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
+  if (plan.contest == "verify") return build_verify_cases(plan, registry);
   return CaseBuilder(plan, registry).build();
 }
 
@@ -194,7 +196,9 @@ std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std:
   }
   if (!found) throw InputError("--case: there is no case \"" + id + "\"" + nearest_hint(id, ids));
   for (std::size_t i = cases.size(); i-- > 0;) {
-    if (wanted[i] && cases[i].tets_of) wanted[*cases[i].tets_of] = true;
+    for (const auto& needed : {cases[i].tets_of, cases[i].coarser}) {
+      if (wanted[i] && needed) wanted[*needed] = true;
+    }
   }
   std::vector<std::size_t> selected;
   for (std::size_t i = 0; i < cases.size(); ++i) {

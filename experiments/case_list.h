@@ -13,14 +13,15 @@ namespace palpate::experiments {
 
 /// One thing to run, some times over.
 struct Case {
-  std::string id;              ///< "kidney/sequential_random/tets_removed_ratio=0.1/seed=3"
-  std::size_t subject = 0;     ///< index into Plan::meshes, or into Plan::scenes in the contest deform
+  std::string id;           ///< "kidney/sequential_random/tets_removed_ratio=0.1/seed=3"
+  std::size_t subject = 0;  ///< index into Plan::meshes, Plan::scenes (deform) or Plan::known_cases (verify)
   std::size_t contestant = 0;  ///< index into Plan::contestants
   Stop stop;
   nlohmann::json options;  ///< every option, typed
   nlohmann::json sweep = nlohmann::json::object();
   std::optional<std::int64_t> seed;
   std::optional<std::size_t> tets_of;     ///< index of the case whose tets are matched; always an earlier one
+  std::optional<std::size_t> coarser;     ///< contest verify: index of the case on the next coarser mesh
   std::optional<std::size_t> simplifier;  ///< index into Plan::simplifiers, where the plan has some
   Stop simplifier_stop;
 };

@@ -46,10 +46,11 @@ json base_record(const Plan& plan, const json& subject) {
           {"mesh_file", nullptr}};
 }
 
-/// Bounds of the plan that the record's figures do not keep.
-void add_bound_violations(const Plan& plan, json& record) {
+}  // namespace
+
+void add_bound_violations(const std::vector<AcceptBound>& bounds, json& record) {
   json& violations = record["violations"];
-  for (const AcceptBound& bound : plan.accept) {
+  for (const AcceptBound& bound : bounds) {
     const Measure& measure = *find_measure(bound.measure);
     const auto figure = figure_of(record, measure);
     if (!figure) {
@@ -63,6 +64,8 @@ void add_bound_violations(const Plan& plan, json& record) {
     }
   }
 }
+
+namespace {
 
 /// The judge's figures and violations of an output, from an earlier repeat if it is the same.
 void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
@@ -139,7 +142,7 @@ void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const Cont
     try {
       judge_output_file(judge, facts, answer, earlier, record);
       judge.add_violations(record);
-      add_bound_violations(facts.plan, record);
+      add_bound_violations(facts.plan.accept, record);
       const bool accepted = record.at("violations").empty();
       record["outcome"] = accepted ? "accepted" : "rejected";
       if (!accepted) record["message"] = reason_of(record);

@@ -43,6 +43,9 @@ nlohmann::json start_record(const RepeatFacts& facts, const nlohmann::json& subj
 void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
                   const std::vector<nlohmann::json>& earlier, nlohmann::json& record);
 
+/// Adds a violation for each bound that the record's figures do not keep, or have no figure for.
+void add_bound_violations(const std::vector<AcceptBound>& bounds, nlohmann::json& record);
+
 /// The record of something that no contestant of the plan made ("input", "reference"), to be filled.
 nlohmann::json start_input_record(const Plan& plan, const nlohmann::json& subject, const std::string& case_id,
                                   const std::string& label);

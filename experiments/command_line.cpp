@@ -36,6 +36,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_simplify_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_quality_command(app, exit_code);
+  add_springs_command(app, exit_code);
   add_test_command(app, exit_code);
   name_command_groups(app);
 }

@@ -26,6 +26,7 @@ void add_mesh_command(CLI::App& app, int& exit_code);
 void add_simplify_command(CLI::App& app, int& exit_code);
 void add_simulate_command(CLI::App& app, int& exit_code);
 void add_quality_command(CLI::App& app, int& exit_code);
+void add_springs_command(CLI::App& app, int& exit_code);
 void add_test_command(CLI::App& app, int& exit_code);
 
 /// Runs the program: parses, calls the command, and turns every failure into one message on standard error,

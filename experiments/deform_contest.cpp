@@ -98,7 +98,7 @@ class DeformContest : public Contest {
         setting_.progress.show("scene " + id);
         inputs_.emplace(id, build_input(setting_.plan.scenes[c->subject], c->sweep, folder_of(id)));
         order_.push_back(id);
-        describe(inputs_.at(id), described);
+        describe_problem(setting_.folder.paths(), id, inputs_.at(id).own, described);
       }
       if (is_simplified(*c) && simplified_.count(simplified_id(*c)) == 0) {
         setting_.progress.show("simplified scene " + simplified_id(*c));
@@ -187,20 +187,6 @@ class DeformContest : public Contest {
   }
 
   std::filesystem::path folder_of(const std::string& id) const { return setting_.folder.paths().problem(id); }
-
-  /// Names the problem in the provenance, or holds it against what an earlier start named.
-  void describe(const DeformInput& input, json& described) const {
-    const json now = {{"mesh_hash", input.own.mesh_hash},
-                      {"problem_hash", input.own.problem_hash},
-                      {"vertices", input.own.mesh.points.size()},
-                      {"tets", input.own.mesh.tets.size()}};
-    if (described.contains(input.id) && described.at(input.id) != now) {
-      throw InputError(setting_.folder.paths().folder.string() +
-                       ": this run cannot be continued; the problem " + input.id +
-                       " is no longer what it was");
-    }
-    described[input.id] = now;
-  }
 
   json build_reference_record(const DeformInput& input, const DeformReference& reference) const {
     std::string id = input.scene + "/reference";

@@ -20,19 +20,6 @@ using nlohmann::json;
 constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr double kSimplifierTimeout = 1800.0;
 
-/// Writes mesh and problem below `folder`, which is made.
-void write_problem(ProblemFiles& files, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
-  files.mesh_file = fs::absolute(folder / "in.mesh");
-  files.problem_file = fs::absolute(folder / "problem.json");
-  write_medit(files.mesh_file, files.mesh);
-  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
-  files.mesh_hash = hash_file(files.mesh_file);
-  files.problem_hash = hash_file(files.problem_file);
-}
-
 ContestantTask start_task(const std::string& method, const ProblemFiles& files,
                           const ContestSetting& setting) {
   ContestantTask task;
@@ -106,6 +93,31 @@ std::string problem_id(const std::string& scene, const json& sweep) {
   const json own = problem_sweep(sweep);
   for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
   return id;
+}
+
+void write_problem(ProblemFiles& files, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+  files.mesh_file = fs::absolute(folder / "in.mesh");
+  files.problem_file = fs::absolute(folder / "problem.json");
+  write_medit(files.mesh_file, files.mesh);
+  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
+  files.mesh_hash = hash_file(files.mesh_file);
+  files.problem_hash = hash_file(files.problem_file);
+}
+
+void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
+                      json& described) {
+  const json now = {{"mesh_hash", files.mesh_hash},
+                    {"problem_hash", files.problem_hash},
+                    {"vertices", files.mesh.points.size()},
+                    {"tets", files.mesh.tets.size()}};
+  if (described.contains(id) && described.at(id) != now) {
+    throw InputError(paths.folder.string() + ": this run cannot be continued; the problem " + id +
+                     " is no longer what it was");
+  }
+  described[id] = now;
 }
 
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {

@@ -62,6 +62,15 @@ std::string problem_id(const std::string& scene, const nlohmann::json& sweep);
 DeformInput build_input(const PlanScene& scene, const nlohmann::json& sweep,
                         const std::filesystem::path& folder);
 
+/// Writes mesh and problem below `folder`, which is made, and fills in the files and their hashes.
+/// Throws: InputError if the folder cannot be written.
+void write_problem(ProblemFiles& files, const std::filesystem::path& folder);
+
+/// Names the problem in `described`, the provenance's key "problems", or holds it against what an earlier
+/// start named there. Throws: InputError if it is no longer the same.
+void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
+                      nlohmann::json& described);
+
 /// Solves the reference on the problem's mesh and its refinements; what an earlier run solved is taken from
 /// the cache. `scratch` gives an empty folder for each solution.
 DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting);

@@ -291,6 +291,7 @@ MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientati
   file.notes = response.at("notes").get<std::vector<std::string>>();
   if (orientation == ReadOrientation::kRestore) {
     const std::size_t isolated = remove_isolated_vertices(file.mesh);
+    file.isolated_vertices = isolated;
     if (isolated > 0) {
       file.notes.push_back((isolated == 1
                                 ? std::string("1 vertex that no tetrahedron uses was")

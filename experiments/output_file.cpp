@@ -6,12 +6,15 @@
 
 namespace palpate::experiments {
 
-void check_output_file(const std::filesystem::path& path) {
+namespace {
+
+[[noreturn]] void refuse_ending(const std::filesystem::path& path, const std::string& expected) {
   const std::string ending = path.extension().string();
-  if (ending != ".mesh" && ending != ".vtu") {
-    throw InputError(path.string(), 0, "an output that ends in .mesh or .vtu",
-                     ending.empty() ? "no ending" : "\"" + ending + "\"");
-  }
+  throw InputError(path.string(), 0, "an output that ends in " + expected,
+                   ending.empty() ? "no ending" : "\"" + ending + "\"");
+}
+
+void check_place(const std::filesystem::path& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) throw InputError(path.string(), 0, "a file", "a folder");
   const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
@@ -21,6 +24,18 @@ void check_output_file(const std::filesystem::path& path) {
   if (::access(folder.c_str(), W_OK) != 0) {
     throw InputError(path.string(), 0, "an output in a folder that can be written", folder.string());
   }
+}
+
+}  // namespace
+
+void check_output_file(const std::filesystem::path& path) {
+  if (path.extension() != ".mesh" && path.extension() != ".vtu") refuse_ending(path, ".mesh or .vtu");
+  check_place(path);
+}
+
+void check_output_csv(const std::filesystem::path& path) {
+  if (path.extension() != ".csv") refuse_ending(path, ".csv");
+  check_place(path);
 }
 
 }  // namespace palpate::experiments

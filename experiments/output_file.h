@@ -8,4 +8,7 @@ namespace palpate::experiments {
 /// Throws: InputError unless the file's ending is one that write_mesh knows and its folder can be written.
 void check_output_file(const std::filesystem::path& path);
 
+/// Throws: InputError unless the file's ending is .csv and its folder can be written.
+void check_output_csv(const std::filesystem::path& path);
+
 }  // namespace palpate::experiments

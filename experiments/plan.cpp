@@ -11,6 +11,8 @@
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_targets.h"
+#include "experiments/plan_verify.h"
 
 namespace palpate::experiments {
 namespace {
@@ -121,16 +123,7 @@ RunSettings read_run(const YamlValue& value) {
 
 std::vector<AcceptBound> read_accept(const YamlValue& value) {
   std::vector<AcceptBound> bounds;
-  for (const auto& [name, entry] : value.entries()) {
-    known_measure(entry, name, true);
-    const YamlFields fields = entry.fields({"min", "max"});
-    AcceptBound bound{name, std::nullopt, std::nullopt};
-    if (const auto min = fields.find("min")) bound.min = min->number();
-    if (const auto max = fields.find("max")) bound.max = max->number();
-    if (!bound.min && !bound.max) entry.fail(name + ": expected min or max");
-    if (bound.min && bound.max && *bound.min > *bound.max) entry.fail(name + ": min is above max");
-    bounds.push_back(bound);
-  }
+  for (const auto& [name, entry] : value.entries()) bounds.push_back(read_bound(name, entry));
   return bounds;
 }
 
@@ -190,17 +183,24 @@ std::vector<std::string> subject_names(const Plan& plan) {
   std::vector<std::string> names;
   for (const PlanMesh& mesh : plan.meshes) names.push_back(mesh.name);
   for (const PlanScene& scene : plan.scenes) names.push_back(scene.name);
+  for (const PlanKnownCase& known : plan.known_cases) names.push_back(known.name);
   return names;
 }
 
 namespace {
 
+void refuse_keys(const YamlFields& fields, const std::vector<const char*>& keys, const std::string& owner,
+                 const std::string& contest) {
+  for (const char* key : keys) {
+    if (const auto extra = fields.find(key))
+      extra->fail("\"" + std::string(key) + "\" belongs to the contest " + owner + ", not to " + contest);
+  }
+}
+
 /// What a contest of simplifiers is about.
 void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  for (const char* key : {"scenes", "reference", "simplify"}) {
-    if (const auto extra = fields.find(key))
-      extra->fail("\"" + std::string(key) + "\" belongs to the contest deform, not to simplify");
-  }
+  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "simplify");
+  refuse_keys(fields, {"cases"}, "verify", "simplify");
   plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
@@ -211,10 +211,8 @@ void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& r
 
 /// What a contest of displacements is about.
 void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  for (const char* key : {"meshes", "region", "equal_count"}) {
-    if (const auto extra = fields.find(key))
-      extra->fail("\"" + std::string(key) + "\" belongs to the contest simplify, not to deform");
-  }
+  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "deform");
+  refuse_keys(fields, {"cases"}, "verify", "deform");
   plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
@@ -227,6 +225,19 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   check_reserved_labels(fields.need("contestants"), plan);
   plan.reference = read_reference(fields.need("reference"), registry);
   check_vertices_sweep(fields, plan);
+  check_targets(fields, plan);
+}
+
+/// What a contest with known answers is about.
+void read_verify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "verify");
+  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "verify");
+  if (const auto sweep = fields.find("sweep"))
+    sweep->fail("the contest verify sweeps the cells of its cases");
+  if (const auto accept = fields.find("accept"))
+    accept->fail("the contest verify has its bounds in \"expect\"");
+  plan.contestants = read_contestants(fields.need("contestants"), "deform", {}, registry);
+  plan.known_cases = read_known_cases(fields.need("cases"), plan.contestants);
 }
 
 void add_availability_notes(Plan& plan, const Registry& registry) {
@@ -245,9 +256,10 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields({"schema", "question", "contest", "meshes", "scenes", "reference",
-                                         "simplify", "contestants", "sweep", "region", "run", "measure",
-                                         "accept", "claim", "equal_count", "comparisons", "charts"});
+  const YamlFields fields =
+      root.fields({"schema", "question", "contest", "meshes", "scenes", "cases", "reference", "simplify",
+                   "contestants", "sweep", "region", "run", "measure", "accept", "claim", "equal_count",
+                   "comparisons", "charts", "scene_sets", "targets"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -261,8 +273,10 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
     read_simplify_parts(fields, plan, registry);
   } else if (plan.contest == "deform") {
     read_deform_parts(fields, plan, registry);
+  } else if (plan.contest == "verify") {
+    read_verify_parts(fields, plan, registry);
   } else {
-    contest.fail_expected("simplify or deform");
+    contest.fail_expected("simplify, deform or verify");
   }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
@@ -271,7 +285,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto comparisons = fields.find("comparisons")) {
     plan.comparisons = read_comparisons(*comparisons, plan.contestants);
   }
-  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts);
+  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, plan.contest);
   add_availability_notes(plan, registry);
   return plan;
 }

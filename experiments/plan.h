@@ -94,6 +94,19 @@ struct AcceptBound {
   std::optional<double> max;
 };
 
+/// What some contestants are to reach on a case with a known answer, on its finest mesh.
+struct KnownCaseExpectation {
+  std::vector<std::string> labels;
+  std::vector<AcceptBound> bounds;
+};
+
+/// A case with a known answer, of reference/closed_form.
+struct PlanKnownCase {
+  std::string name;
+  std::vector<int> cells;  ///< one mesh each, rising
+  std::vector<KnownCaseExpectation> expect;
+};
+
 /// A published claim, and what would decide it.
 struct Claim {
   std::string text;
@@ -121,9 +134,10 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify" or "deform"
+  std::string contest;                      ///< "simplify", "deform" or "verify"
   std::vector<PlanMesh> meshes;             ///< simplify
   std::vector<PlanScene> scenes;            ///< deform
+  std::vector<PlanKnownCase> known_cases;   ///< verify
   std::optional<PlanReference> reference;   ///< deform
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;

@@ -9,6 +9,7 @@ namespace {
 
 const std::vector<std::string> kCharts{"histograms",   "overview", "timing",
                                        "quality_time", "scaling",  "cut_away"};
+const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "convergence", "simplified_error"};
 
 std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
@@ -68,6 +69,17 @@ const Measure& known_measure(const YamlValue& at, const std::string& name, bool 
   return *measure;
 }
 
+AcceptBound read_bound(const std::string& measure, const YamlValue& value) {
+  known_measure(value, measure, true);
+  const YamlFields fields = value.fields({"min", "max"});
+  AcceptBound bound{measure, std::nullopt, std::nullopt};
+  if (const auto min = fields.find("min")) bound.min = min->number();
+  if (const auto max = fields.find("max")) bound.max = max->number();
+  if (!bound.min && !bound.max) value.fail(measure + ": expected min or max");
+  if (bound.min && bound.max && *bound.min > *bound.max) value.fail(measure + ": min is above max");
+  return bound;
+}
+
 Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   const YamlFields fields =
       value.fields({"text", "source", "measure", "better", "than", "spread", "published"});
@@ -95,12 +107,13 @@ std::vector<Comparison> read_comparisons(const YamlValue& value,
   return comparisons;
 }
 
-std::vector<std::string> read_charts(const YamlValue& value) {
+std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest) {
+  const std::vector<std::string>& known = contest == "deform" ? kDeformCharts : kCharts;
   std::vector<std::string> charts;
   for (const YamlValue& item : value.items()) {
     const std::string name = item.text();
-    if (std::find(kCharts.begin(), kCharts.end(), name) == kCharts.end()) {
-      item.fail("unknown chart \"" + name + "\"" + nearest_hint(name, kCharts));
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      item.fail("unknown chart \"" + name + "\"" + nearest_hint(name, known));
     }
     add_once(item, "chart", name, charts);
   }

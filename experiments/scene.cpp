@@ -52,7 +52,7 @@ ShapeRequest read_shape(const YamlFields& fields, const YamlValue& make) {
   return shape;
 }
 
-SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
+SceneMesh read_mesh_of(const YamlValue& value, const std::filesystem::path& folder) {
   const YamlFields fields =
       value.fields({"make", "vertices", "edge_length", "seed", "jitter", "file", "unit_m", "length_m"});
   SceneMesh mesh;
@@ -206,6 +206,22 @@ void check_poisson_ratio(const YamlValue& at, double ratio) {
   if (!(ratio > -1.0 && ratio < 0.5)) at.fail_expected("a Poisson ratio above -1 and below 0.5");
 }
 
+SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
+  return read_mesh_of(value, folder);
+}
+
+Material read_scene_material(const YamlValue& value) {
+  return read_material(value);
+}
+
+SceneClamp read_scene_clamp(const YamlValue& value) {
+  return read_clamp(value);
+}
+
+SceneLoad read_scene_load(const YamlValue& value) {
+  return read_load(value);
+}
+
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
   const YamlFields fields =
@@ -215,7 +231,7 @@ Scene read_scene(const std::filesystem::path& path) {
   Scene scene;
   scene.file = path;
   scene.name = path.stem().string();
-  scene.mesh = read_scene_mesh(fields.need("mesh"), path.parent_path());
+  scene.mesh = read_mesh_of(fields.need("mesh"), path.parent_path());
   scene.material = read_material(fields.need("material"));
   if (const auto strain = fields.find("strain")) scene.strain = read_strain(*strain);
   if (const auto model = fields.find("model")) scene.model = read_model(*model);

@@ -67,6 +67,12 @@ struct Scene {
 ///         a mesh file that is not there, no load that does anything.
 Scene read_scene(const std::filesystem::path& path);
 
+/// The parts of a scene, for files that combine them (palpate train). `folder` is where a mesh file's path
+/// starts. Throws: as read_scene.
+SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder);
+Material read_scene_material(const YamlValue& value);
+SceneClamp read_scene_clamp(const YamlValue& value);
+SceneLoad read_scene_load(const YamlValue& value);
 /// The method that the scene's model stands for. Throws: InputError without a model, or for an unknown one
 /// (with the nearest).
 MethodEntry find_model(const Scene& scene, const Registry& registry);

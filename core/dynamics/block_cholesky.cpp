@@ -34,11 +34,17 @@ double norm(const Mat3& a) {
   return std::sqrt(contract(a, a));
 }
 
+/// Rows below the diagonal, in full precision while they are worked on.
+struct Lower {
+  std::vector<std::size_t> offsets{0};
+  std::vector<Index> columns;
+  std::vector<Mat3> blocks;
+};
+
 /// The lower half of the matrix, held components masked, small blocks dropped.
-BlockCholesky copy_lower(const BlockMatrix& matrix, std::span<const std::uint8_t> held, double drop,
-                         std::vector<Mat3>& diagonal) {
-  BlockCholesky out;
-  out.offsets.assign(1, 0);
+Lower copy_lower(const BlockMatrix& matrix, std::span<const std::uint8_t> held, double drop,
+                 std::vector<Mat3>& diagonal) {
+  Lower out;
   diagonal.resize(matrix.rows());
   std::vector<double> size(matrix.rows());
   for (Index v = 0; v < matrix.rows(); ++v) {
@@ -72,10 +78,10 @@ BlockCholesky copy_lower(const BlockMatrix& matrix, std::span<const std::uint8_t
 }
 
 /// One try, row by row: L_vc = (A_vc - sum over d < c of L_vd D_d L_cd^T) D_c^-1.
-bool try_factor(BlockCholesky& factor, std::vector<Mat3>& diagonal) {
+bool try_factor(Lower& factor, std::vector<Mat3>& diagonal, std::vector<Mat3>& inverse_diagonal) {
   const std::size_t rows = diagonal.size();
   std::vector<std::size_t> place(rows, 0);  // of column c in the present row, plus one
-  factor.inverse_diagonal.assign(rows, {});
+  inverse_diagonal.assign(rows, {});
   std::vector<Mat3> scaled;  // L_vd D_d of the present row
   for (std::size_t v = 0; v < rows; ++v) {
     const std::size_t first = factor.offsets[v];
@@ -91,12 +97,12 @@ bool try_factor(BlockCholesky& factor, std::vector<Mat3>& diagonal) {
         if (other == 0) continue;
         entry += (-1.0) * multiply(scaled[other - 1], transpose(factor.blocks[m]));
       }
-      factor.blocks[k] = multiply(entry, factor.inverse_diagonal[c]);
+      factor.blocks[k] = multiply(entry, inverse_diagonal[c]);
       diagonal[v] += (-1.0) * multiply(factor.blocks[k], transpose(entry));
     }
     for (std::size_t k = first; k < last; ++k) place[factor.columns[k]] = 0;
     const Mat3 symmetric = 0.5 * (diagonal[v] + transpose(diagonal[v]));
-    if (!invert_positive(symmetric, factor.inverse_diagonal[v])) return false;
+    if (!invert_positive(symmetric, inverse_diagonal[v])) return false;
   }
   return true;
 }
@@ -105,48 +111,55 @@ bool try_factor(BlockCholesky& factor, std::vector<Mat3>& diagonal) {
 
 BlockCholesky factor_incomplete(const BlockMatrix& matrix, std::span<const std::uint8_t> held, double drop) {
   std::vector<Mat3> diagonal;
-  const BlockCholesky lower = copy_lower(matrix, held, drop, diagonal);
+  const Lower lower = copy_lower(matrix, held, drop, diagonal);
   double mean = 0.0;
   for (const Mat3& block : diagonal) mean += std::abs(trace(block)) / 3.0;
   mean /= static_cast<double>(std::max<std::size_t>(diagonal.size(), 1));
   constexpr double kFirstShift = 1e-3;
-  for (double shift = 0.0;; shift = shift == 0.0 ? kFirstShift : 4.0 * shift) {
-    BlockCholesky factor = lower;
-    factor.shift = shift;
+  constexpr double kLastShift = 1e3;
+  BlockCholesky factor;
+  for (double shift = 0.0; shift <= kLastShift; shift = shift == 0.0 ? kFirstShift : 2.0 * shift) {
+    Lower rows = lower;
     std::vector<Mat3> raised = diagonal;
     for (Mat3& block : raised) {
-      // A matrix that is far from definite ends as its own scale, which is always positive.
       const double own = std::max(std::abs(trace(block)) / 3.0, 1e-3 * mean);
-      block += (shift * std::max(own, 1e-300)) * kIdentity;
+      block += (shift * own) * kIdentity;
     }
-    if (shift > 1e3) {
-      factor.offsets.assign(factor.offsets.size(), 0);
-      factor.columns.clear();
-      factor.blocks.clear();
-      factor.inverse_diagonal.assign(diagonal.size(), kIdentity);
-      return factor;
-    }
-    if (try_factor(factor, raised)) return factor;
+    if (!try_factor(rows, raised, factor.inverse_diagonal)) continue;
+    factor.shift = shift;
+    factor.offsets = std::move(rows.offsets);
+    factor.columns = std::move(rows.columns);
+    factor.blocks.resize(rows.blocks.size());
+    for (std::size_t k = 0; k < rows.blocks.size(); ++k)
+      for (std::size_t i = 0; i < 9; ++i) factor.blocks[k][i] = static_cast<float>(rows.blocks[k].m[i]);
+    return factor;
   }
+  // Nothing to go by: no preconditioner.
+  factor.offsets.assign(diagonal.size() + 1, 0);
+  factor.inverse_diagonal.assign(diagonal.size(), kIdentity);
+  return factor;
 }
 
 void apply_inverse(const BlockCholesky& factor, std::span<const Vec3> b, std::span<Vec3> x) {
   const std::size_t rows = factor.inverse_diagonal.size();
   for (std::size_t v = 0; v < rows; ++v) {
     Vec3 sum = b[v];
-    for (std::size_t k = factor.offsets[v]; k < factor.offsets[v + 1]; ++k)
-      sum = sum - factor.blocks[k] * x[factor.columns[k]];
+    for (std::size_t k = factor.offsets[v]; k < factor.offsets[v + 1]; ++k) {
+      const std::array<float, 9>& l = factor.blocks[k];
+      const Vec3& y = x[factor.columns[k]];
+      sum = sum - Vec3{l[0] * y.x + l[1] * y.y + l[2] * y.z, l[3] * y.x + l[4] * y.y + l[5] * y.z,
+                       l[6] * y.x + l[7] * y.y + l[8] * y.z};
+    }
     x[v] = sum;
   }
   for (std::size_t v = 0; v < rows; ++v) x[v] = factor.inverse_diagonal[v] * x[v];
   for (std::size_t v = rows; v-- > 0;) {
+    const Vec3 y = x[v];
     for (std::size_t k = factor.offsets[v]; k < factor.offsets[v + 1]; ++k) {
-      const Mat3& l = factor.blocks[k];
+      const std::array<float, 9>& l = factor.blocks[k];
       Vec3& target = x[factor.columns[k]];
-      const Vec3& y = x[v];
-      target = target - Vec3{l.m[0] * y.x + l.m[3] * y.y + l.m[6] * y.z,
-                             l.m[1] * y.x + l.m[4] * y.y + l.m[7] * y.z,
-                             l.m[2] * y.x + l.m[5] * y.y + l.m[8] * y.z};
+      target = target - Vec3{l[0] * y.x + l[3] * y.y + l[6] * y.z, l[1] * y.x + l[4] * y.y + l[7] * y.z,
+                             l[2] * y.x + l[5] * y.y + l[8] * y.z};
     }
   }
 }

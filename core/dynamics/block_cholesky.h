@@ -1,6 +1,7 @@
 // Incomplete Cholesky factorisation by blocks: a preconditioner of conjugate gradients.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,12 +13,12 @@ namespace palpate::dynamics {
 /// L D L^T on the pattern of the lower half of a matrix, by 3 x 3 blocks. Where a diagonal block would not
 /// stay positive definite, the matrix's diagonal is raised and the factorisation starts again.
 ///
-/// Shape:  offsets, columns, blocks hold the rows of L below the diagonal; inverse_diagonal the blocks of
-/// D^-1.
+/// Shape:  offsets, columns, blocks hold the rows of L below the diagonal, in single precision, which halves
+///         what each application reads; inverse_diagonal the blocks of D^-1.
 struct BlockCholesky {
   std::vector<std::size_t> offsets;
   std::vector<Index> columns;
-  std::vector<Mat3> blocks;
+  std::vector<std::array<float, 9>> blocks;
   std::vector<Mat3> inverse_diagonal;
   double shift = 0.0;  ///< share of the diagonal that was added
 };

@@ -15,7 +15,7 @@ enum class LinearMethod { kAuto, kDirect, kConjugateGradients };
 
 struct LinearOptions {
   LinearMethod method = LinearMethod::kAuto;
-  double tolerance = 1e-12;        ///< conjugate gradients: |r| / |b|
+  double tolerance = 1e-10;        ///< conjugate gradients: |r| / |b|
   std::size_t max_iterations = 0;  ///< conjugate gradients; 0: 20 x rows + 1000
   int threads = 1;
 };

@@ -122,7 +122,7 @@ Search::Balance Search::find_balance(std::span<const Vec3> u, double scale) cons
 std::optional<Field> Search::find_step(std::span<const Vec3> u, std::span<const Vec3> free, double relative,
                                        std::span<const Vec3> held_step) {
   // Conjugate gradients need no more digits than the next iterate will have.
-  const double tolerance = options_.linearised ? std::min(1e-11, options_.linear.tolerance)
+  const double tolerance = options_.linearised ? std::min(0.1 * options_.tolerance, options_.linear.tolerance)
                                                : std::clamp(0.1 * relative, 1e-9, 1e-2);
   constexpr double kFirstShift = 1e-8;
   constexpr double kLastShift = 10.0;

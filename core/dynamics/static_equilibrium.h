@@ -24,11 +24,11 @@ enum class StaticOutcome {
 const char* static_outcome_name(StaticOutcome outcome);
 
 struct StaticOptions {
-  bool linearised = false;          ///< one solve with the tangent at rest
-  int load_steps = 1;               ///< loads and held displacements grow in so many equal steps
-  int max_halvings = 6;             ///< a step that fails is tried again at half its size, so many times
-  double tolerance = 1e-9;          ///< of residual_relative
-  std::size_t max_iterations = 60;  ///< Newton's, a load step
+  bool linearised = false;           ///< one solve with the tangent at rest
+  int load_steps = 1;                ///< loads and held displacements grow in so many equal steps
+  int max_halvings = 4;              ///< a step that fails is tried again at half its size, so many times
+  double tolerance = 1e-9;           ///< of residual_relative
+  std::size_t max_iterations = 150;  ///< Newton's, a load step
   LinearOptions linear;
 };
 

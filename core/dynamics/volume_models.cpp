@@ -49,10 +49,11 @@ void add_volume_energy(const TetMesh& mesh, const Material& material, const Spri
                          " (less takes a negative volume energy, which may leave the stiffness indefinite; "
                          "node_smoothed has a stable form)",
                      std::to_string(material.poisson_ratio));
+  if (lambda <= kRounding * material.mu_pa()) return;
   const bool is_tet = options.volume == VolumeModel::kTet;
   built.model.strain_terms.push_back(
       {build_strain_operator(mesh, is_tet ? StrainDomain::kTet : StrainDomain::kNode),
-       {std::max(lambda, 0.0), 0.0},
+       {lambda, 0.0},
        law_of(options.strain, options.large_law)});
 }
 

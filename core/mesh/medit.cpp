@@ -339,6 +339,7 @@ MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientat
   }
   if (orientation == ReadOrientation::kRestore) {
     const std::size_t isolated = remove_isolated_vertices(mesh);
+    file.isolated_vertices = isolated;
     if (isolated > 0) {
       file.notes.push_back((isolated == 1
                                 ? std::string("1 vertex that no tetrahedron uses was")

@@ -19,6 +19,7 @@ enum class ReadOrientation {
 struct MeditFile {
   TetMesh mesh;
   std::vector<std::string> notes;
+  std::size_t isolated_vertices = 0;  ///< left out: the mesh's vertices are numbered without them
 };
 
 /// Reads an ASCII .mesh file: Vertices, Triangles (read and checked, not kept: the boundary follows from the

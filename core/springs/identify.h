@@ -40,7 +40,7 @@ bool takes_face_opposite(SpringMethod method);
 struct IdentifyOptions {
   bool face_opposite = false;  ///< also a spring between the two apexes of each interior face
   std::optional<double>
-      uniform_stiffness_n_per_m;      ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
+      uniform_stiffness_n_per_m{};    ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
   double stiffness_row_weight = 1.0;  ///< kThesisPrinted, kThesisCorrected: of the stiffness row
   double patch_length = 1.0;          ///< kIsotropyPatch: weight of the patch rows, in mean rest lengths
   double tolerance = 1e-10;           ///< of the KKT residual

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
+#include "core/springs/network.h"
 
 namespace palpate::springs {
 namespace {
@@ -46,17 +47,6 @@ std::vector<Index> morton_order(const std::vector<Vec3>& points) {
   std::vector<Index> order(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) order[i] = keys[i].second;
   return order;
-}
-
-// A quarter of the volume of the tets at each vertex.
-std::vector<double> vertex_volumes(const TetMesh& mesh) {
-  std::vector<double> volume(mesh.points.size(), 0.0);
-  for (const auto& [a, b, c, d] : mesh.tets) {
-    const double quarter =
-        signed_volume(mesh.points[a], mesh.points[b], mesh.points[c], mesh.points[d]) / 4.0;
-    for (const Index vertex : {a, b, c, d}) volume[vertex] += quarter;
-  }
-  return volume;
 }
 
 // A third of the outward area vectors of the boundary faces at each vertex.
@@ -97,7 +87,7 @@ void add_ends(const TetMesh& mesh, const SpringNetwork& network, IsotropySystem&
 // The right-hand side, and the weight of the patch rows at each vertex.
 void add_targets(const TetMesh& mesh, const SpringNetwork& network, double young_modulus_pa,
                  const IsotropyOptions& options, IsotropySystem& system) {
-  const std::vector<double> volume = vertex_volumes(mesh);
+  const std::vector<double> volume = build_influence_volumes(mesh);
   const std::vector<Vec3> area = options.patch ? vertex_areas(mesh) : std::vector<Vec3>(volume.size());
   const auto means = isotropy_means();
   system.patch_factor.assign(system.spring.size(), 0.0);

@@ -20,7 +20,7 @@ struct LinearReport {
   int iterations = 0;
   double residual_relative = 0.0;  ///< |b - A x| / |b|, computed anew
   double right_side_norm = 0.0;    ///< |b|, in N: what is out of balance, held displacements taken in
-  bool converged = false;
+  bool converged = false;          ///< to the tolerance, or (factors) to rounding
 };
 
 /// Assembles and solves. Keeps its matrices from one solve to the next.
@@ -53,6 +53,7 @@ class TangentSystem {
 
   void assemble(Level& level, const Vector& u, bool definite) const;
   void hold(Level& level) const;
+  LinearReport examine(const Vector& right, const Vector& step, double tolerance_relative) const;
   void create_solver(const TetMesh& mesh, const BoundaryProblem& problem);
   void create_multigrid(const TetMesh& mesh, const BoundaryProblem& problem);
   void restrict_displacement(const Vector& u);

@@ -106,7 +106,7 @@ dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json
   dynamics::StaticOptions out;
   out.linearised = strain == StrainSize::kSmall;
   out.load_steps = static_cast<int>(take_whole(options, "load_steps", 1, 1000, 1));
-  out.max_iterations = static_cast<std::size_t>(take_whole(options, "max_iterations", 1, 10000, 60));
+  out.max_iterations = static_cast<std::size_t>(take_whole(options, "max_iterations", 1, 10000, 150));
   out.tolerance = take_number(options, "tolerance", 1e-13, 0.1, 1e-9);
   constexpr std::array kMethods{dynamics::LinearMethod::kAuto, dynamics::LinearMethod::kDirect,
                                 dynamics::LinearMethod::kConjugateGradients};

@@ -1,4 +1,5 @@
-// Identification by isotropy rows: rows, blocks and solution, from a kidney-sized cube of 1.3k to 93k vertices.
+// Identification by isotropy rows: rows, blocks and solution, from a kidney-sized cube of 1.3k to 93k
+// vertices.
 #include <benchmark/benchmark.h>
 
 #include "core/mesh/shapes.h"
