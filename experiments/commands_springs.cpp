@@ -230,7 +230,7 @@ void add_springs_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SpringsArguments>();
   CLI::App* command = app.add_subcommand("springs", "Find the spring constants of a mesh with one method");
   // What is above 0 or below 0.5 is checked later, so that the message can say so.
-  const auto number_above_zero = number_from(-kMostNumber, kMostNumber);
+  const auto any_number = number_from(-kMostNumber, kMostNumber);
   command->add_option("MESH", arguments->mesh, "Mesh to put springs on")->required();
   command->add_option("-o,--output", arguments->out, "Springs to write (.csv)")
       ->required()
