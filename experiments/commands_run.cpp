@@ -16,6 +16,7 @@
 #include "experiments/process.h"
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
+#include "experiments/scene_problem.h"
 #include "experiments/terminal.h"
 #include "experiments/usage.h"
 
@@ -130,11 +131,35 @@ int run(const RunArguments& arguments) {
   return result.required_rejected ? kNotAccepted : kDone;
 }
 
+/// Whether a file says that it is a scene; anything else is read as a plan.
+bool is_scene(const std::string& file) {
+  const YamlValue root = read_yaml(file);
+  if (!root.is_map()) return false;
+  for (const auto& [key, value] : root.entries()) {
+    if (key == "schema" && value.is_text()) return value.text().rfind("palpate/scene/", 0) == 0;
+  }
+  return false;
+}
+
+/// Reads the scene and puts it on its mesh, which finds the regions that take hold of nothing.
+void check_scene(const std::string& file, const Registry& registry) {
+  const Scene scene = read_scene(file);
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  build_problem(place_scene(scene, made.mesh), made.mesh);
+  if (scene.model) resolve_options(*find_model(scene, registry).method, scene.model->set);
+  std::cout << file << ": good, a " << (scene.is_dynamic ? "dynamic" : "static") << " scene of "
+            << made.mesh.points.size() << " vertices\n";
+}
+
 int check(const std::vector<std::string>& files) {
   const Registry registry = load_registry();
   int code = kDone;
   for (const std::string& file : files) {
     try {
+      if (is_scene(file)) {
+        check_scene(file, registry);
+        continue;
+      }
       const Plan plan = read_plan(file, registry);
       const std::size_t cases = build_cases(plan, registry).size();
       std::cout << file << ": good, " << cases << " cases, "
@@ -198,8 +223,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
 
 void add_check_command(CLI::App& app, int& exit_code) {
   auto files = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("check", "Validate plans, run nothing");
-  command->add_option("FILE", *files, "Plan files")->required();
+  CLI::App* command = app.add_subcommand("check", "Validate plans and scenes, run nothing");
+  command->add_option("FILE", *files, "Plan and scene files")->required();
   command->callback([files, &exit_code] { exit_code = check(*files); });
 }
 

@@ -33,9 +33,8 @@ using nlohmann::json;
 /// No organ is longer: a bigger box is most likely in millimetres.
 constexpr double kLongestOrganM = 10.0;
 
-/// Of moduli, densities and units, in size; and of ratios, so that what is out of range is named as such.
+/// Of a modulus, a density or a unit, in size.
 constexpr double kMostNumber = 1e15;
-constexpr double kMostRatio = 1000.0;
 
 struct SpringsArguments {
   std::string mesh;
@@ -230,7 +229,7 @@ void add_springs_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SpringsArguments>();
   CLI::App* command = app.add_subcommand("springs", "Find the spring constants of a mesh with one method");
   // What is above 0 or below 0.5 is checked later, so that the message can say so.
-  const auto any_number = number_from(-kMostNumber, kMostNumber);
+  const auto a_number = number_from(-kMostNumber, kMostNumber);
   command->add_option("MESH", arguments->mesh, "Mesh to put springs on")->required();
   command->add_option("-o,--output", arguments->out, "Springs to write (.csv)")
       ->required()
@@ -240,19 +239,19 @@ void add_springs_command(CLI::App& app, int& exit_code) {
       ->type_name("NAME");
   command->add_option("--young-pa", arguments->young_pa, "Young's modulus, Pa")
       ->required()
-      ->check(any_number)
+      ->check(a_number)
       ->type_name("E");
   command->add_option("--poisson", arguments->poisson, "Poisson's ratio, above -1 and below 0.5")
       ->required()
-      ->check(any_number)
+      ->check(a_number)
       ->type_name("NU");
   auto* density = command->add_option("--density", arguments->density, "Density, kg/m^3, for masses")
-                      ->check(any_number)
+                      ->check(a_number)
                       ->type_name("RHO");
   command->add_option("--masses", arguments->masses, "Lumped masses to write (.csv); needs --density")
       ->type_name("FILE");
   command->add_option("--unit-m", arguments->unit_m, "The mesh's unit in metres (1); 0.001 for millimetres")
-      ->check(any_number)
+      ->check(a_number)
       ->type_name("M");
   command->add_option("--set", arguments->set, "Option of the method, as often as needed")
       ->allow_extra_args(false)

@@ -28,7 +28,8 @@ OptionType read_type(const YamlValue& value) {
   if (type == "number") return OptionType::kNumber;
   if (type == "integer") return OptionType::kInteger;
   if (type == "bool") return OptionType::kBool;
-  value.fail_expected("choice, number, integer or bool");
+  if (type == "file") return OptionType::kFile;
+  value.fail_expected("choice, number, integer, bool or file");
 }
 
 std::vector<std::string> read_texts(const YamlValue& value) {
@@ -82,7 +83,19 @@ std::vector<std::string> read_stops(const YamlFields& fields, const std::string&
   return stops;
 }
 
-MethodSpec read_method(const YamlValue& value, const std::string& contest) {
+void add_options(const YamlValue& list, std::vector<OptionSpec>& options) {
+  for (const YamlValue& item : list.items()) {
+    OptionSpec option = read_option(item);
+    for (const OptionSpec& other : options) {
+      if (other.name == option.name) item.fail("option \"" + option.name + "\" twice");
+    }
+    options.push_back(std::move(option));
+  }
+}
+
+/// `shared`: the options that every method of the contestant has.
+MethodSpec read_method(const YamlValue& value, const std::string& contest,
+                       const std::vector<OptionSpec>& shared) {
   const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
   MethodSpec method;
   method.name = fields.need("name").identifier();
@@ -90,14 +103,9 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest) {
   method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
+  method.options.insert(method.options.end(), shared.begin(), shared.end());
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
-  const auto options = fields.find("options");
-  if (!options) return method;
-  for (const YamlValue& item : options->items()) {
-    OptionSpec option = read_option(item);
-    if (method.find_option(option.name) != nullptr) item.fail("option \"" + option.name + "\" twice");
-    method.options.push_back(std::move(option));
-  }
+  if (const auto options = fields.find("options")) add_options(*options, method.options);
   return method;
 }
 
@@ -191,7 +199,7 @@ Contestant read_contestant(const std::filesystem::path& description,
                            const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
   const YamlFields fields =
-      root.fields({"schema", "contest", "program", "packages", "licence", "source", "methods"});
+      root.fields({"schema", "contest", "program", "packages", "licence", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant contestant;
   contestant.folder = description.parent_path().filename().string();
@@ -200,8 +208,10 @@ Contestant read_contestant(const std::filesystem::path& description,
   if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
   contestant.licence = fields.need("licence").text();
   if (const auto source = fields.find("source")) contestant.source = source->text();
+  std::vector<OptionSpec> shared;
+  if (const auto options = fields.find("options")) add_options(*options, shared);
   for (const YamlValue& method : fields.need("methods").items()) {
-    contestant.methods.push_back(read_method(method, contestant.contest));
+    contestant.methods.push_back(read_method(method, contestant.contest, shared));
   }
   if (contestant.methods.empty()) root.fail("a contestant needs at least one method");
   return contestant;
@@ -245,6 +255,13 @@ json parse_option(const OptionSpec& option, const std::string& text, const std::
       return parse_bounded<std::int64_t>(option, text, where);
     case OptionType::kNumber:
       return parse_bounded<double>(option, text, where);
+    case OptionType::kFile: {
+      std::error_code error;
+      if (text.empty()) return text;
+      if (!std::filesystem::is_regular_file(text, error))
+        throw InputError(where + ": " + option.name, 0, "a file", "none at \"" + text + "\"");
+      return std::filesystem::absolute(text).lexically_normal().string();
+    }
   }
   throw ContractError("parse_option: unknown type");
 }

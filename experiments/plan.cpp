@@ -11,6 +11,7 @@
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_targets.h"
 #include "experiments/plan_verify.h"
 
 namespace palpate::experiments {
@@ -198,7 +199,7 @@ void refuse_keys(const YamlFields& fields, const std::vector<const char*>& keys,
 
 /// What a contest of simplifiers is about.
 void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  refuse_keys(fields, {"scenes", "reference", "simplify"}, "deform", "simplify");
+  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "simplify");
   refuse_keys(fields, {"cases"}, "verify", "simplify");
   plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
@@ -224,12 +225,13 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   check_reserved_labels(fields.need("contestants"), plan);
   plan.reference = read_reference(fields.need("reference"), registry);
   check_vertices_sweep(fields, plan);
+  check_targets(fields, plan);
 }
 
 /// What a contest with known answers is about.
 void read_verify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
   refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "verify");
-  refuse_keys(fields, {"scenes", "reference", "simplify"}, "deform", "verify");
+  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "verify");
   if (const auto sweep = fields.find("sweep"))
     sweep->fail("the contest verify sweeps the cells of its cases");
   if (const auto accept = fields.find("accept"))
@@ -254,9 +256,10 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields(
-      {"schema", "question", "contest", "meshes", "scenes", "cases", "reference", "simplify", "contestants",
-       "sweep", "region", "run", "measure", "accept", "claim", "equal_count", "comparisons", "charts"});
+  const YamlFields fields =
+      root.fields({"schema", "question", "contest", "meshes", "scenes", "cases", "reference", "simplify",
+                   "contestants", "sweep", "region", "run", "measure", "accept", "claim", "equal_count",
+                   "comparisons", "charts", "scene_sets", "targets"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -282,7 +285,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto comparisons = fields.find("comparisons")) {
     plan.comparisons = read_comparisons(*comparisons, plan.contestants);
   }
-  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts);
+  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, plan.contest);
   add_availability_notes(plan, registry);
   return plan;
 }

@@ -9,6 +9,7 @@ namespace {
 
 const std::vector<std::string> kCharts{"histograms",   "overview", "timing",
                                        "quality_time", "scaling",  "cut_away"};
+const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "convergence", "simplified_error"};
 
 std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
@@ -106,12 +107,13 @@ std::vector<Comparison> read_comparisons(const YamlValue& value,
   return comparisons;
 }
 
-std::vector<std::string> read_charts(const YamlValue& value) {
+std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest) {
+  const std::vector<std::string>& known = contest == "deform" ? kDeformCharts : kCharts;
   std::vector<std::string> charts;
   for (const YamlValue& item : value.items()) {
     const std::string name = item.text();
-    if (std::find(kCharts.begin(), kCharts.end(), name) == kCharts.end()) {
-      item.fail("unknown chart \"" + name + "\"" + nearest_hint(name, kCharts));
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      item.fail("unknown chart \"" + name + "\"" + nearest_hint(name, known));
     }
     add_once(item, "chart", name, charts);
   }

@@ -25,7 +25,8 @@ Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& cont
 std::vector<Comparison> read_comparisons(const YamlValue& value,
                                          const std::vector<PlanContestant>& contestants);
 
-/// Reads the list of charts. Throws: InputError with file and line for an unknown one (with the nearest).
-std::vector<std::string> read_charts(const YamlValue& value);
+/// Reads the list of charts. Throws: InputError with file and line for one that is unknown in this contest
+/// (with the nearest).
+std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest);
 
 }  // namespace palpate::experiments

@@ -243,6 +243,21 @@ Scene read_scene(const std::filesystem::path& path) {
   return scene;
 }
 
+MethodEntry find_model(const Scene& scene, const Registry& registry) {
+  if (!scene.model)
+    throw InputError(scene.file.string() + ": the key \"model\" is missing: what is to solve it?");
+  const auto entry = registry.find(scene.model->method);
+  if (!entry || entry->contestant->contest != "deform") {
+    std::vector<std::string> known;
+    for (const std::string& name : registry.method_names()) {
+      if (registry.find(name)->contestant->contest == "deform") known.push_back(name);
+    }
+    throw InputError(scene.file.string() + ": model: unknown method \"" + scene.model->method + "\"" +
+                     nearest_hint(scene.model->method, known));
+  }
+  return *entry;
+}
+
 std::filesystem::path scene_path(const std::string& name) {
   return scenes_folder() / (name + ".yaml");
 }

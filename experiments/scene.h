@@ -73,6 +73,9 @@ SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& f
 Material read_scene_material(const YamlValue& value);
 SceneClamp read_scene_clamp(const YamlValue& value);
 SceneLoad read_scene_load(const YamlValue& value);
+/// The method that the scene's model stands for. Throws: InputError without a model, or for an unknown one
+/// (with the nearest).
+MethodEntry find_model(const Scene& scene, const Registry& registry);
 
 /// Throws: InputError unless -1 < ratio < 0.5; `at` names the place.
 void check_poisson_ratio(const YamlValue& at, double ratio);

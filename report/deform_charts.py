@@ -50,7 +50,7 @@ def finish(fig, title, handles, height, **spacing):
     """Title above, legend below."""
     fig.suptitle(title, x=0.01, y=1 - 0.12 / height, ha="left", va="top", fontsize=11, fontweight="bold")
     foot = draw_legend(fig, handles, height)
-    fig.tight_layout(rect=(0, foot, 1, 1 - 0.3 / height), **spacing)
+    fig.tight_layout(rect=(0, foot, 1, 1 - 0.16 / height), **spacing)
 
 
 def percent_number(value):
@@ -84,8 +84,8 @@ def by_setting(sections):
 
 
 def legend_of(styles, labels, more=()):
-    handles = [plt.Line2D([], [], color=styles[label][0], marker=styles[label][1], linewidth=0, markersize=6.5, markeredgecolor="white",
-                          label=label) for label in labels]
+    handles = [plt.Line2D([], [], color=styles[label][0], marker=styles[label][1], linewidth=0, markeredgecolor="white", label=label,
+                          markersize=6.5 * SIZES.get(styles[label][1], 1.0)) for label in labels]
     return [*handles, *more]
 
 

@@ -18,7 +18,7 @@ void set_uniform(const TetMesh& mesh, double young_modulus_pa, std::optional<dou
                  SpringNetwork& network);
 
 /// k = E (sum of V_T) / l^2 over the tets T around the edge of length l. Gives sum k l^2 = 6 E V exactly.
-/// Source: A. Van Gelder, Journal of Graphics Tools 3(2), 1998, eq. 4 for tetrahedra.
+/// Source: A. Van Gelder, Journal of Graphics Tools 3(2), 1998.
 void set_van_gelder(const TetMesh& mesh, double young_modulus_pa, SpringNetwork& network);
 
 /// k = sum of (2 sqrt(2) / 25) E l_T, where l_T = cbrt(6 sqrt(2) V_T) is the edge of the regular tet of the

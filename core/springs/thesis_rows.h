@@ -12,7 +12,7 @@
 namespace palpate::springs {
 
 /// `kPrinted`: B.1 - B.17 to the letter. `kCorrected`: B.3 - B.6, B.11, B.12, B.14 and B.15 as the Fourier
-/// series of eq. 3.15 has them (docs/errata.md, S4 - S8).
+/// series of eq. 3.15 has them (docs/errata.md, S6 - S10).
 enum class ThesisRows { kPrinted, kCorrected };
 
 inline constexpr std::size_t kThesisRows = 17;

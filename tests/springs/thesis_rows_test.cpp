@@ -204,6 +204,10 @@ TEST(ThesisRows, B19ContradictsB4AndIsRight) {
   }
   EXPECT_FALSE(are_parallel(b19, printed.row(3)));
   EXPECT_TRUE(are_parallel(b19, corrected.row(3)));
+  Eigen::MatrixXd with_b19 = printed;
+  with_b19.row(3) = b19;
+  EXPECT_EQ(rank_of(with_b19), 15);
+  EXPECT_EQ(rank_of(with_ones(with_b19)), 16);  // then the stiffness row is not contradicted
 }
 
 TEST(ThesisRows, OnlyATransverseRatioOfAQuarterLeavesRoomForStiffness) {
@@ -222,6 +226,25 @@ TEST(ThesisRows, OnlyATransverseRatioOfAQuarterLeavesRoomForStiffness) {
     EXPECT_EQ(rank_of(with_ones(series)), 15) << lambda1;
   }
   EXPECT_EQ(rank_of(with_ones(fourier_coefficients(directions, kThesisLambda1))), 15);
+}
+
+TEST(ThesisRows, TheSameStiffnessInAllDirectionsIsNoFurtherConstraint) {
+  // Eq. 3.16's sum, (c^2 + lambda1 s^2)^2 at many n, less its mean over n: in the span of eq. 3.15's series.
+  const std::vector<Vec3> directions = random_directions(60);
+  const std::vector<Vec3> stretches = random_directions(90);
+  const Eigen::MatrixXd series = fourier_coefficients(directions, kThesisLambda1);
+  Eigen::MatrixXd both(series.rows() + 30, series.cols());
+  for (Eigen::Index d = 0; d < series.cols(); ++d) {
+    for (Eigen::Index n = 0; n < 30; ++n) {
+      const double c =
+          dot(directions[static_cast<std::size_t>(d)], stretches[static_cast<std::size_t>(60 + n)]);
+      const double strain = c * c + kThesisLambda1 * (1.0 - c * c);
+      both(series.rows() + n, d) = strain * strain - 1.0 / 6.0;
+    }
+  }
+  both.topRows(series.rows()) = series;
+  EXPECT_EQ(rank_of(series), 14);
+  EXPECT_EQ(rank_of(both), 14);
 }
 
 TEST(ThesisRows, StretchingResistanceIsATwelfthNotASixth) {

@@ -1,0 +1,150 @@
+// simulate: one scene through the same door as in a plan.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/topology.h"
+#include "experiments/commands.h"
+#include "experiments/contestant_run.h"
+#include "experiments/displacement_file.h"
+#include "experiments/mesh_tools.h"
+#include "experiments/scene.h"
+#include "experiments/scene_problem.h"
+#include "experiments/terminal.h"
+#include "experiments/usage.h"
+#include "reference/deform_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+struct SimulateArguments {
+  std::string scene;
+  std::string out;
+  double timeout_s = 3600.0;
+  int threads = 1;
+  bool as_json = false;
+};
+
+/// Makes the folder, before any work is done for it.
+void prepare_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder))
+    throw InputError(folder.string(), 0, "a folder that can be written", error ? error.message() : "a file");
+}
+
+double largest(const std::vector<Vec3>& field) {
+  double most = 0.0;
+  for (const Vec3& u : field) most = std::max(most, length(u));
+  return most;
+}
+
+/// The answer as a report; writes the files where there is a displacement.
+json write_result(const ContestantAnswer& answer, const std::string& method, const TetMesh& mesh,
+                  const fs::path& out) {
+  json report = answer.report;
+  report["method"] = method;
+  report["kernel_s"] = *answer.kernel_s;
+  report["vertices"] = mesh.points.size();
+  report["tets"] = mesh.tets.size();
+  report["steps"] = answer.report.value("steps", answer.report.value("load_steps", json(1)));
+  report["files"] = json::array();
+  report["max_displacement_m"] = nullptr;
+  if (report.at("outcome") != "converged") return report;
+  std::vector<Vec3> field;
+  try {
+    field = reference::read_displacement(answer.output, mesh.points.size(), build_edges(mesh).size());
+  } catch (const InputError& error) {
+    throw UnavailableError(method + ": its displacement cannot be read: " + error.what());
+  }
+  field.resize(mesh.points.size());
+  report["max_displacement_m"] = largest(field);
+  const fs::path csv = out / "displacement.csv";
+  const fs::path vtu = out / "displacement.vtu";
+  reference::write_displacement(csv, field);
+  write_displacement_vtu(vtu, mesh, field);
+  report["files"] = {csv.string(), vtu.string()};
+  return report;
+}
+
+void print_result(const json& report) {
+  TextTable table({"measure", "value"}, "lr");
+  table.add({"method", report.at("method").get<std::string>()});
+  table.add({"outcome", report.at("outcome").get<std::string>()});
+  table.add({"vertices", report.at("vertices").dump()});
+  table.add({"tetrahedra", report.at("tets").dump()});
+  table.add({"time of the method", duration_text(report.at("kernel_s").get<double>())});
+  if (report.at("max_displacement_m").is_number())
+    table.add({"largest displacement",
+               short_number(1000.0 * report.at("max_displacement_m").get<double>()) + " mm"});
+  std::cout << table.text();
+  for (const json& file : report.at("files")) std::cout << "Written: " << file.get<std::string>() << '\n';
+}
+
+int simulate(const SimulateArguments& arguments) {
+  const Scene scene = read_scene(arguments.scene);
+  if (scene.is_dynamic) {
+    throw UnavailableError(scene.analysis_where +
+                           ": dynamic analyses do not exist yet: simulate solves static scenes alone");
+  }
+  const Registry registry = load_registry();
+  ContestantTask task;
+  task.method = find_model(scene, registry);
+  task.options = resolve_options(*task.method.method, scene.model->set);
+  const std::string why = task.method.contestant->unavailable();
+  if (!why.empty()) throw UnavailableError(scene.model->method + " is unavailable: " + why);
+  prepare_folder(arguments.out);
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  for (const std::string& note : made.notes) print_note(note);
+  const BoundaryProblem problem = build_problem(place_scene(scene, made.mesh), made.mesh);
+  const ScratchFolder scratch;
+  task.mesh_in = scratch.file("in.mesh");
+  task.problem_in = scratch.file("problem.json");
+  task.scratch = scratch.file("run");
+  fs::create_directories(task.scratch);
+  write_medit(task.mesh_in, made.mesh);
+  write_file_atomically(task.problem_in, reference::problem_to_json(problem).dump() + "\n");
+  task.threads = arguments.threads;
+  task.timeout_s = arguments.timeout_s;
+  const ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(scene.model->method + ": " + answer.message);
+  if (answer.outcome != "ok")
+    throw UnavailableError(scene.model->method + ": " + answer.outcome + ": " + answer.message);
+  for (const std::string& note : answer.notes) print_note(note);
+  const json report = write_result(answer, scene.model->method, made.mesh, arguments.out);
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_result(report);
+  }
+  return report.at("outcome") == "converged" ? kDone : kNotAccepted;
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* command = app.add_subcommand("simulate", "Solve one scene with the model that it names");
+  command->add_option("SCENE", arguments->scene, "Scene file (.yaml)")->required();
+  command->add_option("-o,--output", arguments->out, "Folder for displacement.csv and displacement.vtu")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
+      ->check(number_from(0.01, 1e7))
+      ->type_name("S");
+  command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command->footer("The exit code is 1 if the method found no equilibrium; there are no files then.");
+  command->add_flag("--json", arguments->as_json, "Print the report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = simulate(*arguments); });
+}
+
+}  // namespace palpate::experiments
