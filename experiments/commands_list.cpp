@@ -25,6 +25,8 @@ const char* type_name(OptionType type) {
       return "integer";
     case OptionType::kBool:
       return "bool";
+    case OptionType::kFile:
+      return "file";
   }
   throw ContractError("type_name: unknown type");
 }

@@ -28,7 +28,8 @@ OptionType read_type(const YamlValue& value) {
   if (type == "number") return OptionType::kNumber;
   if (type == "integer") return OptionType::kInteger;
   if (type == "bool") return OptionType::kBool;
-  value.fail_expected("choice, number, integer or bool");
+  if (type == "file") return OptionType::kFile;
+  value.fail_expected("choice, number, integer, bool or file");
 }
 
 std::vector<std::string> read_texts(const YamlValue& value) {
@@ -254,6 +255,13 @@ json parse_option(const OptionSpec& option, const std::string& text, const std::
       return parse_bounded<std::int64_t>(option, text, where);
     case OptionType::kNumber:
       return parse_bounded<double>(option, text, where);
+    case OptionType::kFile: {
+      std::error_code error;
+      if (text.empty()) return text;
+      if (!std::filesystem::is_regular_file(text, error))
+        throw InputError(where + ": " + option.name, 0, "a file", "none at \"" + text + "\"");
+      return std::filesystem::absolute(text).lexically_normal().string();
+    }
   }
   throw ContractError("parse_option: unknown type");
 }

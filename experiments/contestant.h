@@ -13,7 +13,8 @@
 
 namespace palpate::experiments {
 
-enum class OptionType { kChoice, kNumber, kInteger, kBool };
+/// kFile: the path of a file that is there, absolute once it is read; empty: none.
+enum class OptionType { kChoice, kNumber, kInteger, kBool, kFile };
 
 /// One option of a method.
 struct OptionSpec {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 
 #include "core/base/atomic_file.h"
@@ -133,6 +134,24 @@ ReferenceSolver find_solver(const Registry& registry, const fs::path& scratch, i
   return {*method, scratch, threads};
 }
 
+/// Estimates the seconds that are left from those gone by.
+class StepClock {
+ public:
+  explicit StepClock(std::size_t steps) : steps_(steps) {}
+
+  /// After another step.
+  double seconds_left() {
+    ++done_;
+    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - start_;
+    return gone.count() / static_cast<double>(done_) * static_cast<double>(steps_ - done_);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::size_t steps_;
+  std::size_t done_ = 0;
+};
+
 /// The errors of all cases of a set with these constants.
 std::vector<double> errors_with(const springs::RankOneTerms& terms, const std::vector<double>& constant,
                                 const springs::TrainingSet& set) {
@@ -166,6 +185,7 @@ TrainingInput build_training_input(const TrainingPlan& plan, const Registry& reg
   std::size_t all = 0;
   for (const TrainingSplit* split : splits) all += split->size();
   progress.start(all);
+  StepClock clock(all);
   std::size_t number = 0;
   for (const TrainingSplit* split : splits) {
     TrainingCases cases{split->name, {weight, {}, {}}};
@@ -181,7 +201,7 @@ TrainingInput build_training_input(const TrainingPlan& plan, const Registry& reg
         const BoundaryProblem problem = build_problem(place_scene(std::move(scene), input.mesh), input.mesh);
         add_case(input.mesh, problem, name,
                  solve_field(input.mesh, problem, name, plan.refine, solver, number++), cases.set);
-        progress.step(-1.0);
+        progress.step(clock.seconds_left());
       }
     input.splits.push_back(std::move(cases));
   }
@@ -191,6 +211,7 @@ TrainingInput build_training_input(const TrainingPlan& plan, const Registry& reg
 TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& plan, Progress& progress) {
   TrainingOutcome outcome;
   progress.start(plan.ridges.size());
+  StepClock clock(plan.ridges.size());
   for (const double ridge : plan.ridges) {
     progress.show("fit with ridge " + short_number(ridge));
     springs::TrainingOptions options;
@@ -206,7 +227,7 @@ TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& pla
     progress.say("ridge " + short_number(ridge) + ": train " + short_number(100.0 * result.train_rms) +
                  "%, validate " + short_number(100.0 * result.validate_rms) + "%");
     outcome.ridges.push_back(result);
-    progress.step(-1.0);
+    progress.step(clock.seconds_left());
   }
   for (const TrainingCases& split : input.splits) {
     SplitErrors errors{split.name, {}, {}, {}};
