@@ -7,6 +7,7 @@
 #include "experiments/record_file.h"
 #include "experiments/yaml_value.h"
 #include "tests/support/experiment_fixture.h"
+#include "tests/support/scene_text.h"
 
 namespace palpate::experiments {
 namespace {
@@ -60,6 +61,35 @@ TEST(Schema, DescriptionsOfTheProject) {
   EXPECT_EQ(validate("contestant.schema.json", descriptions), "");
   descriptions[0]["methods"][0].erase("stops");
   EXPECT_NE(validate("contestant.schema.json", descriptions), "");
+}
+
+TEST(Schema, ScenesOfTheProject) {
+  const json scenes = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/scenes", ".yaml");
+  ASSERT_GT(scenes.size(), 0U);
+  EXPECT_EQ(validate("scene.schema.json", scenes), "");
+  json broken = scenes;
+  broken[0]["material"]["poisson_ratio"] = 0.5;
+  EXPECT_NE(validate("scene.schema.json", broken), "");
+}
+
+TEST(Schema, RecordsOfAContestOfDisplacements) {
+  const test::ExperimentFixture fixture;
+  fixture.folder().add("block.yaml", test::SceneText().yaml());
+  const auto plan = fixture.folder().add(
+      "plan.yaml",
+      "schema: palpate/plan/1\nquestion: q\ncontest: deform\nscenes: [{name: block, file: block.yaml}]\n"
+      "reference: {method: test.field, set: {bias: 0.1}}\nsimplify: [none, {method: test.copy, stop: {limit: "
+      "true}}]\ncontestants: [test.field, {method: test.field, label: dive, set: {behave: diverge}}, "
+      "{method: "
+      "test.field, label: refuse, set: {behave: refuse}}]\n");
+  EXPECT_EQ(validate("plan.schema.json", json::array({read_yaml(plan).json()})), "");
+  const auto folder = fixture.folder() / "run";
+  test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report"});
+  json records = read_records(folder / "records.jsonl");
+  ASSERT_EQ(records.size(), 7U);
+  EXPECT_EQ(validate("record.schema.json", records), "");
+  records[1]["judge"]["displacement_l2"] = -1.0;
+  EXPECT_NE(validate("record.schema.json", records), "");
 }
 
 TEST(Schema, RecordsOfARun) {
