@@ -116,9 +116,10 @@ BlockCholesky factor_incomplete(const BlockMatrix& matrix, std::span<const std::
   for (const Mat3& block : diagonal) mean += std::abs(trace(block)) / 3.0;
   mean /= static_cast<double>(std::max<std::size_t>(diagonal.size(), 1));
   constexpr double kFirstShift = 1e-3;
-  constexpr double kLastShift = 1e3;
+  constexpr int kMostTries = 21;  // the last shift is 524 x the diagonal
   BlockCholesky factor;
-  for (double shift = 0.0; shift <= kLastShift; shift = shift == 0.0 ? kFirstShift : 2.0 * shift) {
+  for (int attempt = 0; attempt < kMostTries; ++attempt) {
+    const double shift = attempt == 0 ? 0.0 : std::ldexp(kFirstShift, attempt - 1);
     Lower rows = lower;
     std::vector<Mat3> raised = diagonal;
     for (Mat3& block : raised) {

@@ -10,7 +10,7 @@
 
 namespace palpate::dynamics {
 
-/// kAuto takes the factorisation while its estimated fill is small.
+/// kAuto takes the factorisation for matrices of few blocks.
 enum class LinearMethod { kAuto, kDirect, kConjugateGradients };
 
 struct LinearOptions {
@@ -39,8 +39,9 @@ class LinearSolver {
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
   /// Factors the matrix, or builds the preconditioner; what depends on the pattern alone is kept from one
-  /// call to the next. `matrix` and `held` must live on while solve() is called. Returns: kIndefinite where a
-  /// factorisation met a pivot <= 0; else kSolved.
+  /// call to the next. `matrix` and `held` must live on while solve() is called.
+  ///
+  /// Returns: kIndefinite where a factorisation met a pivot <= 0; else kSolved.
   LinearStatus prepare(const BlockMatrix& matrix, std::span<const std::uint8_t> held);
 
   /// Solves A x = b in the free components; the held ones of x become zero. Those of b are ignored.

@@ -56,8 +56,9 @@ struct StaticSolution {
 /// Newton's method on the potential with the exact tangent; where that is indefinite, with the one whose
 /// springs and domains are made semidefinite one by one. Steps are halved until the potential falls as
 /// Armijo's rule asks. A model with a volume force has no potential: there the residual must fall, and the
-/// low-rank part of the tangent is taken in by Woodbury's formula. Throws: InputError if a rigid motion is
-/// left free (require_no_rigid_motion).
+/// low-rank part of the tangent is taken in by Woodbury's formula.
+///
+/// Throws: InputError if a rigid motion is left free (require_no_rigid_motion).
 StaticSolution solve_static(const TetMesh& mesh, const ElasticModel& model, const Loads& loads,
                             const StaticOptions& options);
 

@@ -48,9 +48,12 @@ struct StrainOperator {
 ///   V_s = sum of those shares,   g_sv = sum over T of share_sT grad N_v|T / V_s.
 ///
 /// Domains are numbered as mesh.tets, build_faces, build_edges or mesh.points. A vertex of no tet has an
-/// empty domain of volume zero. Throws: InputError for a tet without positive volume. Source: C. Dohrmann et
-/// al., Int. J. Numer. Meth. Engng 47 (2000) (nodes); G. Liu, T. Nguyen-Thoi, Smoothed Finite Element
-/// Methods, CRC Press 2010 (faces, edges).
+/// empty domain of volume zero.
+///
+/// Throws: InputError for a tet without positive volume.
+///
+/// Source: C. Dohrmann et al., Int. J. Numer. Meth. Engng 47 (2000), for nodes; G. Liu and T. Nguyen-Thoi,
+/// Smoothed Finite Element Methods, CRC Press 2010, for faces and edges.
 StrainOperator build_strain_operator(const TetMesh& mesh, StrainDomain domain);
 
 /// H of one domain.

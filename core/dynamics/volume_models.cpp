@@ -61,14 +61,23 @@ void add_node_smoothed(const TetMesh& mesh, const Material& material, const Spri
                        BuiltModel& built) {
   const double mu = material.mu_pa();
   const double lambda = material.lambda_pa();
+  const bool is_nodal = options.shear == StrainDomain::kNode;
+  if (!is_nodal && lambda < 0.0)
+    throw InputError("poisson_ratio", 0, "0 or more for shear away from the nodes",
+                     std::to_string(material.poisson_ratio));
   const double bulk = lambda + 2.0 / 3.0 * mu;
-  built.theta = std::max(options.theta, 1.0 - bulk / (5.0 / 3.0 * mu));
+  const double least = is_nodal ? 1.0 - bulk / (5.0 / 3.0 * mu) : 1.0 - lambda / mu;
+  built.theta = std::max(options.theta, least);
   if (built.theta > options.theta)
     built.warnings.push_back(raised_theta(options.theta, built.theta, material.poisson_ratio));
   scale_springs(built.model.springs, 1.0 - built.theta);
-  built.model.strain_terms.push_back({build_strain_operator(mesh, StrainDomain::kNode),
-                                      {lambda - mu + built.theta * mu, built.theta * mu},
-                                      law_of(options.strain, options.large_law)});
+  const StrainLaw law = law_of(options.strain, options.large_law);
+  const double dilatation = std::max(lambda - mu + built.theta * mu, is_nodal ? -mu : 0.0);
+  const double shear = built.theta * mu;
+  built.model.strain_terms.push_back(
+      {build_strain_operator(mesh, StrainDomain::kNode), {dilatation, is_nodal ? shear : 0.0}, law});
+  if (!is_nodal && shear > 0.0)
+    built.model.strain_terms.push_back({build_strain_operator(mesh, options.shear), {0.0, shear}, law});
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ namespace palpate::dynamics {
 ///   kNone          nothing
 ///   kThesis        the thesis's volume force (core/dynamics/volume_force.h)
 ///   kTet           1/2 (lambda - mu) sum_T V_T (tr eps_T)^2: right for any ratio, but locks
-///   kNodeAverage   1/2 (lambda - mu) sum_n V_n (tr eps_n)^2, eps_n averaged over the tets of a node: does
-///   not lock kNodeSmoothed  springs at (1 - theta) mu, and 1/2 sum_n V_n [(lambda - mu + theta mu)(tr
-///   eps_n)^2 + 2 theta mu
-///                  eps_n : eps_n]
+///   kNodeAverage   1/2 (lambda - mu) sum_n V_n (tr eps_n)^2, eps_n over the tets of a node: no locking
+///   kNodeSmoothed  springs at (1 - theta) mu, and
+///                  1/2 sum_n V_n (lambda - mu + theta mu)(tr eps_n)^2 + sum_s V_s theta mu eps_s : eps_s,
+///                  s the nodes too, or the edges or faces (SpringModelOptions::shear)
 enum class VolumeModel { kNone, kThesis, kTet, kNodeAverage, kNodeSmoothed };
 
 /// "none", "thesis", "tet", "node_average" or "node_smoothed". Throws: InputError.
@@ -29,8 +29,9 @@ struct SpringModelOptions {
   VolumeModel volume = VolumeModel::kNone;
   StrainSize strain = StrainSize::kSmall;       ///< small: linearised springs and the linear law
   StrainLaw large_law = StrainLaw::kCorotated;  ///< of the added energies at large strain
-  double theta = 0.7;               ///< kNodeSmoothed: share of the shear modulus that nodes carry
-  double volume_force_ratio = 1.0;  ///< kThesis: m_kv / k_s as the thesis counts them
+  double theta = 0.7;                        ///< kNodeSmoothed: share of the shear modulus that is smoothed
+  StrainDomain shear = StrainDomain::kNode;  ///< kNodeSmoothed: where it is; the dilatation stays at nodes
+  double volume_force_ratio = 1.0;           ///< kThesis: m_kv / k_s as the thesis counts them
 };
 
 /// A model and what is to be said about it.
@@ -49,8 +50,9 @@ Material spring_material(const Material& material, VolumeModel volume);
 /// Below Poisson's ratio 1/4 lambda - mu is negative. kTet and kNodeAverage then could make the stiffness
 /// indefinite and are refused. kNodeSmoothed stays definite while the springs' bulk modulus 5/3 (1 - theta)
 /// mu does not exceed the material's, lambda + 2/3 mu (each node's energy is then >= 0): theta is raised to
-/// that, with a warning. Throws: InputError for a ratio that the model cannot represent, or theta outside [0,
-/// 1].
+/// that, with a warning. With the shear elsewhere than at the nodes, lambda - (1 - theta) mu has to be >= 0.
+///
+/// Throws: InputError for a ratio that the model cannot represent, or theta outside [0, 1].
 BuiltModel build_spring_model(const TetMesh& mesh, SpringNetwork springs, const Material& material,
                               const SpringModelOptions& options);
 
@@ -69,8 +71,9 @@ struct BlendOptions {
 ///
 /// At small strain 1/2 sum_n V_n [lambda (tr eps_n)^2 + 2 theta mu eps_n : eps_n] + 1/2 (1 - theta) sum_T V_T
 /// 2 mu eps_T : eps_T. An affine displacement has the exact energy and no force inside, whatever theta is.
-/// Throws: InputError for theta outside [0, 1], or nu < 0 where 3 lambda + 2 theta mu < 0 (theta is raised as
-/// above, with a warning).
+/// Where nu < 0 makes 3 lambda + 2 theta mu negative, theta is raised until it is not, with a warning.
+///
+/// Throws: InputError for theta outside [0, 1].
 BuiltModel build_blend_model(const TetMesh& mesh, const Material& material, const BlendOptions& options);
 
 }  // namespace palpate::dynamics

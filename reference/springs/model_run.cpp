@@ -51,6 +51,11 @@ dynamics::StrainLaw take_law(json& options, dynamics::StrainLaw fallback) {
   return name == "default" ? fallback : dynamics::parse_strain_law(name);
 }
 
+dynamics::StrainDomain take_domain(json& options, const char* key, dynamics::StrainDomain fallback) {
+  return dynamics::parse_strain_domain(take_option<std::string>(
+      options, key, &json::is_string, "tet, face, edge or node", dynamics::strain_domain_name(fallback)));
+}
+
 SpringRequest take_spring_request(const std::string& method, StrainSize strain, json& options) {
   SpringRequest out;
   const std::string name = method.substr(std::string("springs.").size());
@@ -77,6 +82,7 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
   out.model.volume = dynamics::parse_volume_model(
       take_option<std::string>(options, "volume", &json::is_string, "a volume model", "none"));
   out.model.theta = take_number(options, "theta", 0.0, 1.0, out.model.theta);
+  out.model.shear = take_domain(options, "shear", out.model.shear);
   out.model.volume_force_ratio = take_number(options, "volume_force_ratio", 0.0, kHuge, 1.0);
   out.model.large_law = take_law(options, out.model.large_law);
   return out;
@@ -91,13 +97,9 @@ dynamics::BlendOptions take_blend(const std::string& method, StrainSize strain, 
   } else if (method != "smoothed.blend") {
     throw InputError("method", 0, "springs.NAME, smoothed.blend or smoothed.edge_node", method);
   }
-  const auto take_domain = [&](const char* key, dynamics::StrainDomain fallback) {
-    return dynamics::parse_strain_domain(take_option<std::string>(
-        options, key, &json::is_string, "tet, face, edge or node", dynamics::strain_domain_name(fallback)));
-  };
   blend.theta = take_number(options, "theta", 0.0, 1.0, blend.theta);
-  blend.domain = take_domain("domain", blend.domain);
-  blend.rest = take_domain("rest", blend.rest);
+  blend.domain = take_domain(options, "domain", blend.domain);
+  blend.rest = take_domain(options, "rest", blend.rest);
   blend.large_law = take_law(options, blend.large_law);
   return blend;
 }

@@ -208,6 +208,15 @@ TEST(VolumeModels, AStableThetaTakesTheLowestRatios) {
     }
   }
   EXPECT_EQ(build_blend_model(mesh, {1000.0, 0.1, 1.0}, {}).theta, BlendOptions{}.theta);
+  // With the shear on edges, the dilatation at nodes has to be definite by itself.
+  const SpringNetwork net = testing_support::make_edge_springs(mesh, 1000.0);
+  SpringModelOptions edges{VolumeModel::kNodeSmoothed};
+  edges.shear = StrainDomain::kEdge;
+  edges.theta = 0.1;
+  const BuiltModel at_edges = build_spring_model(mesh, net, {1000.0, 0.1, 1.0}, edges);
+  EXPECT_NEAR(at_edges.theta, 0.75, 1e-12);  // lambda / mu = 2 nu / (1 - 2 nu) = 1/4
+  EXPECT_NEAR(at_edges.model.strain_terms.at(0).moduli.lambda_pa, 0.0, 1e-9);
+  EXPECT_THROW(build_spring_model(mesh, net, {1000.0, -0.1, 1.0}, edges), InputError);
 }
 
 TEST(VolumeModels, NamesAreReadBack) {
