@@ -96,8 +96,11 @@ void write_moduli(const std::string& path, const TrainingInput& input, const Tra
   const bool at_vertices = plan.volume == TrainedVolume::kNodeAverage;
   std::string text = at_vertices ? "vertex,modulus_pa\n" : "tet,modulus_pa\n";
   const std::size_t springs = input.network.springs.size();
-  for (std::size_t i = springs; i < constant.size(); ++i)
-    text += std::to_string(i - springs) + "," + number_text(constant[i]) + "\n";
+  for (std::size_t i = springs; i < constant.size(); ++i) {
+    text += std::to_string(i - springs) + ",";
+    append_number(text, constant[i]);
+    text += '\n';
+  }
   write_file_atomically(path, text);
 }
 
@@ -108,8 +111,8 @@ int train(const TrainArguments& arguments) {
     throw InputError(has_moduli ? "--moduli: the plan has a volume model: name a file for its moduli"
                                 : "--moduli: the plan has no volume model, so there are no moduli to write");
   }
-  check_folder_of(arguments.out);
-  if (has_moduli) check_folder_of(arguments.moduli);
+  check_output_csv(arguments.out);
+  if (has_moduli) check_output_csv(arguments.moduli);
   Progress progress(arguments.as_json);
   const Registry registry = load_registry();
   const TemporaryFolder scratch;

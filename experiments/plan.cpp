@@ -257,9 +257,9 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
   const YamlFields fields =
-      root.fields({"schema", "question", "contest", "meshes", "scenes", "cases", "reference", "simplify",
-                   "contestants", "sweep", "region", "run", "measure", "accept", "claim", "equal_count",
-                   "comparisons", "charts", "scene_sets", "targets"});
+      root.fields({"schema",   "question",    "contest",     "meshes", "scenes",     "cases",   "reference",
+                   "simplify", "contestants", "sweep",       "region", "run",        "measure", "accept",
+                   "claim",    "equal_count", "comparisons", "charts", "scene_sets", "targets"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;

@@ -32,6 +32,7 @@ std::vector<int> read_cells(const YamlValue& value) {
 std::vector<std::string> read_labels(const YamlValue& value, const std::vector<PlanContestant>& contestants,
                                      std::set<std::string>& taken) {
   std::vector<std::string> known;
+  known.reserve(contestants.size());
   for (const PlanContestant& contestant : contestants) known.push_back(contestant.label);
   std::vector<std::string> labels;
   for (const YamlValue& item : value.items()) {

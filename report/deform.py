@@ -56,6 +56,7 @@ class Row:
     own_errors: dict  # of the reference, by the names of the errors
     vertices: object
     note: str = ""
+    has_reference: bool = True
     marks: dict = field(default_factory=dict)
 
     @property
@@ -86,6 +87,11 @@ class Section:
         return next((row for row in self.rows if row.label == label), None)
 
     @property
+    def has_reference(self):
+        """Whether answers could be judged; if not, it is nobody's fault."""
+        return all(row.has_reference for row in self.rows)
+
+    @property
     def finite_elements(self):
         """The row of linear finite elements on the same mesh, or None."""
         return next((row for row in self.rows if row.method == FINITE_ELEMENTS and row.is_judged), None)
@@ -94,7 +100,8 @@ class Section:
     def title(self):
         mesh = "" if not self.simplify or self.simplify == NO_SIMPLIFIER else f", {simplified_text(self.simplify, self.ratio)}"
         vertices = self.rows[0].vertices if self.rows else None
-        shown = "" if vertices is None or self.problem.wanted_vertices is not None else f", {vertices:,.0f} vertices"
+        is_said = vertices is None or self.problem.wanted_vertices is not None
+        shown = "" if is_said else f", {vertices:,.0f} vertices"
         return self.problem.name + shown + mesh
 
 
@@ -122,6 +129,12 @@ def own_errors_of(reference, record):
     return found
 
 
+def is_valid(reference):
+    """Whether the record of a reference has a field to judge by. Where there is no record, the answers' own are believed."""
+    judge = reference.get("judge") if reference else None
+    return reference is None or isinstance(judge, dict) and judge.get("valid") is True
+
+
 def values_of(group):
     values = {name: median(group.figures("judge", name)) for name, _, _ in ERRORS}
     for name in ("identify_s", "solve_s", "iterations"):
@@ -144,8 +157,9 @@ def read_row(group, references):
     record = group.records[0]
     problem, sweep = problem_of(record), sweep_of(record)
     reference = references.get(problem)
+    own_errors = own_errors_of(reference, (group.cases() or [record])[0])
     return Row(group.label, group.contestant, problem, str(sweep.get("simplify", "")), sweep.get("tets_removed_ratio"),
-               values_of(group), own_errors_of(reference, (group.cases() or [record])[0]), figure(record, "mesh", "vertices"), note_of(group))
+               values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference))
 
 
 def mark_rows(rows):

@@ -75,8 +75,8 @@ def percent_range(sections):
 
 
 def plain(sections):
-    """Those on the scene's own mesh."""
-    return [section for section in sections if section.simplify in ("", NO_SIMPLIFIER)]
+    """Those on the scene's own mesh that have a reference."""
+    return [section for section in sections if section.simplify in ("", NO_SIMPLIFIER) and section.has_reference]
 
 
 def by_setting(sections):

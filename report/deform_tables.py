@@ -74,7 +74,8 @@ def sections_text(sections):
     lines = [["label", *titles, "x P1", *(title + (" " if name == "kernel_s" else "") for name, title in TIMES), "note"]]
     for section in sections:
         lines += ["", section.title, f"  {reference_text(section)}"]
-        lines += [row_cells(row, section) for row in section.rows]
+        # Without a reference no row has a figure; the line above says why.
+        lines += [row_cells(row, section) for row in section.rows] if section.has_reference else []
     return pad_columns(lines) + "\n\n" + legend_text(sections)
 
 
@@ -89,6 +90,14 @@ def legend_text(sections):
     return "\n".join(lines)
 
 
+def matrix_cell(section, row):
+    if row is None:
+        return ""
+    if row.is_judged:
+        return percent_text(row.values[MAIN]) + row.marks.get(MAIN, "").ljust(2)
+    return "failed  " if section.has_reference else "no ref.  "
+
+
 def matrix_text(sections):
     """Relative L2 error, label by scene: one table for each Poisson ratio, number of vertices and mesh."""
     out = []
@@ -96,10 +105,8 @@ def matrix_text(sections):
         own = [section for section in sections if setting_of(section) == setting]
         rows = []
         for label in labels_of(own):
-            cells = [section.find(label) for section in own]
-            rows.append([label, *("" if row is None or not row.is_judged and not row.note else
-                                  percent_text(row.values[MAIN]) + row.marks.get(MAIN, "").ljust(2) if row.is_judged
-                                  else "failed  " for row in cells), ""])
+            cells = [matrix_cell(section, section.find(label)) for section in own]
+            rows.append([label, *cells, ""])
         header = ["label", *(section.problem.scene + "  " for section in own), ""]
         heading = setting_text(setting)
         out.append(f"Relative L2 error in %{f', {heading}' if heading else ''}\n\n" + pad_columns([header, *rows]))
@@ -111,15 +118,19 @@ def set_rows(run, sections):
     found = []
     for name, scenes in scene_sets(run, sections).items():
         for setting in settings_of(sections):
-            own = [section for section in sections if setting_of(section) == setting and section.problem.scene in scenes]
+            every = [section for section in sections if setting_of(section) == setting and section.problem.scene in scenes]
+            own = [section for section in every if section.has_reference]
             for label in labels_of(own):
                 rows = [row for row in (section.find(label) for section in own) if row is not None]
+                if not rows:
+                    continue
                 judged = [row for row in rows if row.is_judged]
                 values = [row.values[MAIN] for row in judged]
                 worst = max(judged, key=lambda row: row.values[MAIN], default=None)
                 peers = [section.finite_elements for section in own if section.find(label) and section.find(label).is_judged]
                 peer_values = [peer.values[MAIN] for peer in peers if peer]
                 found.append({"set": name, "setting": setting, "label": label, "scenes": len(rows), "solved": len(judged),
+                              "without_reference": len(every) - len(own),
                               "coarse": sum(row.is_coarse(MAIN) for row in judged), "rms": root_mean_square(values),
                               "worst": max(values, default=None), "worst_scene": worst.problem.scene if worst else "",
                               "p1_rms": root_mean_square(peer_values), "p1_worst": max(peer_values, default=None)})
@@ -131,6 +142,7 @@ def sets_text(run, sections):
     rows = []
     for entry in set_rows(run, sections):
         note = [] if entry["solved"] == entry["scenes"] else [f"solved {entry['solved']} of {entry['scenes']}"]
+        note += [f"no reference on {entry['without_reference']}"] if entry["without_reference"] else []
         note += [f"{entry['coarse']} marked {COARSE}"] if entry["coarse"] else []
         rows.append([entry["set"], setting_text(entry["setting"]), entry["label"], percent_text(entry["rms"]),
                      percent_text(entry["worst"]), entry["worst_scene"], percent_text(entry["p1_rms"]),
@@ -182,8 +194,8 @@ def write_references(run, folder):
 
 
 def write_sets(run, sections, folder):
-    header = ["set", "poisson_ratio", "vertices", "simplify", "tets_removed_ratio", "label", "scenes", "solved", "coarse", "rms",
-              "worst", "worst_scene", "p1_rms", "p1_worst"]
+    header = ["set", "poisson_ratio", "vertices", "simplify", "tets_removed_ratio", "label", "scenes", "solved",
+              "without_reference", "coarse", "rms", "worst", "worst_scene", "p1_rms", "p1_worst"]
     rows = [[entry["set"], *entry["setting"], *(entry[name] for name in header[5:])] for entry in set_rows(run, sections)]
     write_csv(folder / "displacement_sets.csv", header, rows)
 

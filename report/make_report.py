@@ -22,6 +22,7 @@ import scaling
 import tables
 import targets
 import verdict
+import verification
 
 
 @dataclass
@@ -113,6 +114,21 @@ def draw_displacements(run, found):
     return deform_charts.draw_charts(run, *found, run.folder / "charts")
 
 
+def report_known_answers(run):
+    """Tables and summary of a contest with known answers; returns what its chart is drawn from."""
+    rows = verification.read_rows(run)
+    remove_old(run.folder / "tables", verification.write_tables(rows, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(verification.verification_text(rows) if rows else "no records")
+    return rows
+
+
+def draw_known_answers(run, rows):
+    import verification_charts  # needs matplotlib
+    return verification_charts.draw_charts(rows, run.folder / "charts")
+
+
 def draw_simplifiers(run, claim):
     import charts  # needs matplotlib
     return charts.draw_charts(run, claim, run.folder / "charts")
@@ -128,11 +144,19 @@ def report_simplifiers(run):
     return claim
 
 
+def choose_report(run):
+    """What writes the tables and what draws the charts of this contest."""
+    if run.plan_data.get("contest") == "verify":
+        return report_known_answers, draw_known_answers
+    if run.judges_displacements:
+        return report_displacements, draw_displacements
+    return report_simplifiers, draw_simplifiers
+
+
 def make_report(folder, with_charts):
     """Does all of it; returns the exit code."""
     run = records.read_run(folder)
-    report, draw = ((report_displacements, draw_displacements) if run.judges_displacements
-                    else (report_simplifiers, draw_simplifiers))
+    report, draw = choose_report(run)
     found = report(run)
     said = len(run.notes)
     for note in run.notes:

@@ -14,7 +14,7 @@ INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
 BUCKETS = 10
 PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts",
-             "contest", "scenes", "scene_sets", "targets")  # what of the plan the provenance repeats
+             "contest", "scenes", "scene_sets", "targets", "cases")  # what of the plan the provenance repeats
 
 
 class BadRun(Exception):
@@ -242,7 +242,7 @@ def sort_as_planned(groups, plan_data):
                     order.setdefault(entry, len(order))
         return order
 
-    meshes = places("meshes", "name") | places("scenes", "name")
+    meshes = places("meshes", "name") | places("scenes", "name") | places("cases", "case")
     labels = places("contestants", "label", "name", "method")
     for group in groups:
         meshes.setdefault(group.mesh, len(meshes))

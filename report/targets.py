@@ -3,8 +3,8 @@
 A target is met if every scene of it is. Where it names several labels, the one that is best over its scenes counts for all
 of them. A scene is within the bound if its figure is; where the reference is not five times better than the figure
 (deform.py), only if that still holds with the reference's own error added, and it is missed only if it is above the bound
-with that error taken away. Between the two, or without an estimate of the reference, it is open. A scene that a label did
-not solve is missed.
+with that error taken away. Between the two, or without a reference or an estimate of its error, it is open. A scene that a label
+did not solve is missed.
 """
 
 from dataclasses import dataclass
@@ -66,7 +66,7 @@ def state_of(row, measure, bound):
         return OPEN
     value, own = row.values[measure], row.own_errors.get(measure)
     if value is None:
-        return MISSED
+        return MISSED if row.has_reference else OPEN
     if not row.is_coarse(measure):
         return MET if value <= bound else MISSED
     if own is None:
@@ -83,7 +83,9 @@ def judge_label(target, label, sections, missing):
     notes = []
     for text, chosen in (
             ("not run", [s.title for s, row in zip(sections, rows) if row is None] + missing),
-            ("not solved", [s.title for s, row in zip(sections, rows) if row is not None and row.values[measure] is None]),
+            ("no reference", [s.title for s, row in zip(sections, rows) if row is not None and not row.has_reference]),
+            ("not solved", [s.title for s, row in zip(sections, rows)
+                            if row is not None and row.has_reference and row.values[measure] is None]),
             (f"marked {COARSE}", [s.title for s, row in zip(sections, rows) if row is not None and row.is_coarse(measure)])):
         if chosen:
             notes.append(f"{text}: {len(chosen)} of {len(states)}" if len(chosen) > 2 else f"{text}: {'; '.join(chosen)}")

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/dynamics/jacobi_eigen.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/refinement.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -38,11 +39,12 @@ void check_patch(const TetMesh& mesh, const FacePatch& patch, const char* where)
   }
 }
 
-void hold(const TetMesh& mesh, const HeldFaces& held, Loads& loads) {
+void hold(const TetMesh& mesh, const HeldFaces& held, const std::vector<Vec3>& field, Loads& loads) {
   for (const Triangle& face : held.faces) {
     check_face(mesh, face, "held");
     for (const Index v : face) {
-      const std::array<double, 3> by{held.by_m.x, held.by_m.y, held.by_m.z};
+      const Vec3 told = field.empty() ? held.by_m : held.by_m + field[v];
+      const std::array<double, 3> by{told.x, told.y, told.z};
       const std::array<double*, 3> place{&loads.held_by_m[v].x, &loads.held_by_m[v].y, &loads.held_by_m[v].z};
       for (std::size_t i = 0; i < 3; ++i) {
         if (!held.axes[i]) continue;
@@ -76,6 +78,46 @@ void add_gravity(const TetMesh& mesh, const BoundaryProblem& problem, std::vecto
         signed_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]);
     for (const Index v : t) force[v] = force[v] + (0.25 * volume) * weight;
   }
+}
+
+void check_field(const std::vector<Vec3>& field, std::size_t nodes, const char* where) {
+  if (!field.empty() && field.size() != nodes)
+    throw InputError(where, 0, "a value a vertex and an edge midpoint (" + std::to_string(nodes) + ")",
+                     std::to_string(field.size()));
+}
+
+/// Adds the integral of a quadratic body force times each linear shape function: in a tet of volume V, b_i
+/// times the quadratic function of vertex j is 0 for i = j and -V / 60 else, of an edge V / 15 if i is one of
+/// its ends and V / 30 else.
+void add_body_force_field(const TetMesh& mesh, const EdgeNumbers& edges, const std::vector<Vec3>& field,
+                          std::vector<Vec3>& force) {
+  for (const Tet& t : mesh.tets) {
+    const double volume =
+        signed_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]);
+    const auto add = [&](std::size_t i, double share, const Vec3& value) {
+      force[t[i]] = force[t[i]] + (share * volume) * value;
+    };
+    for (std::size_t i = 0; i < 4; ++i) {
+      for (std::size_t j = 0; j < 4; ++j) {
+        if (i != j) add(i, -1.0 / 60.0, field[t[j]]);
+      }
+      for (const auto& [a, b] : kTetEdges) {
+        const bool is_end = i == static_cast<std::size_t>(a) || i == static_cast<std::size_t>(b);
+        const Index edge = edges.of(t[static_cast<std::size_t>(a)], t[static_cast<std::size_t>(b)]);
+        add(i, is_end ? 1.0 / 15.0 : 1.0 / 30.0, field[mesh.points.size() + edge]);
+      }
+    }
+  }
+}
+
+/// What varies in space.
+void add_fields(const TetMesh& mesh, const BoundaryProblem& problem, std::vector<Vec3>& force) {
+  if (problem.body_force_n_m3.empty() && problem.held_field_m.empty()) return;
+  const EdgeNumbers edges = build_edge_numbers(mesh);
+  const std::size_t nodes = mesh.points.size() + edges.edges.size();
+  check_field(problem.body_force_n_m3, nodes, "body_force_n_m3");
+  check_field(problem.held_field_m, nodes, "held_field_m");
+  if (!problem.body_force_n_m3.empty()) add_body_force_field(mesh, edges, problem.body_force_n_m3, force);
 }
 
 /// The six rigid motions of a connected part: translations, and rotations about its center over its radius.
@@ -163,6 +205,7 @@ Loads build_loads(const TetMesh& mesh, const BoundaryProblem& problem) {
   const std::size_t n = mesh.points.size();
   Loads loads{std::vector<Vec3>(n), {}, std::vector<std::uint8_t>(n), std::vector<Vec3>(n)};
   add_gravity(mesh, problem, loads.force_n);
+  add_fields(mesh, problem, loads.force_n);
   for (const Traction& traction : problem.tractions) add_tractions(mesh, traction, loads.force_n);
   for (const NodalForce& nodal : problem.nodal_forces) {
     if (nodal.vertex >= n)
@@ -170,7 +213,7 @@ Loads build_loads(const TetMesh& mesh, const BoundaryProblem& problem) {
                        std::to_string(nodal.vertex));
     loads.force_n[nodal.vertex] = loads.force_n[nodal.vertex] + nodal.force_n;
   }
-  for (const HeldFaces& held : problem.held) hold(mesh, held, loads);
+  for (const HeldFaces& held : problem.held) hold(mesh, held, problem.held_field_m, loads);
   for (const ElasticSupport& support : problem.supports) {
     check_patch(mesh, support.patch, "supports");
     if (!(support.stiffness_pa_per_m >= 0.0))

@@ -24,7 +24,8 @@ struct SupportFace {
 ///
 /// Shape:  force_n, held (bit i: axis i) and held_by_m hold one entry a vertex.
 struct Loads {
-  std::vector<Vec3> force_n;  ///< gravity, tractions and nodal forces, consistent with linear shape functions
+  std::vector<Vec3>
+      force_n;  ///< gravity, body forces, tractions and nodal forces, consistent with linear shape functions
   std::vector<SupportFace> supports;
   std::vector<std::uint8_t> held;
   std::vector<Vec3> held_by_m;

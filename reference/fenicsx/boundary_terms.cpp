@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
 #include <unordered_map>
 
@@ -19,11 +20,49 @@ Edge edge_of(Index a, Index b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
+std::array<double, 3> scaled(const Vec3& v, double factor) {
+  return {factor * v.x, factor * v.y, factor * v.z};
+}
+
+/// Calls visit(first entry of node i, first entry of node j, mass of i and j) for all pairs of a face's
+/// nodes.
+template <typename Visit>
+void for_each_pair(const LocalFace& face, const Visit& visit) {
+  const auto n = static_cast<std::size_t>(face.node_count);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) {
+      visit(3 * static_cast<std::size_t>(face.nodes[i]), 3 * static_cast<std::size_t>(face.nodes[j]),
+            face_mass(face.node_count, i, j));
+    }
+  }
+}
+
 double sum_over_processes(double here) {
   double sum = 0.0;
   MPI_Allreduce(&here, &sum, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
   return sum;
 }
+
+/// The displacement that is added to held faces, at the middle of an edge or (a, a) at a vertex.
+class HeldField {
+ public:
+  HeldField(const TetMesh& mesh, const std::vector<Vec3>& values)
+      : values_(values), vertices_(mesh.points.size()) {
+    if (!values.empty()) edges_ = build_edges(mesh);
+  }
+
+  Vec3 at(const Edge& ends) const {
+    if (values_.empty()) return {};
+    if (ends[0] == ends[1]) return values_[ends[0]];
+    const auto place = std::lower_bound(edges_.begin(), edges_.end(), ends) - edges_.begin();
+    return values_[vertices_ + static_cast<std::size_t>(place)];
+  }
+
+ private:
+  const std::vector<Vec3>& values_;
+  std::size_t vertices_;
+  std::vector<Edge> edges_;
+};
 
 }  // namespace
 
@@ -42,6 +81,7 @@ double face_load(int node_count, std::size_t i) {
 
 BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
   find_held(mesh, problem, body);
+  is_moved_ = sum_over_processes(is_moved_ ? 1.0 : 0.0) > 0.0;
   find_faces(mesh, problem, body);
   std::unordered_map<Index, std::size_t> node_of;
   for (std::size_t node = 0; node < body.owned_nodes(); ++node) {
@@ -56,42 +96,29 @@ BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem
 }
 
 void BoundaryTerms::find_held(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
-  std::vector<Edge> edges;
-  if (!problem.held_field_m.empty()) edges = build_edges(mesh);
-  const auto displacement_at = [&](const HeldFaces& patch, const Edge& ends) {
-    if (problem.held_field_m.empty()) return patch.by_m;
-    if (ends[0] == ends[1]) return patch.by_m + problem.held_field_m[ends[0]];
-    const auto at = std::lower_bound(edges.begin(), edges.end(), ends) - edges.begin();
-    return patch.by_m + problem.held_field_m[mesh.points.size() + static_cast<std::size_t>(at)];
-  };
-  std::unordered_map<std::uint64_t, std::size_t> node_of;
-  const auto key = [](const Edge& ends) { return (std::uint64_t{ends[0]} << 32U) | ends[1]; };
-  if (!problem.held.empty()) {
-    for (std::size_t node = 0; node < body.nodes().size(); ++node)
-      node_of.emplace(key(body.nodes()[node]), node);
-  }
-  std::set<PetscInt> seen;
+  if (problem.held.empty()) return;
+  const HeldField field(mesh, problem.held_field_m);
+  std::map<Edge, std::size_t> node_of;
+  for (std::size_t node = 0; node < body.nodes().size(); ++node) node_of.emplace(body.nodes()[node], node);
+  std::set<std::size_t> seen;
   for (const HeldFaces& patch : problem.held) {
     for (const Triangle& f : patch.faces) {
       for (const Edge& ends : {Edge{f[0], f[0]}, Edge{f[1], f[1]}, Edge{f[2], f[2]}, edge_of(f[0], f[1]),
                                edge_of(f[1], f[2]), edge_of(f[2], f[0])}) {
-        const auto found = node_of.find(key(ends));
+        const auto found = node_of.find(ends);
         if (found == node_of.end()) continue;
-        const Vec3 move = displacement_at(patch, ends);
-        const std::array<double, 3> by{move.x, move.y, move.z};
+        const std::size_t node = found->second;
+        const std::array<double, 3> by = scaled(patch.by_m + field.at(ends), 1.0);
         for (std::size_t axis = 0; axis < 3; ++axis) {
-          const auto entry = static_cast<PetscInt>(3 * found->second + axis);
-          if (!patch.axes[axis] || !seen.insert(entry).second) continue;
-          held_.push_back({entry, by[axis]});
-          if (found->second < body.owned_nodes()) {
-            held_rows_.push_back(3 * body.global_numbers()[found->second] + static_cast<PetscInt>(axis));
-          }
+          if (!patch.axes[axis] || !seen.insert(3 * node + axis).second) continue;
+          held_.push_back({3 * node + axis, by[axis]});
+          is_moved_ = is_moved_ || by[axis] != 0.0;
+          if (node < body.owned_nodes())
+            held_rows_.push_back(3 * body.global_numbers()[node] + static_cast<PetscInt>(axis));
         }
-        is_moved_ = is_moved_ || (move != Vec3{});
       }
     }
   }
-  is_moved_ = sum_over_processes(is_moved_ ? 1.0 : 0.0) > 0.0;
 }
 
 void BoundaryTerms::find_faces(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
@@ -113,7 +140,7 @@ void BoundaryTerms::find_faces(const TetMesh& mesh, const BoundaryProblem& probl
 
 void BoundaryTerms::set_held(double factor, const Vector& u) const {
   const LocalEntries entries(u.get());
-  for (const Held& held : held_) entries[static_cast<std::size_t>(held.entry)] = factor * held.value_m;
+  for (const Held& held : held_) entries[held.entry] = factor * held.value_m;
 }
 
 void BoundaryTerms::clear_held(const Vector& u) const {
@@ -141,16 +168,11 @@ void BoundaryTerms::add_support_force(const Vector& u, double factor, const Vect
   const LocalEntries at(u.get());
   const LocalEntries to(force.get());
   for (const FaceTerm& term : supports_) {
-    const auto n = static_cast<std::size_t>(term.face.node_count);
-    const std::array<double, 3> by{factor * term.vector.x, factor * term.vector.y, factor * term.vector.z};
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        const double mass = term.scale * face_mass(term.face.node_count, i, j);
-        const auto row = static_cast<std::size_t>(3 * term.face.nodes[i]);
-        const auto column = static_cast<std::size_t>(3 * term.face.nodes[j]);
-        for (std::size_t axis = 0; axis < 3; ++axis) to[row + axis] -= mass * (at[column + axis] - by[axis]);
-      }
-    }
+    const std::array<double, 3> by = scaled(term.vector, factor);
+    for_each_pair(term.face, [&](std::size_t row, std::size_t column, double mass) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        to[row + axis] -= term.scale * mass * (at[column + axis] - by[axis]);
+    });
   }
 }
 
@@ -158,17 +180,11 @@ double BoundaryTerms::support_energy(const Vector& u, double factor) const {
   double energy = 0.0;
   const LocalEntries at(u.get());
   for (const FaceTerm& term : supports_) {
-    const auto n = static_cast<std::size_t>(term.face.node_count);
-    const std::array<double, 3> by{factor * term.vector.x, factor * term.vector.y, factor * term.vector.z};
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = 0; j < n; ++j) {
-        const double mass = term.scale * face_mass(term.face.node_count, i, j);
-        const auto row = static_cast<std::size_t>(3 * term.face.nodes[i]);
-        const auto column = static_cast<std::size_t>(3 * term.face.nodes[j]);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          energy += 0.5 * mass * (at[row + axis] - by[axis]) * (at[column + axis] - by[axis]);
-      }
-    }
+    const std::array<double, 3> by = scaled(term.vector, factor);
+    for_each_pair(term.face, [&](std::size_t row, std::size_t column, double mass) {
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        energy += 0.5 * term.scale * mass * (at[row + axis] - by[axis]) * (at[column + axis] - by[axis]);
+    });
   }
   return sum_over_processes(energy);
 }
@@ -176,7 +192,7 @@ double BoundaryTerms::support_energy(const Vector& u, double factor) const {
 void BoundaryTerms::add_loads(const Vector& force) const {
   const LocalEntries to(force.get());
   const auto add = [&](PetscInt node, const Vec3& f) {
-    const auto at = static_cast<std::size_t>(3 * node);
+    const auto at = 3 * static_cast<std::size_t>(node);
     to[at] += f.x;
     to[at + 1] += f.y;
     to[at + 2] += f.z;

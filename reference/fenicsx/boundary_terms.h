@@ -34,7 +34,7 @@ class BoundaryTerms {
 
  private:
   struct Held {
-    PetscInt entry;  ///< 3 x local node + axis
+    std::size_t entry;  ///< 3 x local node + axis
     double value_m;
   };
   struct FaceTerm {

@@ -107,7 +107,10 @@ struct ElasticBody::Parts {
   std::shared_ptr<fem::FunctionSpace> space;
   std::shared_ptr<fem::Function<PetscScalar>> displacement;
   std::shared_ptr<fem::Constant<PetscScalar>> body_force;
-  std::unique_ptr<Form> energy, force, tangent, load;
+  std::unique_ptr<Form> energy;
+  std::unique_ptr<Form> force;
+  std::unique_ptr<Form> tangent;
+  std::unique_ptr<Form> load;
   std::vector<Edge> nodes;
   std::vector<PetscInt> global_numbers;
 
@@ -158,7 +161,8 @@ struct ElasticBody::Parts {
 
   void name_nodes() {
     const auto& map = *space->dofmap()->index_map;
-    const auto count = static_cast<std::size_t>(map.size_local() + map.num_ghosts());
+    const auto count =
+        static_cast<std::size_t>(map.size_local()) + static_cast<std::size_t>(map.num_ghosts());
     nodes.assign(count, {kNoIndex, kNoIndex});
     for (std::size_t cell = 0; cell < cell_count(); ++cell) {
       const auto dofs = space->dofmap()->cell_dofs(static_cast<int>(cell));
@@ -174,6 +178,27 @@ struct ElasticBody::Parts {
     std::vector<std::int64_t> global(count);
     map.local_to_global(local, global);
     global_numbers.assign(global.begin(), global.end());
+  }
+
+  /// The nodes of a cell's face with the vertices `given`.
+  LocalFace local_face(std::size_t cell, std::size_t place, const Triangle& given) const {
+    const std::array<Index, 4> vertices = vertices_of(cell);
+    const auto dofs = space->dofmap()->cell_dofs(static_cast<int>(cell));
+    std::array<std::size_t, 3> corners{};
+    for (std::size_t k = 0; k < 3; ++k)
+      corners[k] =
+          static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), given[k]) - vertices.begin());
+    LocalFace face;
+    face.given = place;
+    for (std::size_t k = 0; k < 3; ++k) face.nodes[k] = dofs[corners[k]];
+    if (degree == 1) return face;
+    face.node_count = 6;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(corners[k], corners[(k + 1) % 3]);
+      const auto at = std::find(kMidpoints.begin(), kMidpoints.end(), std::array{a, b});
+      face.nodes[3 + k] = dofs[4 + static_cast<std::size_t>(at - kMidpoints.begin())];
+    }
+    return face;
   }
 
   void set_displacement(const Vector& u) const {
@@ -216,29 +241,12 @@ std::vector<LocalFace> ElasticBody::find_faces(const std::vector<Triangle>& face
   std::vector<LocalFace> found;
   for (std::size_t cell = 0; cell < parts_->cell_count() && !place_of.empty(); ++cell) {
     const std::array<Index, 4> vertices = parts_->vertices_of(cell);
-    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-      Triangle corners{};
-      std::copy_if(vertices.begin(), vertices.end(), corners.begin(),
-                   [&](Index v) { return v != vertices[left_out]; });
-      const auto place = place_of.find(sorted(corners));
-      if (place == place_of.end()) continue;
-      LocalFace face;
-      face.given = place->second;
-      const Triangle& given = faces[face.given];
-      const auto dofs = parts_->space->dofmap()->cell_dofs(static_cast<int>(cell));
-      const auto corner_of = [&](std::size_t k) {
-        const auto at = std::find(vertices.begin(), vertices.end(), given[k % 3]);
-        return static_cast<std::size_t>(at - vertices.begin());
-      };
-      for (std::size_t k = 0; k < 3; ++k) face.nodes[k] = dofs[corner_of(k)];
-      for (std::size_t k = 0; k < 3 && parts_->degree == 2; ++k) {
-        const std::array<std::size_t, 2> ends{std::min(corner_of(k), corner_of(k + 1)),
-                                              std::max(corner_of(k), corner_of(k + 1))};
-        const auto at = std::find(kMidpoints.begin(), kMidpoints.end(), ends);
-        face.nodes[3 + k] = dofs[4 + static_cast<std::size_t>(at - kMidpoints.begin())];
-        face.node_count = 6;
-      }
-      found.push_back(face);
+    for (const auto& corners : kTetFaces) {
+      Triangle face{};
+      for (std::size_t k = 0; k < 3; ++k) face[k] = vertices[static_cast<std::size_t>(corners[k])];
+      const auto place = place_of.find(sorted(face));
+      if (place != place_of.end())
+        found.push_back(parts_->local_face(cell, place->second, faces[place->second]));
     }
   }
   return found;

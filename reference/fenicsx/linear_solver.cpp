@@ -62,26 +62,29 @@ TangentSystem::TangentSystem(const TetMesh& mesh, const BoundaryProblem& problem
   const bool by_linear = quadratic && choice == SolverChoice::kGamg;
   name_ = choice == SolverChoice::kMumps ? "mumps" : by_linear ? "p-multigrid + gamg" : "gamg";
   fine_ = {&body, &terms, body.create_matrix(by_linear ? "baij" : "aij"), body.create_vector()};
-  if (by_linear) {
-    coarse_body_ = body.with_linear_shapes();
-    coarse_terms_ = std::make_unique<BoundaryTerms>(mesh, problem, *coarse_body_);
-    coarse_ = {coarse_body_.get(), coarse_terms_.get(), coarse_body_->create_matrix("aij"),
-               coarse_body_->create_vector()};
-    interpolation_ = build_interpolation(body, *coarse_body_);
-    std::unordered_map<Index, std::size_t> fine_at;
-    for (std::size_t node = 0; node < body.nodes().size(); ++node) {
-      if (body.nodes()[node][0] == body.nodes()[node][1]) fine_at.emplace(body.nodes()[node][0], node);
-    }
-    for (std::size_t node = 0; node < coarse_body_->nodes().size(); ++node)
-      same_node_.emplace_back(node, fine_at.at(coarse_body_->nodes()[node][0]));
-  }
-  create_solver(mesh, problem);
+  if (by_linear) create_coarse_level(mesh, problem);
+  create_solver(mesh);
   assembly_s_ += seconds_since(start);
 }
 
 TangentSystem::~TangentSystem() = default;
 
-void TangentSystem::create_solver(const TetMesh& mesh, const BoundaryProblem& problem) {
+void TangentSystem::create_coarse_level(const TetMesh& mesh, const BoundaryProblem& problem) {
+  const ElasticBody& body = *fine_.body;
+  coarse_body_ = body.with_linear_shapes();
+  coarse_terms_ = std::make_unique<BoundaryTerms>(mesh, problem, *coarse_body_);
+  coarse_ = {coarse_body_.get(), coarse_terms_.get(), coarse_body_->create_matrix("aij"),
+             coarse_body_->create_vector()};
+  interpolation_ = build_interpolation(body, *coarse_body_);
+  std::unordered_map<Index, std::size_t> fine_at;
+  for (std::size_t node = 0; node < body.nodes().size(); ++node) {
+    if (body.nodes()[node][0] == body.nodes()[node][1]) fine_at.emplace(body.nodes()[node][0], node);
+  }
+  for (std::size_t node = 0; node < coarse_body_->nodes().size(); ++node)
+    same_node_.emplace_back(node, fine_at.at(coarse_body_->nodes()[node][0]));
+}
+
+void TangentSystem::create_solver(const TetMesh& mesh) {
   check(KSPCreate(PETSC_COMM_WORLD, solver_.put()), "KSPCreate");
   KSP ksp = solver_.get();
   check(KSPSetOptionsPrefix(ksp, "palpate_"), "KSPSetOptionsPrefix");
@@ -97,7 +100,7 @@ void TangentSystem::create_solver(const TetMesh& mesh, const BoundaryProblem& pr
     const Matrix& algebraic = coarse_body_ ? coarse_.tangent : fine_.tangent;
     check(MatSetNearNullSpace(algebraic.get(), rigid_motions_.get()), "MatSetNearNullSpace");
     if (coarse_body_) {
-      create_multigrid(mesh, problem);
+      create_multigrid();
     } else {
       check(PCSetType(preconditioner, PCGAMG), "PCGAMG");
     }
@@ -106,7 +109,7 @@ void TangentSystem::create_solver(const TetMesh& mesh, const BoundaryProblem& pr
   check(KSPSetFromOptions(ksp), "KSPSetFromOptions");
 }
 
-void TangentSystem::create_multigrid(const TetMesh&, const BoundaryProblem&) {
+void TangentSystem::create_multigrid() {
   PC preconditioner = nullptr;
   check(KSPGetPC(solver_.get(), &preconditioner), "KSPGetPC");
   check(PCSetType(preconditioner, PCMG), "PCMG");

@@ -54,8 +54,9 @@ class TangentSystem {
   void assemble(Level& level, const Vector& u, bool definite) const;
   void hold(Level& level) const;
   LinearReport examine(const Vector& right, const Vector& step, double tolerance_relative) const;
-  void create_solver(const TetMesh& mesh, const BoundaryProblem& problem);
-  void create_multigrid(const TetMesh& mesh, const BoundaryProblem& problem);
+  void create_coarse_level(const TetMesh& mesh, const BoundaryProblem& problem);
+  void create_solver(const TetMesh& mesh);
+  void create_multigrid();
   void restrict_displacement(const Vector& u);
 
   Level fine_;

@@ -153,11 +153,27 @@ Response answer(const Request& request) {
   return response;
 }
 
+bool is_under_mpirun() {
+  return std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr;
+}
+
+/// Settings of Open MPI for processes on this machine alone, unless the user's environment has others: no
+/// search for networks, no daemon beside a single process, no ssh; memory is shared as containers allow.
+void prepare_mpi() {
+  if (is_under_mpirun()) return;
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_btl", "self,vader", 0);
+  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_plm_rsh_agent", "", 0);
+  setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+}
+
 /// Becomes mpirun of itself if the request asks for more than one process. Returns if it does not, if it runs
 /// under mpirun already, and if the request cannot be read, which run_adapter then tells. Throws:
 /// UnavailableError without mpirun.
 void start_mpirun(int argc, char** argv) {
-  if (argc != 3 || std::getenv("OMPI_COMM_WORLD_SIZE") != nullptr) return;
+  if (argc != 3 || is_under_mpirun()) return;
   std::ifstream file(argv[1]);
   const json request = json::parse(file, nullptr, false);
   if (!request.is_object()) return;
@@ -192,10 +208,7 @@ int run_on_all(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
-  // What Open MPI would otherwise say in containers: no reading of each other's memory, no ssh.
-  setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 0);
-  setenv("OMPI_MCA_plm_rsh_agent", "", 0);
-  setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+  prepare_mpi();
   try {
     start_mpirun(argc, argv);
     check(PetscInitialize(nullptr, nullptr, nullptr, nullptr), "PetscInitialize");

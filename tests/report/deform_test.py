@@ -73,7 +73,8 @@ class Rows(DeformTest):
                                   deformed("bar", "a", None, outcome="error", judge=None, violations=[],
                                            message="nothing to judge it by")])
         self.assertIn("no reference: level 1 diverged", out)
-        self.assertIn("error: nothing to judge it by", out)
+        self.assertIn("no ref.", self.line_of(out, "a"))
+        self.assertIn("nothing to judge it by", self.table("displacement.csv")[0]["note"])
 
     def test_each_problem_has_its_own_reference_and_its_own_best(self):
         lines = []
@@ -178,6 +179,15 @@ class Targets(DeformTest):
         row = self.judge(self.problem("one", 0.01), scenes=["one", "two"])
         self.assertEqual(row["state"], "open")
         self.assertIn("not run: two", row["note"])
+
+    def test_without_a_reference_it_is_open_and_nobody_failed(self):
+        failed = {"outcome": "error", "judge": None, "violations": [], "message": "there is nothing to judge it by"}
+        lines = self.problem("one", 0.01) + [reference_record("two", valid=False, kind=None), deformed("two", "a", None, **failed)]
+        row = self.judge(lines)
+        self.assertEqual(row["state"], "open")
+        self.assertIn("no reference: two", row["note"])
+        row = self.table("displacement_sets.csv")[0]
+        self.assertEqual((row["scenes"], row["solved"], row["without_reference"]), ("1", "1", "1"))
 
     def test_of_several_labels_the_best_over_all_scenes_counts(self):
         lines = self.problem("one", 0.001) + self.problem("two", 0.05)

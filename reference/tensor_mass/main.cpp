@@ -1,0 +1,63 @@
+// Adapter of the tensor-mass model.
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/dynamics/loads.h"
+#include "reference/deform_problem.h"
+#include "reference/fusion_options.h"
+#include "reference/tensor_mass/relaxation.h"
+#include "reference/tensor_mass/tensors.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Response answer(const Request& request) {
+  if (request.method != "tensor_mass") throw InputError("method", 0, "tensor_mass", request.method);
+  json left = request.options;
+  RelaxationOptions options;
+  options.tolerance = take_number(left, "rtol", 1e-14, 0.1, options.tolerance);
+  options.most_iterations = static_cast<std::size_t>(
+      take_whole(left, "iterations", 1, 10'000'000, static_cast<std::int64_t>(options.most_iterations)));
+  require_all_taken(left);
+  const DeformTask task = read_deform_task(request);
+  Response response;
+  if (task.problem.strain == StrainSize::kLarge) {
+    response.notes.emplace_back(
+        "tensor_mass is linear: large strains and rotations are taken for small ones");
+  }
+
+  const auto start = Clock::now();
+  const dynamics::Loads loads = dynamics::build_loads(task.mesh, task.problem);
+  dynamics::require_no_rigid_motion(task.mesh, loads);
+  const TensorMass elastic = build_tensor_mass(task.mesh, task.problem.material);
+  TensorMass supported = elastic;
+  add_supports(loads.supports, supported);
+  const double assembly_s = seconds_since(start);
+  const Relaxation found = relax(supported, loads, options);
+  response.kernel_s = seconds_since(start);
+
+  response.report = {{"method", request.method},
+                     {"outcome", found.converged ? "converged" : "not_converged"},
+                     {"energy_j", potential_energy(elastic, loads, found.displacement_m)},
+                     {"assembly_s", assembly_s},
+                     {"solve_s", response.kernel_s - assembly_s},
+                     {"iterations", found.iterations},
+                     {"residual_relative", found.residual_relative},
+                     {"tensors", elastic.vertex.size() + elastic.edge.size()}};
+  if (found.converged) write_displacement(request.output, found.displacement_m);
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}
