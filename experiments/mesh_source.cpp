@@ -32,13 +32,13 @@ constexpr std::uint64_t kMostVertices = 5'000'000;
 constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
 constexpr double kDefaultJitter = 0.25;   // cells
 
-/// A built surface that is filled: ball, bean.
+/// A built surface that is filled: ball, bean, filled_bar.
 struct FilledShape {
   const char* name;
   SurfaceMesh (*build)(int frequency);
 };
-constexpr std::array<FilledShape, 2> kFilledShapes{
-    {{"ball", build_geodesic_sphere}, {"bean", build_bean_surface}}};
+constexpr std::array<FilledShape, 3> kFilledShapes{
+    {{"ball", build_geodesic_sphere}, {"bean", build_bean_surface}, {"filled_bar", build_bar_surface}}};
 
 /// A lattice: its vertex count is a known function of the cells.
 struct LatticeShape {
@@ -84,7 +84,7 @@ std::string describe(const char* name, const FilledSurface& filled) {
 MadeMesh make_filled(const FilledShape& shape, const MeshSize& size) {
   constexpr double kFrequency = 6.0;
   constexpr double kInnerVertices = 1141.0;  // 1503 - 362
-  constexpr double kMostFrequency = 1000.0;
+  constexpr double kMostFrequency = 350.0;   // of filled_bar, and more than enough for the others
   const auto skin = [&](double frequency) {
     return shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
   };
@@ -224,6 +224,7 @@ std::vector<ShapeInfo> list_shapes() {
       {"liver", "a real human liver of 1.6 l, from a segmented CT", "mm", organ_reason},
       {"bean", "a geodesic sphere bent into a kidney with a hilum", "cm", filled_reason},
       {"ball", "the unit ball, a geodesic sphere filled with a finer interior", "1", filled_reason},
+      {"filled_bar", "a bar [0, 4] x [0, 1]^2 whose inside is filled without a lattice", "1", filled_reason},
       {"bar", "a bar [0, 4] x [0, 1]^2 of Kuhn cells", "1", ""},
       {"cube", "a cube [0, 1]^3 of Kuhn cells, inner vertices moved at random", "1", ""},
       {"bcc_bar", "a bar [0, 4] x [0, 1]^2 of body-centred cubic lattice", "1", ""},

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/mesh/orientation.h"
+#include "core/mesh/topology.h"
 
 namespace palpate {
 namespace {
@@ -289,6 +290,23 @@ TetMesh build_kuhn_cube(int cells_per_side, double jitter, std::uint64_t seed) {
 TetMesh build_bar(int cells_per_side) {
   const Index n = checked_size("cells a side of the bar", cells_per_side, 350);
   return build_kuhn_grid({{4 * n, n, n}}, n);
+}
+
+SurfaceMesh build_bar_surface(int cells_per_side) {
+  const TetMesh bar = build_bar(cells_per_side);
+  SurfaceMesh skin;
+  skin.triangles = build_boundary(bar);
+  std::vector<Index> place(bar.points.size(), kNoIndex);
+  for (Triangle& t : skin.triangles) {
+    for (Index& v : t) {
+      if (place[v] == kNoIndex) {
+        place[v] = static_cast<Index>(skin.points.size());
+        skin.points.push_back(bar.points[v]);
+      }
+      v = place[v];
+    }
+  }
+  return skin;
 }
 
 TetMesh build_bcc_bar(int cells_per_side) {

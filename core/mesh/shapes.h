@@ -21,6 +21,9 @@ TetMesh build_bar(int cells_per_side);
 /// tets. Throws: InputError unless 1 <= n <= 270.
 TetMesh build_bcc_bar(int cells_per_side);
 
+/// The skin of build_bar(n), each square of it in two triangles. Throws: as build_bar.
+SurfaceMesh build_bar_surface(int cells_per_side);
+
 /// Geodesic unit sphere: each face of the icosahedron divided into f^2 triangles; 10 f^2 + 2 vertices, 20 f^2
 /// triangles. Throws: InputError unless 1 <= f <= 1000.
 SurfaceMesh build_geodesic_sphere(int frequency);

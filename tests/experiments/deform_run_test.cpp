@@ -50,8 +50,8 @@ class DeformRun : public testing::Test {
 
   std::map<std::string, json> records() const {
     std::map<std::string, json> all;
-    for (json& record : read_records(fixture_.folder() / "run" / "records.jsonl"))
-      all[record.at("case").get<std::string>()] = std::move(record);
+    for (const json& record : read_records(fixture_.folder() / "run" / "records.jsonl"))
+      all[record.at("case").get<std::string>()] = record;
     return all;
   }
 

@@ -147,7 +147,8 @@ TEST(ListShapes, NamesEveryShapeThatIsMade) {
     EXPECT_EQ(shape.unavailable, "") << shape.name;
     EXPECT_NE(shape.summary, "");
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "bean", "ball", "bar", "cube", "bcc_bar"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "bean", "ball", "filled_bar", "bar", "cube",
+                                             "bcc_bar"}));
 }
 
 TEST(MeshCache, KeepsAMeshAndMakesADamagedOneAgain) {

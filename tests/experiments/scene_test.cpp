@@ -63,7 +63,7 @@ TEST_F(SceneFile, HoldsWhatItSays) {
   EXPECT_EQ(scene.loads[0].kind, SceneLoad::Kind::kGravity);
   EXPECT_EQ(scene.loads[1].elastic_pa_per_m, 7.0);
   EXPECT_EQ(scene.loads[1].region.center, (Vec3{1, 2, 3}));
-  EXPECT_EQ(scene.loads[2].region.surface_direction, (Vec3{0, 0.6, 0.8}));
+  EXPECT_LT(length(*scene.loads[2].region.surface_direction - Vec3{0, 0.6, 0.8}), 1e-15);
   EXPECT_EQ(scene.loads[2].region.radius_relative, 0.2);
   EXPECT_FALSE(scene.is_dynamic);
 }
