@@ -25,9 +25,18 @@ double symmetric(SplitMix64& random) {
   return 2.0 * random.uniform() - 1.0;
 }
 
+Problem zero_problem(std::size_t rows, std::size_t columns) {
+  Problem problem;
+  problem.matrix.rows = rows;
+  problem.matrix.columns = columns;
+  problem.matrix.entry.assign(rows * columns, 0.0);
+  problem.rhs.assign(rows, 0.0);
+  return problem;
+}
+
 Problem random_problem(std::size_t rows, std::size_t columns, std::uint64_t seed) {
   SplitMix64 random(seed);
-  Problem problem{{rows, columns, std::vector<double>(rows * columns)}, std::vector<double>(rows)};
+  Problem problem = zero_problem(rows, columns);
   for (double& value : problem.matrix.entry) value = symmetric(random);
   for (double& value : problem.rhs) value = symmetric(random);
   return problem;
@@ -104,7 +113,7 @@ TEST(NonnegativeLeastSquares, TheOraclesRejectAnAnswerThatIsAlittleOff) {
 TEST(NonnegativeLeastSquares, RidgePullsTowardsAClosedForm) {
   // A = I: x = max(0, (b + r t) / (1 + r)).
   const std::size_t count = 40;
-  Problem problem{{count, count, std::vector<double>(count * count, 0.0)}, std::vector<double>(count)};
+  Problem problem = zero_problem(count, count);
   SplitMix64 random(3);
   std::vector<double> toward(count);
   for (std::size_t j = 0; j < count; ++j) {
@@ -192,7 +201,9 @@ TEST(NonnegativeLeastSquares, ZeroColumnsAndZeroRightHandSides) {
 
 TEST(NonnegativeLeastSquares, EverythingAtTheBound) {
   // A = [2 1; 1 2], b = -A (1, 1): the gradient at zero is positive.
-  const Problem problem{{2, 2, {2.0, 1.0, 1.0, 2.0}}, {-3.0, -3.0}};
+  Problem problem = zero_problem(2, 2);
+  problem.matrix.entry = {2.0, 1.0, 1.0, 2.0};
+  problem.rhs = {-3.0, -3.0};
   NonnegativeReport report;
   EXPECT_EQ(solve(problem, report), (std::vector<double>{0.0, 0.0}));
   EXPECT_EQ(report.zeros, 2U);
