@@ -1,11 +1,12 @@
 #include "core/springs/closed_forms.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
 #include "core/mesh/geometry.h"
-#include "core/springs/network.h"
+#include "core/springs/tet_shares.h"
 
 namespace palpate::springs {
 namespace {
@@ -14,14 +15,15 @@ double volume_of(const TetMesh& mesh, const Tet& tet) {
   return signed_volume(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
 }
 
-/// Adds of(tet, edge) to the spring of each edge of each tet, edges numbered as in kTetEdges.
+/// Adds of(tet, edge, spring) to the spring of each edge of each tet, edges numbered as in kTetEdges, and
+/// gives springs between opposite apexes their share.
 template <typename Of>
 void sum_over_tets(const TetMesh& mesh, SpringNetwork& network, Of&& of) {
-  std::fill(network.stiffness_n_per_m.begin(), network.stiffness_n_per_m.end(), 0.0);
-  const std::vector<std::array<Index, 6>> tet_springs = build_tet_springs(mesh, network);
+  TetShares shares(mesh, network);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (std::size_t i = 0; i < 6; ++i)
-      network.stiffness_n_per_m[tet_springs[t][i]] += of(mesh.tets[t], i, tet_springs[t][i]);
+    std::array<double, 6> found{};
+    for (std::size_t i = 0; i < 6; ++i) found[i] = of(mesh.tets[t], i, shares.springs_of(t)[i]);
+    shares.add(t, found);
   }
 }
 

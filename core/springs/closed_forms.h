@@ -9,9 +9,9 @@
 namespace palpate::springs {
 
 // Each sets the stiffness, in N/m, of every spring of `network`, which must be build_spring_network(mesh) in
-// metres. Springs between opposite apexes belong to no tet: the formulas by tets leave them at zero. E is
-// Young's modulus in Pa; each formula holds for Poisson's ratio 1/4, the one that an isotropic network has.
-// Throws: ContractError if an edge of the mesh has no spring.
+// metres. Springs between opposite apexes belong to no tet: the formulas by tets give them a share of theirs
+// (tet_shares.h). E is Young's modulus in Pa; each formula holds for Poisson's ratio 1/4, the one that an
+// isotropic network has. Throws: ContractError if an edge of the mesh has no spring.
 
 /// The same stiffness for all: `given`, or the one with sum k U^2 = 6 E V over springs of rest length U.
 void set_uniform(const TetMesh& mesh, double young_modulus_pa, std::optional<double> given,

@@ -38,12 +38,7 @@ void check_positive(double value, const std::string& what) {
     throw InputError(what, 0, "a finite number above 0", text_of(value));
 }
 
-void check_options(SpringMethod method, const IdentifyOptions& options) {
-  if (options.face_opposite && !takes_face_opposite(method)) {
-    throw InputError("face_opposite", 0,
-                     "uniform, thesis_printed, thesis_corrected, isotropy or isotropy_patch",
-                     std::string(spring_method_name(method)) + ", which sums over the tets around an edge");
-  }
+void check_options(const IdentifyOptions& options) {
   if (options.uniform_stiffness_n_per_m) check_positive(*options.uniform_stiffness_n_per_m, "stiffness");
   check_positive(options.stiffness_row_weight, "row_weight");
   check_positive(options.patch_length, "patch_length");
@@ -176,18 +171,6 @@ SpringMethod parse_spring_method(std::string_view name) {
   return static_cast<SpringMethod>(found - names.begin());
 }
 
-bool takes_face_opposite(SpringMethod method) {
-  switch (method) {
-    case SpringMethod::kVanGelder:
-    case SpringMethod::kLloyd:
-    case SpringMethod::kMaciel:
-    case SpringMethod::kStiffnessFit:
-      return false;
-    default:
-      return true;
-  }
-}
-
 void check_material(const Material& material, const std::string& prefix) {
   check_positive(material.young_modulus_pa, prefix + "young_modulus_pa");
   const double nu = material.poisson_ratio;
@@ -202,7 +185,7 @@ void check_material(const Material& material, const std::string& prefix) {
 SpringNetwork identify_springs(const TetMesh& mesh, const Material& material, SpringMethod method,
                                const IdentifyOptions& options, IdentifyReport& report) {
   check_material(material);
-  check_options(method, options);
+  check_options(options);
   require_volumes(mesh);
   report = IdentifyReport{};
   report.method = method;

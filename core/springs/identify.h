@@ -34,9 +34,6 @@ const char* spring_method_name(SpringMethod method);
 /// The method of that name. Throws: InputError that lists the names.
 SpringMethod parse_spring_method(std::string_view name);
 
-/// Whether the method gives constants to springs between opposite apexes; the sums over tets cannot.
-bool takes_face_opposite(SpringMethod method);
-
 struct IdentifyOptions {
   bool face_opposite = false;  ///< also a spring between the two apexes of each interior face
   std::optional<double>
@@ -70,8 +67,8 @@ void check_material(const Material& material, const std::string& prefix = "");
 /// mu). The formulas and where they come from: docs/springs.md.
 ///
 /// Requires: points in metres, positive tets, no isolated vertices.
-/// Throws: InputError as check_material; for an option out of range; for face_opposite with a method that
-///         cannot. ContractError for a mesh that breaks what is required.
+/// Throws: InputError as check_material; for an option out of range. ContractError for a mesh that breaks
+/// what is required.
 SpringNetwork identify_springs(const TetMesh& mesh, const Material& material, SpringMethod method,
                                const IdentifyOptions& options, IdentifyReport& report);
 

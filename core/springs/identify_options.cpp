@@ -10,12 +10,9 @@
 namespace palpate::springs {
 namespace {
 
-std::vector<SpringMethod> methods_with_face_opposite() {
+std::vector<SpringMethod> all_methods() {
   std::vector<SpringMethod> methods;
-  for (const std::string& name : spring_method_names()) {
-    const SpringMethod method = parse_spring_method(name);
-    if (takes_face_opposite(method)) methods.push_back(method);
-  }
+  for (const std::string& name : spring_method_names()) methods.push_back(parse_spring_method(name));
   return methods;
 }
 
@@ -46,7 +43,7 @@ bool takes(const SpringOption& option, SpringMethod method) {
 std::span<const SpringOption> spring_options() {
   static const std::array<SpringOption, 4> options{{
       {"face_opposite", "true: also a spring between the two apexes of each interior face", "false",
-       methods_with_face_opposite()},
+       all_methods()},
       {"stiffness",
        "of every spring, in N/m, above 0",
        "the best fit to sum k U^2 = 6 E V",
@@ -78,7 +75,7 @@ void set_spring_option(SpringMethod method, std::string_view name, std::string_v
     std::string known;
     for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
     throw InputError(where + ": " + spring_method_name(method) + " has no option " + quoted(name) +
-                     (known.empty() ? "; it has none" : "; it has " + known));
+                     "; it has " + known);
   }
   const std::string place = where + " " + std::string(name);
   if (name == "face_opposite") options.face_opposite = parse_flag(text, place);

@@ -19,14 +19,6 @@ Vec3 barycenter(const TetMesh& mesh, const Tet& tet) {
   return 0.25 * (mesh.points[tet[0]] + mesh.points[tet[1]] + mesh.points[tet[2]] + mesh.points[tet[3]]);
 }
 
-/// The vertex of the tet that is not on the face.
-Index apex_of(const Tet& tet, const Triangle& face) {
-  for (const Index v : tet) {
-    if (std::find(face.begin(), face.end(), v) == face.end()) return v;
-  }
-  throw ContractError("apex_of: a tet lies in its face");
-}
-
 void add_face_opposite_pairs(const TetMesh& mesh, std::vector<Edge>& pairs) {
   for (const Face& face : build_faces(mesh)) {
     if (face.tets[1] == kNoIndex) continue;
@@ -79,6 +71,13 @@ bool is_flat_fan(std::span<const Index> springs, const std::vector<Vec3>& direct
 }
 
 }  // namespace
+
+Index apex_of(const Tet& tet, const Triangle& face) {
+  for (const Index v : tet) {
+    if (std::find(face.begin(), face.end(), v) == face.end()) return v;
+  }
+  throw ContractError("apex_of: a tet lies in its face");
+}
 
 SpringNetwork build_spring_network(const TetMesh& mesh, bool face_opposite) {
   SpringNetwork network;

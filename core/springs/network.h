@@ -18,6 +18,9 @@ namespace palpate::springs {
 /// Throws: InputError if a face has more than two tets (face_opposite alone looks).
 SpringNetwork build_spring_network(const TetMesh& mesh, bool face_opposite = false);
 
+/// The vertex of the tet that is not on the face. Throws: ContractError if there is none.
+Index apex_of(const Tet& tet, const Triangle& face);
+
 /// Influence volume of each vertex, V_m = 1/4 of the volumes of its tets; they add up to the mesh's volume.
 /// Source: thesis 4.2.4, eq. 4.3.
 std::vector<double> build_influence_volumes(const TetMesh& mesh);

@@ -6,7 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "core/springs/network.h"
+#include "core/springs/tet_shares.h"
 
 namespace palpate::springs {
 namespace {
@@ -119,14 +119,12 @@ std::array<double, 6> fit_tet_stiffness(const std::array<Vec3, 4>& corners, doub
 }
 
 void set_stiffness_fit(const TetMesh& mesh, const Material& material, SpringNetwork& network) {
-  std::fill(network.stiffness_n_per_m.begin(), network.stiffness_n_per_m.end(), 0.0);
-  const std::vector<std::array<Index, 6>> tet_springs = build_tet_springs(mesh, network);
+  TetShares shares(mesh, network);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const Tet& tet = mesh.tets[t];
-    const std::array<double, 6> fit = fit_tet_stiffness(
-        {mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]},
-        material.lambda_pa(), material.mu_pa());
-    for (std::size_t i = 0; i < 6; ++i) network.stiffness_n_per_m[tet_springs[t][i]] += fit[i];
+    shares.add(t, fit_tet_stiffness(
+                      {mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]},
+                      material.lambda_pa(), material.mu_pa()));
   }
 }
 

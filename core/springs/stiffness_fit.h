@@ -19,7 +19,7 @@ std::array<double, 6> fit_tet_stiffness(const std::array<Vec3, 4>& corners, doub
 
 /// Sets the stiffness of each spring to the sum over the tets around its edge. The material's own Poisson's
 /// ratio enters through the finite elements: above 1/4 the springs get stiffer, they don't get another ratio.
-/// Springs between opposite apexes stay at zero.
+/// Springs between opposite apexes get their share (tet_shares.h).
 /// Requires: network is build_spring_network(mesh) in metres. Throws: ContractError if an edge has no spring.
 void set_stiffness_fit(const TetMesh& mesh, const Material& material, SpringNetwork& network);
 

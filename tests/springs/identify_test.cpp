@@ -362,7 +362,6 @@ TEST(Identify, OptionsOutOfRangeAreRefused) {
   refuse(SpringMethod::kThesisPrinted, {.stiffness_row_weight = -1.0});
   refuse(SpringMethod::kIsotropyPatch, {.patch_length = 0.0});
   refuse(SpringMethod::kIsotropy, {.tolerance = std::nan("")});
-  refuse(SpringMethod::kVanGelder, {.face_opposite = true});
   EXPECT_THROW(parse_spring_method("isotropic"), InputError);
 }
 
@@ -386,7 +385,7 @@ TEST(Identify, OptionsByName) {
   EXPECT_EQ(options.stiffness_row_weight, 100.0);
   EXPECT_THAT(spring_option_names(SpringMethod::kIsotropyPatch),
               ElementsAre("face_opposite", "patch_length"));
-  EXPECT_THAT(spring_option_names(SpringMethod::kLloyd), ElementsAre());
+  EXPECT_THAT(spring_option_names(SpringMethod::kLloyd), ElementsAre("face_opposite"));
   const auto refuse = [&](SpringMethod method, const char* name, const char* text,
                           const std::string& message) {
     try {
@@ -396,7 +395,8 @@ TEST(Identify, OptionsByName) {
       EXPECT_EQ(error.what(), message);
     }
   };
-  refuse(SpringMethod::kLloyd, "stiffness", "1", "--set: lloyd has no option \"stiffness\"; it has none");
+  refuse(SpringMethod::kLloyd, "stiffness", "1",
+         "--set: lloyd has no option \"stiffness\"; it has face_opposite");
   refuse(SpringMethod::kUniform, "row_weight", "1",
          "--set: uniform has no option \"row_weight\"; it has face_opposite, stiffness");
   refuse(SpringMethod::kUniform, "stiffness", "1x",
