@@ -20,7 +20,7 @@ struct LinearReport {
   int iterations = 0;
   double residual_relative = 0.0;  ///< |b - A x| / |b|, computed anew
   double right_side_norm = 0.0;    ///< |b|, in N: what is out of balance, held displacements taken in
-  bool converged = false;          ///< to the tolerance, or (factors) to rounding
+  bool converged = false;          ///< to the tolerance, or to the rounding of |A| |x|
 };
 
 /// Assembles and solves. Keeps its matrices from one solve to the next.
@@ -53,7 +53,9 @@ class TangentSystem {
 
   void assemble(Level& level, const Vector& u, bool definite) const;
   void hold(Level& level) const;
-  LinearReport examine(const Vector& right, const Vector& step, double tolerance_relative) const;
+  LinearReport examine(const Vector& right, const Vector& step, double tolerance_relative,
+                       const Vector& left_over) const;
+  LinearReport solve_assembled(const Vector& right, double tolerance_relative, const Vector& step) const;
   void create_coarse_level(const TetMesh& mesh, const BoundaryProblem& problem);
   void create_solver(const TetMesh& mesh);
   void create_multigrid();
