@@ -83,29 +83,48 @@ std::vector<std::string> read_stops(const YamlFields& fields, const std::string&
   return stops;
 }
 
-void add_options(const YamlValue& list, std::vector<OptionSpec>& options) {
-  for (const YamlValue& item : list.items()) {
-    OptionSpec option = read_option(item);
-    for (const OptionSpec& other : options) {
-      if (other.name == option.name) item.fail("option \"" + option.name + "\" twice");
-    }
-    options.push_back(std::move(option));
+void add_option(const YamlValue& at, OptionSpec option, std::vector<OptionSpec>& options) {
+  for (const OptionSpec& other : options) {
+    if (other.name == option.name) at.fail("option \"" + option.name + "\" twice");
+  }
+  options.push_back(std::move(option));
+}
+
+std::vector<OptionSpec> read_options(const YamlValue& list) {
+  std::vector<OptionSpec> options;
+  for (const YamlValue& item : list.items()) add_option(item, read_option(item), options);
+  return options;
+}
+
+/// What the methods of a contestant share.
+struct SharedOptions {
+  std::vector<OptionSpec> of_all;
+  std::map<std::string, std::vector<OptionSpec>> sets;  ///< by name, for the methods that name them
+};
+
+void add_sets(const YamlValue& names, const SharedOptions& shared, std::vector<OptionSpec>& options) {
+  for (const YamlValue& name : names.items()) {
+    const auto found = shared.sets.find(name.text());
+    if (found == shared.sets.end()) name.fail("no option set \"" + name.text() + "\"");
+    for (const OptionSpec& option : found->second) add_option(name, option, options);
   }
 }
 
-/// `shared`: the options that every method of the contestant has.
-MethodSpec read_method(const YamlValue& value, const std::string& contest,
-                       const std::vector<OptionSpec>& shared) {
-  const YamlFields fields = value.fields({"name", "summary", "stops", "keep", "options", "deterministic"});
+MethodSpec read_method(const YamlValue& value, const std::string& contest, const SharedOptions& shared) {
+  const YamlFields fields =
+      value.fields({"name", "summary", "stops", "keep", "option_sets", "options", "deterministic"});
   MethodSpec method;
   method.name = fields.need("name").identifier();
   method.summary = fields.need("summary").text();
   method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
-  method.options.insert(method.options.end(), shared.begin(), shared.end());
+  method.options.insert(method.options.end(), shared.of_all.begin(), shared.of_all.end());
+  if (const auto sets = fields.find("option_sets")) add_sets(*sets, shared, method.options);
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
-  if (const auto options = fields.find("options")) add_options(*options, method.options);
+  if (const auto options = fields.find("options")) {
+    for (const YamlValue& item : options->items()) add_option(item, read_option(item), method.options);
+  }
   return method;
 }
 
@@ -198,8 +217,8 @@ std::optional<MethodEntry> Registry::find(const std::string& method) const {
 Contestant read_contestant(const std::filesystem::path& description,
                            const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
-  const YamlFields fields =
-      root.fields({"schema", "contest", "program", "packages", "licence", "source", "options", "methods"});
+  const YamlFields fields = root.fields(
+      {"schema", "contest", "program", "packages", "licence", "source", "options", "option_sets", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant contestant;
   contestant.folder = description.parent_path().filename().string();
@@ -208,8 +227,11 @@ Contestant read_contestant(const std::filesystem::path& description,
   if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
   contestant.licence = fields.need("licence").text();
   if (const auto source = fields.find("source")) contestant.source = source->text();
-  std::vector<OptionSpec> shared;
-  if (const auto options = fields.find("options")) add_options(*options, shared);
+  SharedOptions shared;
+  if (const auto options = fields.find("options")) shared.of_all = read_options(*options);
+  if (const auto sets = fields.find("option_sets")) {
+    for (const auto& [name, list] : sets->entries()) shared.sets.emplace(name, read_options(list));
+  }
   for (const YamlValue& method : fields.need("methods").items()) {
     contestant.methods.push_back(read_method(method, contestant.contest, shared));
   }

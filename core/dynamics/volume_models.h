@@ -59,7 +59,7 @@ BuiltModel build_spring_model(const TetMesh& mesh, SpringNetwork springs, const 
 struct BlendOptions {
   StrainSize strain = StrainSize::kSmall;
   StrainLaw large_law = StrainLaw::kNeoHookean;
-  double theta = 0.85;                        ///< share of the shear modulus that is smoothed
+  double theta = 0.7;                         ///< share of the shear modulus that is smoothed
   StrainDomain domain = StrainDomain::kNode;  ///< where lambda and theta mu are averaged
   StrainDomain rest = StrainDomain::kTet;     ///< where (1 - theta) mu is
 };

@@ -195,6 +195,19 @@ TEST(Contestant, AMethodThatKeepsRegionsHasTheirOptions) {
       HasSubstr("option \"reach\" twice"));
 }
 
+TEST(Contestant, MethodsHaveTheOptionSetsThatTheyName) {
+  const Registry registry = load_registry();
+  const MethodSpec& fitted = *registry.find("springs.isotropy_patch")->method;
+  EXPECT_NE(fitted.find_option("calibrate"), nullptr);
+  EXPECT_NE(fitted.find_option("volume"), nullptr);
+  EXPECT_NE(fitted.find_option("solver"), nullptr) << "belongs to all methods";
+  const MethodSpec& trained = *registry.find("springs.trained")->method;
+  EXPECT_EQ(trained.find_option("calibrate"), nullptr);
+  EXPECT_NE(trained.find_option("volume"), nullptr);
+  EXPECT_THAT(description_error("  - {name: a, summary: s, stops: [limit], option_sets: [fit]}"),
+              HasSubstr("contestant.yaml:6: no option set \"fit\""));
+}
+
 TEST(Contestant, SameMethodTwiceIsRefused) {
   const auto file = std::filesystem::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml";
   const Contestant once = read_contestant(file, PALPATE_BIN_DIR);
