@@ -8,6 +8,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/rigid_motion.h"
 #include "core/mesh/topology.h"
+#include "experiments/judge_record.h"
 #include "experiments/nearest_name.h"
 #include "experiments/terminal.h"
 
@@ -186,6 +187,9 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
   } else {
     if (vertices) throw InputError(mesh.file.string() + ": a mesh from a file has the vertices that it has");
     MeditFile file = read_mesh(mesh.file);
+    const Judgement judgement = judge_mesh(file.mesh);
+    if (!judgement.violations.empty())
+      throw InputError(mesh.file.string(), 0, "a valid mesh", judgement.violations.front());
     made = {std::move(file.mesh), std::move(file.notes)};
   }
   const BoundingBox box = bounding_box(made.mesh.points);

@@ -13,7 +13,7 @@ namespace palpate::experiments {
 
 /// The scene's mesh in metres. `vertices` replaces the count of a made shape.
 /// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for `vertices` of a
-/// file.
+///         file, or a file whose mesh is invalid.
 MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices = std::nullopt);
 
 /// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a

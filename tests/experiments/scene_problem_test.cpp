@@ -22,6 +22,7 @@ namespace {
 using test::SceneText;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Scenes over the cube [0, 0.1]^3 m of 4^3 cells, straight Kuhn tets.
 class SceneProblem : public testing::Test {
@@ -71,6 +72,24 @@ TEST_F(SceneProblem, MeshesAreInMetres) {
   const TetMesh bar = build_scene_mesh(read(text).mesh, 756).mesh;
   EXPECT_EQ(bar.points.size(), 756U);
   EXPECT_NEAR(bounding_box(bar.points).high.x, 0.08, 1e-15);
+}
+
+TEST_F(SceneProblem, InvalidMeshesAreRefusedWithTheirFile) {
+  TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
+  mesh.tets.push_back(mesh.tets[0]);
+  write_medit(folder_ / "cube.mesh", mesh);
+  EXPECT_THAT(error_of({}),
+              AllOf(HasSubstr("cube.mesh: expected a valid mesh, found tetrahedron 49: the same"),
+                    Not(HasSubstr("\n"))));
+  const TetMesh tet = testing_support::make_corner_tet();  // two that touch in a vertex alone
+  mesh = testing_support::join_meshes(tet, tet);
+  for (Vec3& p : std::span(mesh.points).subspan(4)) p = -1.0 * p;
+  std::swap(mesh.tets[1][2], mesh.tets[1][3]);
+  mesh.tets[1][0] = 0;
+  mesh.points.erase(mesh.points.begin() + 4);
+  for (std::size_t k = 1; k < 4; ++k) --mesh.tets[1][k];
+  write_medit(folder_ / "cube.mesh", mesh);
+  EXPECT_THAT(error_of({}), HasSubstr("cube.mesh: expected a valid mesh, found vertex 1"));
 }
 
 TEST_F(SceneProblem, AFaceInAPlaneBelongsToItsHalfSpaceAlone) {
