@@ -4,6 +4,7 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+#include <string_view>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -68,6 +69,13 @@ GateLine read_line(const ordered_json& entry, const std::string& where) {
   return line;
 }
 
+/// Whether the figure is an error against a reference that is not good enough to tell it.
+bool is_marked(const nlohmann::json& record, const Measure& measure) {
+  static const nlohmann::json::json_pointer kMark("/judge/reference_too_coarse");
+  return std::string_view(measure.name).starts_with("displacement_") && record.contains(kMark) &&
+         record.at(kMark) == true;
+}
+
 void measure_line(GateLine& line, const std::vector<nlohmann::json>& records) {
   const Measure& measure = *find_measure(line.measure);
   std::vector<double> values;
@@ -75,6 +83,10 @@ void measure_line(GateLine& line, const std::vector<nlohmann::json>& records) {
     if (record.at("case") != line.run_case || record.value("warmup", false)) continue;
     if (record.at("outcome") != "accepted") {
       line.problem = "a repeat is " + record.at("outcome").get<std::string>();
+      return;
+    }
+    if (is_marked(record, measure)) {
+      line.problem = "marked: its reference is not five times better";
       return;
     }
     const auto figure = figure_of(record, measure);

@@ -29,7 +29,9 @@ struct GateResult {
 
 /// Holds a run's records against the accepted figures (palpate/accepted/1). The median over the repeats after
 /// warm-up counts; a case with a repeat that is not accepted has no figure, and a missing or null figure
-/// fails. Throws: InputError with the file and the key if the accepted file is not what it has to be.
+/// fails. An error of a displacement whose row is marked (reference_too_coarse) is never held: it fails, so
+/// that the figure is taken out of the file. Throws: InputError with the file and the key if the accepted
+/// file is not what it has to be.
 GateResult hold_against(const std::vector<nlohmann::json>& records, const std::string& plan,
                         const std::filesystem::path& accepted_file);
 

@@ -10,8 +10,8 @@ namespace palpate::experiments {
 ///
 ///   scene_sets: {organs: [kidney_gravity, liver_gravity]}
 ///   targets:
-///     - {text: ..., labels: [a, b], scenes: [organs], at: {poisson_ratio: 0.25, vertices: 1503}, at_most:
-///     0.02}
+///     - {text: ..., labels: [a, b], scenes: [organs], at: {poisson_ratio: 0.25, vertices: 1503},
+///        at_most: 0.02}
 ///
 /// The best of the labels has to keep every scene (or set) within at_most of `measure`, displacement_l2
 /// unless another one is named; `at` picks values of the sweep, one or a list. The report reads them from the

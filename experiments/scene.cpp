@@ -52,47 +52,6 @@ ShapeRequest read_shape(const YamlFields& fields, const YamlValue& make) {
   return shape;
 }
 
-SceneMesh read_mesh_of(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields =
-      value.fields({"make", "vertices", "edge_length", "seed", "jitter", "file", "unit_m", "length_m"});
-  SceneMesh mesh;
-  const auto make = fields.find("make");
-  const auto file = fields.find("file");
-  if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");
-  const auto unit = fields.find("unit_m");
-  const auto size = fields.find("length_m");
-  if (unit && size) size->fail("a mesh takes \"unit_m\" or \"length_m\", not both");
-  if (unit) mesh.unit_m = read_positive(*unit);
-  if (size) mesh.length_m = read_positive(*size);
-  if (make) {
-    mesh.shape = read_shape(fields, *make);
-    if (!unit && !size) mesh.unit_m = unit_of_shape(mesh.shape->name);
-  } else {
-    for (const char* key : {"vertices", "edge_length", "seed", "jitter"}) {
-      if (const auto extra = fields.find(key))
-        extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to a file");
-    }
-    mesh.file = folder / file->text();
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(mesh.file, error))
-      file->fail("expected a mesh file, found none at " + mesh.file.string());
-  }
-  if (!mesh.unit_m && !mesh.length_m)
-    value.fail("how long is the mesh? It needs \"unit_m\" (0.001 for millimetres) or \"length_m\"");
-  return mesh;
-}
-
-Material read_material(const YamlValue& value) {
-  const YamlFields fields = value.fields({"young_modulus_pa", "poisson_ratio", "density_kg_m3"});
-  Material material;
-  material.young_modulus_pa = read_positive(fields.need("young_modulus_pa"));
-  const YamlValue ratio = fields.need("poisson_ratio");
-  material.poisson_ratio = ratio.number();
-  check_poisson_ratio(ratio, material.poisson_ratio);
-  material.density_kg_m3 = read_positive(fields.need("density_kg_m3"));
-  return material;
-}
-
 /// {springs: NAME, option: value, ...}, {finite_elements: p1 | p2}, {tensor_mass: true}, {smoothed: NAME}.
 SceneModel read_model(const YamlValue& value) {
   static const std::vector<std::string> kinds{"springs", "finite_elements", "tensor_mass", "smoothed"};
@@ -128,45 +87,11 @@ std::array<bool, 3> read_axes(const YamlValue& value) {
   return axes;
 }
 
-SceneClamp read_clamp(const YamlValue& value) {
-  const YamlFields fields = value.fields({"sphere", "half_space", "box", "elastic_pa_per_m", "axes"});
-  SceneClamp clamp;
-  clamp.region = read_region(fields);
-  const auto elastic = fields.find("elastic_pa_per_m");
-  const auto axes = fields.find("axes");
-  if (elastic) clamp.elastic_pa_per_m = read_positive(*elastic);
-  if (elastic && axes) axes->fail("axes belong to a hard clamp: an elastic one holds in all directions");
-  if (axes) clamp.axes = read_axes(*axes);
-  return clamp;
-}
-
-SceneLoad read_load(const YamlValue& value) {
-  const YamlFields fields = value.fields({"gravity_m_s2", "displace", "force"});
-  if (value.entries().size() != 1) value.fail("a load is one of gravity_m_s2, displace and force");
-  SceneLoad load;
-  load.where = place_of(value);
-  if (const auto gravity = fields.find("gravity_m_s2")) load.vector = read_vector(*gravity);
-  if (const auto displace = fields.find("displace")) {
-    const YamlFields keys = displace->fields({"sphere", "half_space", "box", "by_m", "elastic_pa_per_m"});
-    load.kind = SceneLoad::Kind::kDisplace;
-    load.region = read_region(keys);
-    load.vector = read_vector(keys.need("by_m"));
-    if (const auto elastic = keys.find("elastic_pa_per_m")) load.elastic_pa_per_m = read_positive(*elastic);
-  }
-  if (const auto force = fields.find("force")) {
-    const YamlFields keys = force->fields({"sphere", "half_space", "box", "total_n"});
-    load.kind = SceneLoad::Kind::kForce;
-    load.region = read_region(keys);
-    load.vector = read_vector(keys.need("total_n"));
-  }
-  return load;
-}
-
 void read_loads(const YamlValue& value, Scene& scene) {
   bool acts = false;
   bool has_gravity = false;
   for (const YamlValue& item : value.items()) {
-    scene.loads.push_back(read_load(item));
+    scene.loads.push_back(read_scene_load(item));
     const SceneLoad& load = scene.loads.back();
     acts = acts || length(load.vector) > 0.0;
     if (load.kind != SceneLoad::Kind::kGravity) continue;
@@ -207,19 +132,78 @@ void check_poisson_ratio(const YamlValue& at, double ratio) {
 }
 
 SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
-  return read_mesh_of(value, folder);
+  const YamlFields fields =
+      value.fields({"make", "vertices", "edge_length", "seed", "jitter", "file", "unit_m", "length_m"});
+  SceneMesh mesh;
+  const auto make = fields.find("make");
+  const auto file = fields.find("file");
+  if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");
+  const auto unit = fields.find("unit_m");
+  const auto size = fields.find("length_m");
+  if (unit && size) size->fail("a mesh takes \"unit_m\" or \"length_m\", not both");
+  if (unit) mesh.unit_m = read_positive(*unit);
+  if (size) mesh.length_m = read_positive(*size);
+  if (make) {
+    mesh.shape = read_shape(fields, *make);
+    if (!unit && !size) mesh.unit_m = unit_of_shape(mesh.shape->name);
+  } else {
+    for (const char* key : {"vertices", "edge_length", "seed", "jitter"}) {
+      if (const auto extra = fields.find(key))
+        extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to a file");
+    }
+    mesh.file = folder / file->text();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(mesh.file, error))
+      file->fail("expected a mesh file, found none at " + mesh.file.string());
+  }
+  if (!mesh.unit_m && !mesh.length_m)
+    value.fail("how long is the mesh? It needs \"unit_m\" (0.001 for millimetres) or \"length_m\"");
+  return mesh;
 }
 
 Material read_scene_material(const YamlValue& value) {
-  return read_material(value);
+  const YamlFields fields = value.fields({"young_modulus_pa", "poisson_ratio", "density_kg_m3"});
+  Material material;
+  material.young_modulus_pa = read_positive(fields.need("young_modulus_pa"));
+  const YamlValue ratio = fields.need("poisson_ratio");
+  material.poisson_ratio = ratio.number();
+  check_poisson_ratio(ratio, material.poisson_ratio);
+  material.density_kg_m3 = read_positive(fields.need("density_kg_m3"));
+  return material;
 }
 
 SceneClamp read_scene_clamp(const YamlValue& value) {
-  return read_clamp(value);
+  const YamlFields fields = value.fields({"sphere", "half_space", "box", "elastic_pa_per_m", "axes"});
+  SceneClamp clamp;
+  clamp.region = read_region(fields);
+  const auto elastic = fields.find("elastic_pa_per_m");
+  const auto axes = fields.find("axes");
+  if (elastic) clamp.elastic_pa_per_m = read_positive(*elastic);
+  if (elastic && axes) axes->fail("axes belong to a hard clamp: an elastic one holds in all directions");
+  if (axes) clamp.axes = read_axes(*axes);
+  return clamp;
 }
 
 SceneLoad read_scene_load(const YamlValue& value) {
-  return read_load(value);
+  const YamlFields fields = value.fields({"gravity_m_s2", "displace", "force"});
+  if (value.entries().size() != 1) value.fail("a load is one of gravity_m_s2, displace and force");
+  SceneLoad load;
+  load.where = place_of(value);
+  if (const auto gravity = fields.find("gravity_m_s2")) load.vector = read_vector(*gravity);
+  if (const auto displace = fields.find("displace")) {
+    const YamlFields keys = displace->fields({"sphere", "half_space", "box", "by_m", "elastic_pa_per_m"});
+    load.kind = SceneLoad::Kind::kDisplace;
+    load.region = read_region(keys);
+    load.vector = read_vector(keys.need("by_m"));
+    if (const auto elastic = keys.find("elastic_pa_per_m")) load.elastic_pa_per_m = read_positive(*elastic);
+  }
+  if (const auto force = fields.find("force")) {
+    const YamlFields keys = force->fields({"sphere", "half_space", "box", "total_n"});
+    load.kind = SceneLoad::Kind::kForce;
+    load.region = read_region(keys);
+    load.vector = read_vector(keys.need("total_n"));
+  }
+  return load;
 }
 
 Scene read_scene(const std::filesystem::path& path) {
@@ -231,12 +215,12 @@ Scene read_scene(const std::filesystem::path& path) {
   Scene scene;
   scene.file = path;
   scene.name = path.stem().string();
-  scene.mesh = read_mesh_of(fields.need("mesh"), path.parent_path());
-  scene.material = read_material(fields.need("material"));
+  scene.mesh = read_scene_mesh(fields.need("mesh"), path.parent_path());
+  scene.material = read_scene_material(fields.need("material"));
   if (const auto strain = fields.find("strain")) scene.strain = read_strain(*strain);
   if (const auto model = fields.find("model")) scene.model = read_model(*model);
   if (const auto clamp = fields.find("clamp")) {
-    for (const YamlValue& item : clamp->items()) scene.clamps.push_back(read_clamp(item));
+    for (const YamlValue& item : clamp->items()) scene.clamps.push_back(read_scene_clamp(item));
   }
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);

@@ -6,7 +6,9 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/rigid_motion.h"
 #include "core/mesh/topology.h"
+#include "experiments/judge_record.h"
 #include "experiments/nearest_name.h"
 #include "experiments/terminal.h"
 
@@ -185,6 +187,9 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
   } else {
     if (vertices) throw InputError(mesh.file.string() + ": a mesh from a file has the vertices that it has");
     MeditFile file = read_mesh(mesh.file);
+    const Judgement judgement = judge_mesh(file.mesh);
+    if (!judgement.violations.empty())
+      throw InputError(mesh.file.string(), 0, "a valid mesh", judgement.violations.front());
     made = {std::move(file.mesh), std::move(file.notes)};
   }
   const BoundingBox box = bounding_box(made.mesh.points);
@@ -204,14 +209,19 @@ Scene place_scene(Scene scene, const TetMesh& mesh) {
 
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh) {
   BoundaryProblem problem = ProblemBuilder(placed, mesh).build();
-  const auto free = find_free_motions(problem, mesh);
+  const std::vector<RigidMotion> free = find_free_motions(mesh, resisted_axes(mesh, problem));
   if (free.empty()) return problem;
-  std::string message = placed.file.string() + ": the clamps leave ";
-  message +=
-      free.size() == 6 ? "every rigid motion" : (free.size() == 1 ? "a rigid motion" : "rigid motions");
-  message += " free";
-  if (free.size() < 6) message += ": " + joined(free);
-  throw InputError(message);
+  std::vector<std::string> motions;
+  for (const RigidMotion& motion : free) {
+    if (motion.part == free[0].part) motions.push_back(rigid_motion_text(motion));
+  }
+  const std::string part =
+      free[0].part == 0 ? "" : " of the part of the mesh with vertex " + std::to_string(free[0].part);
+  const char* which = motions.size() == 6   ? "every rigid motion"
+                      : motions.size() == 1 ? "a rigid motion"
+                                            : "rigid motions";
+  throw InputError(placed.file.string() + ": the clamps leave " + which + part + " free" +
+                   (motions.size() < 6 ? ": " + joined(motions) : ""));
 }
 
 }  // namespace palpate::experiments

@@ -13,7 +13,7 @@ namespace palpate::experiments {
 
 /// The scene's mesh in metres. `vertices` replaces the count of a made shape.
 /// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for `vertices` of a
-/// file.
+///         file, or a file whose mesh is invalid.
 MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices = std::nullopt);
 
 /// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a
@@ -32,9 +32,5 @@ Scene place_scene(Scene scene, const TetMesh& mesh);
 ///         off that its unit must be wrong), for vertices that are held in two ways, and for a body with a
 ///         rigid motion left free, naming that motion.
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh);
-
-/// The rigid motions that the problem leaves free, one line each: "translation along (1, 0, 0)",
-/// "rotation about (0, 0, 1) through (0, 0, 0.01) m". Empty if there are none.
-std::vector<std::string> find_free_motions(const BoundaryProblem& problem, const TetMesh& mesh);
 
 }  // namespace palpate::experiments

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/tangent_system.h"
+#include "core/dynamics/vertex_field.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 
@@ -24,12 +25,6 @@ std::array<Mat3, 6> strain_basis() {
           Mat3{{0, half, 0, half, 0, 0, 0, 0, 0}},
           Mat3{{0, 0, half, 0, 0, 0, half, 0, 0}},
           Mat3{{0, 0, 0, 0, 0, half, 0, half, 0}}};
-}
-
-double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
-  double sum = 0.0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += dot(a[v], b[v]);
-  return sum;
 }
 
 /// Of stiffnesses u K u / V along the basis: 3 K along the dilatation, 2 mu along each of the five shears.

@@ -1,12 +1,13 @@
 #include "core/dynamics/elastic_law.h"
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/dynamics/jacobi_eigen.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -38,32 +39,17 @@ bool iterate_polar(Mat3& x) {
   return true;
 }
 
-/// From the eigenvectors of f^T f; the least singular value takes the sign of the determinant.
+using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+/// U V^T of the singular vectors; the least singular value takes the sign of the determinant.
 Mat3 rotate_by_singular_vectors(const Mat3& f) {
-  const SymmetricEigen<3> eigen = decompose_symmetric<3>(multiply_transposed(f, f).m);
-  std::array<std::size_t, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return eigen.values[a] > eigen.values[b]; });
-  const auto vector = [&](std::size_t k) {
-    const std::size_t c = order[k];
-    return Vec3{eigen.vectors[c], eigen.vectors[3 + c], eigen.vectors[6 + c]};
-  };
-  const auto unit = [](const Vec3& v, const Vec3& fallback) {
-    const double size = length(v);
-    return size > 1e-150 ? (1.0 / size) * v : fallback;
-  };
-  const auto across = [&](const Vec3& a) {  // any direction normal to a
-    const Vec3 axis = std::abs(a.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-    return unit(cross(a, axis), {0, 0, 1});
-  };
-  const Vec3 v0 = vector(0);
-  const Vec3 v1 = vector(1);
-  const Vec3 v2 = cross(v0, v1);
-  const Vec3 u0 = unit(f * v0, {1, 0, 0});
-  const Vec3 second = f * v1;
-  const Vec3 u1 = unit(second - dot(second, u0) * u0, across(u0));
-  const Vec3 u2 = cross(u0, u1);
-  return outer(u0, v0) + outer(u1, v1) + outer(u2, v2);
+  const Eigen::JacobiSVD<Rows3> svd(Eigen::Map<const Rows3>(f.m.data()),
+                                    Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Rows3 left = svd.matrixU();
+  if (left.determinant() * svd.matrixV().determinant() < 0.0) left.col(2) *= -1.0;
+  Mat3 rotation;
+  Eigen::Map<Rows3>(rotation.m.data()) = left * svd.matrixV().transpose();
+  return rotation;
 }
 
 /// R and the strain S - I = sym(R^T (F - R)).
@@ -80,14 +66,15 @@ Corotated corotate(const Mat3& h) {
 }
 
 Mat3 inverse_symmetric(const Mat3& a) {
-  SymmetricEigen<3> eigen = decompose_symmetric<3>(a.m);
-  const double largest = std::max({std::abs(eigen.values[0]), std::abs(eigen.values[1]),
-                                   std::abs(eigen.values[2]), std::numeric_limits<double>::min()});
+  const Eigen::SelfAdjointEigenSolver<Rows3> eigen(Eigen::Map<const Rows3>(a.m.data()));
+  const double largest =
+      std::max(eigen.eigenvalues().cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
   Mat3 inverse;
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (Eigen::Index k = 0; k < 3; ++k) {
     // Two opposite singular values leave the rotation undefined; the bound keeps the derivative finite.
-    const double value = std::copysign(std::max(std::abs(eigen.values[k]), 1e-9 * largest), eigen.values[k]);
-    const Vec3 v{eigen.vectors[k], eigen.vectors[3 + k], eigen.vectors[6 + k]};
+    const double found = eigen.eigenvalues()[k];
+    const double value = std::copysign(std::max(std::abs(found), 1e-9 * largest), found);
+    const Vec3 v{eigen.eigenvectors()(0, k), eigen.eigenvectors()(1, k), eigen.eigenvectors()(2, k)};
     inverse += (1.0 / value) * outer(v, v);
   }
   return inverse;
@@ -214,16 +201,12 @@ Tangent9 tangent(StrainLaw law, const Moduli& moduli, const Mat3& h) {
 }
 
 Tangent9 project_to_semidefinite(const Tangent9& tangent) {
-  const SymmetricEigen<9> eigen = decompose_symmetric<9>(tangent);
-  Tangent9 out{};
-  for (std::size_t k = 0; k < 9; ++k) {
-    const double value = std::max(eigen.values[k], 0.0);
-    if (value == 0.0) continue;
-    for (std::size_t a = 0; a < 9; ++a) {
-      const double scaled = value * eigen.vectors[9 * a + k];
-      for (std::size_t b = 0; b < 9; ++b) out[9 * a + b] += scaled * eigen.vectors[9 * b + k];
-    }
-  }
+  using Rows9 = Eigen::Matrix<double, 9, 9, Eigen::RowMajor>;
+  const Eigen::SelfAdjointEigenSolver<Rows9> eigen(Eigen::Map<const Rows9>(tangent.data()));
+  const Rows9& vectors = eigen.eigenvectors();
+  Tangent9 out;
+  Eigen::Map<Rows9>(out.data()) =
+      vectors * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * vectors.transpose();
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/block_cholesky.h"
+#include "core/dynamics/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -57,25 +58,6 @@ Sparse lower_half(const BlockMatrix& matrix, const std::vector<Index>& number, s
   });
   lower.makeCompressed();
   return lower;
-}
-
-double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
-  double sum = 0.0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += dot(a[v], b[v]);
-  return sum;
-}
-
-void clear_held(std::span<const std::uint8_t> held, std::span<Vec3> x) {
-  for (std::size_t v = 0; v < x.size(); ++v) {
-    if ((held[v] & 1U) != 0) x[v].x = 0.0;
-    if ((held[v] & 2U) != 0) x[v].y = 0.0;
-    if ((held[v] & 4U) != 0) x[v].z = 0.0;
-  }
-}
-
-/// a + s b, in place of a.
-void add_scaled(std::span<Vec3> a, double s, std::span<const Vec3> b) {
-  for (std::size_t v = 0; v < a.size(); ++v) a[v] = a[v] + s * b[v];
 }
 
 }  // namespace

@@ -1,20 +1,14 @@
 #include "core/dynamics/loads.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <numeric>
 #include <string>
 
 #include "core/base/error.h"
-#include "core/dynamics/jacobi_eigen.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/refinement.h"
+#include "core/mesh/rigid_motion.h"
 
 namespace palpate::dynamics {
 namespace {
-
-constexpr std::array<Vec3, 3> kAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
 /// Area vector of a face: half the cross product, outward for a boundary face.
 Vec3 area_vector(const TetMesh& mesh, const Triangle& face) {
@@ -120,85 +114,6 @@ void add_fields(const TetMesh& mesh, const BoundaryProblem& problem, std::vector
   if (!problem.body_force_n_m3.empty()) add_body_force_field(mesh, edges, problem.body_force_n_m3, force);
 }
 
-/// The six rigid motions of a connected part: translations, and rotations about its center over its radius.
-struct RigidFrame {
-  Vec3 center;
-  double radius = 1.0;
-
-  std::array<Vec3, 6> motions_at(const Vec3& point) const {
-    const Vec3 arm = (1.0 / radius) * (point - center);
-    return {kAxes[0], kAxes[1], kAxes[2], cross(kAxes[0], arm), cross(kAxes[1], arm), cross(kAxes[2], arm)};
-  }
-};
-
-/// How strongly the six motions are resisted: by what is held and by what is supported, each to its own
-/// scale.
-struct Resistance {
-  std::array<double, 36> held{};
-  std::array<double, 36> supported{};
-};
-
-void add_product(std::array<double, 36>& sum, const std::array<Vec3, 6>& a, const std::array<Vec3, 6>& b,
-                 double scale) {
-  for (std::size_t i = 0; i < 6; ++i) {
-    for (std::size_t j = 0; j < 6; ++j) sum[6 * i + j] += scale * dot(a[i], b[j]);
-  }
-}
-
-double trace_of(const std::array<double, 36>& a) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 6; ++i) sum += a[7 * i];
-  return sum;
-}
-
-std::string vector_text(const Vec3& v) {
-  std::array<char, 96> text{};
-  // Adding zero turns the -0 that rounding leaves into 0.
-  const auto round = [](double x) { return std::round(1000.0 * x) / 1000.0 + 0.0; };
-  std::snprintf(text.data(), text.size(), "(%.3f, %.3f, %.3f)", round(v.x), round(v.y), round(v.z));
-  return text.data();
-}
-
-/// The motion of the least resistance in words; empty if all are resisted.
-std::string free_motion(const Resistance& resistance, const RigidFrame& frame) {
-  std::array<double, 36> sum{};
-  for (const auto* part : {&resistance.held, &resistance.supported}) {
-    const double scale = trace_of(*part);
-    if (!(scale > 0.0)) continue;
-    for (std::size_t k = 0; k < 36; ++k) sum[k] += (*part)[k] / scale;
-  }
-  const SymmetricEigen<6> eigen = decompose_symmetric<6>(sum);
-  const auto least = static_cast<std::size_t>(std::min_element(eigen.values.begin(), eigen.values.end()) -
-                                              eigen.values.begin());
-  constexpr double kFree = 1e-10;  // of the trace, which is 1 or 2: an angle of 1e-5 of the part's size
-  if (eigen.values[least] > kFree) return {};
-  const Vec3 shift{eigen.vectors[least], eigen.vectors[6 + least], eigen.vectors[12 + least]};
-  const Vec3 turn{eigen.vectors[18 + least], eigen.vectors[24 + least], eigen.vectors[30 + least]};
-  if (length(turn) < 1e-6) return "a translation along " + vector_text((1.0 / length(shift)) * shift);
-  const Vec3 point = frame.center + (frame.radius / length_sq(turn)) * cross(turn, shift);
-  return "a rotation about the axis " + vector_text((1.0 / length(turn)) * turn) + " through " +
-         vector_text(point) + " m";
-}
-
-/// The connected part of each vertex, named by its smallest vertex.
-std::vector<Index> find_parts(const TetMesh& mesh) {
-  std::vector<Index> parent(mesh.points.size());
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
-  for (const Tet& tet : mesh.tets) {
-    for (std::size_t k = 1; k < 4; ++k) {
-      const Index a = root(tet[0]);
-      const Index b = root(tet[k]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  for (Index v = 0; v < parent.size(); ++v) parent[v] = root(v);
-  return parent;
-}
-
 }  // namespace
 
 Loads build_loads(const TetMesh& mesh, const BoundaryProblem& problem) {
@@ -229,49 +144,16 @@ Loads build_loads(const TetMesh& mesh, const BoundaryProblem& problem) {
 }
 
 void require_no_rigid_motion(const TetMesh& mesh, const Loads& loads) {
-  const std::vector<Index> part = find_parts(mesh);
-  std::vector<Vec3> center(mesh.points.size());
-  std::vector<double> radius_sq(mesh.points.size());
-  std::vector<double> count(mesh.points.size());
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    center[part[v]] = center[part[v]] + mesh.points[v];
-    count[part[v]] += 1.0;
-  }
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    const Vec3 arm = mesh.points[v] - (1.0 / count[part[v]]) * center[part[v]];
-    radius_sq[part[v]] = std::max(radius_sq[part[v]], length_sq(arm));
-  }
-  std::vector<RigidFrame> frames(part.size());
-  std::vector<Resistance> resistance(part.size());
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    if (part[v] == v) frames[v] = {(1.0 / count[v]) * center[v], std::sqrt(radius_sq[v])};
-  }
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    if (loads.held[v] == 0) continue;
-    const std::array<Vec3, 6> motions = frames[part[v]].motions_at(mesh.points[v]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      if ((loads.held[v] & (1U << i)) == 0) continue;
-      std::array<Vec3, 6> along{};
-      for (std::size_t k = 0; k < 6; ++k) along[k] = dot(motions[k], kAxes[i]) * kAxes[i];
-      add_product(resistance[part[v]].held, along, along, 1.0);
-    }
-  }
+  std::vector<std::uint8_t> resisted = loads.held;
   for (const SupportFace& support : loads.supports) {
-    const Index p = part[support.face[0]];
-    for (const Index a : support.face) {
-      for (const Index b : support.face)
-        add_product(resistance[p].supported, frames[p].motions_at(mesh.points[a]),
-                    frames[p].motions_at(mesh.points[b]), support.coefficient_n_per_m * (a == b ? 2.0 : 1.0));
-    }
+    if (!(support.coefficient_n_per_m > 0.0)) continue;
+    for (const Index v : support.face) resisted[v] = 7;
   }
-  for (std::size_t v = 0; v < part.size(); ++v) {
-    if (part[v] != v || count[v] < 2.0) continue;
-    const std::string motion = free_motion(resistance[v], frames[v]);
-    if (!motion.empty())
-      throw InputError("clamps and supports", 0,
-                       "the part of the mesh with vertex " + std::to_string(v) + " to be held",
-                       motion + " left free");
-  }
+  const std::vector<RigidMotion> free = find_free_motions(mesh, resisted);
+  if (free.empty()) return;
+  throw InputError("clamps and supports", 0,
+                   "the part of the mesh with vertex " + std::to_string(free[0].part) + " to be held",
+                   rigid_motion_text(free[0]) + " left free");
 }
 
 double load_energy(const Loads& loads, std::span<const Vec3> displacement, double scale) {

@@ -35,8 +35,8 @@ struct Loads {
 /// (0, 1], a negative support stiffness, or a vertex that two clauses hold at different places.
 Loads build_loads(const TetMesh& mesh, const BoundaryProblem& problem);
 
-/// Throws InputError if a connected part of the mesh can move as a rigid body: it names the motion, a
-/// translation along a direction or a rotation about an axis.
+/// Throws InputError if a connected part of the mesh can move as a rigid body: it names the motion
+/// (core/mesh/rigid_motion.h).
 void require_no_rigid_motion(const TetMesh& mesh, const Loads& loads);
 
 /// The part of the potential that is not elastic: energy of the supports minus the work of the dead loads, in

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/dynamics/tangent_system.h"
+#include "core/dynamics/vertex_field.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
@@ -14,19 +15,9 @@ namespace {
 
 using Field = std::vector<Vec3>;
 
-double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
-  double sum = 0.0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += dot(a[v], b[v]);
-  return sum;
-}
-
-double norm_of(std::span<const Vec3> a) {
-  return std::sqrt(dot_of(a, a));
-}
-
 Field sum_of(std::span<const Vec3> a, double s, std::span<const Vec3> b) {
   Field out(a.begin(), a.end());
-  for (std::size_t v = 0; v < out.size(); ++v) out[v] = out[v] + s * b[v];
+  add_scaled(out, s, b);
   return out;
 }
 
@@ -144,7 +135,7 @@ std::optional<Field> Search::find_step(std::span<const Vec3> u, std::span<const 
       return std::nullopt;
     }
     if (exact) {
-      ++report_.indefinite_tangents;
+      if (status == LinearStatus::kIndefinite) ++report_.indefinite_tangents;
     } else {
       shift = shift == 0.0 ? kFirstShift : 30.0 * shift;
     }

@@ -1,9 +1,11 @@
 #include "core/dynamics/tangent_system.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/dynamics/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -13,36 +15,6 @@ std::vector<Triangle> support_faces(const Loads& loads) {
   faces.reserve(loads.supports.size());
   for (const SupportFace& support : loads.supports) faces.push_back(support.face);
   return faces;
-}
-
-double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
-  double sum = 0.0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += dot(a[v], b[v]);
-  return sum;
-}
-
-/// Solves the small dense system `a` x = `b` of size n by elimination with pivots. Empty if it is singular.
-std::vector<double> solve_dense(std::vector<double> a, std::vector<double> b) {
-  const std::size_t n = b.size();
-  for (std::size_t c = 0; c < n; ++c) {
-    std::size_t pivot = c;
-    for (std::size_t r = c + 1; r < n; ++r) {
-      if (std::abs(a[n * r + c]) > std::abs(a[n * pivot + c])) pivot = r;
-    }
-    if (!(std::abs(a[n * pivot + c]) > 0.0)) return {};
-    for (std::size_t k = 0; k < n; ++k) std::swap(a[n * c + k], a[n * pivot + k]);
-    std::swap(b[c], b[pivot]);
-    for (std::size_t r = c + 1; r < n; ++r) {
-      const double factor = a[n * r + c] / a[n * c + c];
-      for (std::size_t k = c; k < n; ++k) a[n * r + k] -= factor * a[n * c + k];
-      b[r] -= factor * b[c];
-    }
-  }
-  for (std::size_t r = n; r-- > 0;) {
-    for (std::size_t k = r + 1; k < n; ++k) b[r] -= a[n * r + k] * b[k];
-    b[r] /= a[n * r + r];
-  }
-  return b;
 }
 
 }  // namespace
@@ -113,18 +85,18 @@ LinearResult TangentSystem::solve(std::span<const Vec3> b, double tolerance, std
     result.iterations += part.iterations;
     if (part.status != LinearStatus::kSolved) return {part.status, result.iterations, part.residual_relative};
   }
-  std::vector<double> small(rank * rank);
-  std::vector<double> rhs(rank);
+  const auto size = static_cast<Eigen::Index>(rank);
+  Eigen::MatrixXd small = Eigen::MatrixXd::Identity(size, size);
+  Eigen::VectorXd rhs(size);
   for (std::size_t i = 0; i < rank; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
     for (std::size_t j = 0; j < rank; ++j)
-      small[rank * i + j] = (i == j ? 1.0 : 0.0) - dot_of(right_[i], y[j]);
-    rhs[i] = dot_of(right_[i], x);
+      small(row, static_cast<Eigen::Index>(j)) -= dot_of(right_[i], y[j]);
+    rhs[row] = dot_of(right_[i], x);
   }
-  const std::vector<double> weights = solve_dense(small, rhs);
-  if (weights.empty()) return {LinearStatus::kIndefinite, result.iterations, 0.0};
-  for (std::size_t i = 0; i < rank; ++i) {
-    for (std::size_t v = 0; v < x.size(); ++v) x[v] = x[v] + weights[i] * y[i][v];
-  }
+  const Eigen::VectorXd weights = small.partialPivLu().solve(rhs);
+  if (!weights.allFinite()) return {LinearStatus::kIndefinite, result.iterations, 0.0};
+  for (std::size_t i = 0; i < rank; ++i) add_scaled(x, weights[static_cast<Eigen::Index>(i)], y[i]);
   return result;
 }
 
@@ -132,7 +104,7 @@ void TangentSystem::apply(std::span<const Vec3> x, std::span<Vec3> y) const {
   multiply(matrix_, x, y, options_.threads);
   for (std::size_t i = 0; i < left_.size(); ++i) {
     const double weight = dot_of(right_[i], x);
-    for (std::size_t v = 0; v < y.size(); ++v) y[v] = y[v] - weight * left_[i][v];
+    add_scaled(y, -weight, left_[i]);
   }
 }
 

@@ -39,9 +39,8 @@ void add_volume_force(const VolumeForce& volume_force, std::span<const Vec3> res
 ///   df_v = k (V - V0) (I - d_v d_v^T) / r_v (dc - dx_v) + k d_v dV,
 ///   dV = sum of volume_gradient . dx,   dc = sum of center_weights dx.
 ///
-/// Shape:  direction and volume_gradient hold one entry a vertex; turning the matrix k (V - V0) (I - d d^T) /
-/// r
-///         of each vertex, as xx, xy, xz, yy, yz, zz.
+/// Shape:  direction and volume_gradient hold one entry a vertex; turning the matrix
+///         k (V - V0) (I - d d^T) / r of each vertex, as xx, xy, xz, yy, yz, zz.
 struct VolumeForceTangent {
   std::vector<Vec3> direction;
   std::vector<Vec3> volume_gradient;

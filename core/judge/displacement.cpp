@@ -1,5 +1,6 @@
 #include "core/judge/displacement.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -20,10 +20,9 @@ struct SolutionError {
 /// Integrates over the tets, with 5^3 Gauss points each: exact for polynomials of degree 7.
 ///
 /// Shape:  `field` holds one value a vertex (linear in each tet), or one more an edge midpoint (quadratic;
-/// edges
-///         a < b, sorted); `truth` is asked at points of the tets.
+///         edges a < b, sorted); `truth` is asked at points of the tets.
 /// Throws: ContractError for other sizes; InputError if the field or the truth is not finite, or the truth
-/// zero.
+///         is zero.
 SolutionError compare_with_solution(const TetMesh& mesh, std::span<const Vec3> field,
                                     const std::function<Vec3(const Vec3&)>& truth);
 

@@ -9,8 +9,7 @@
 namespace palpate::judge {
 
 /// Shape:  edges holds each edge once, a < b, sorted; of_tet has one entry a tet, edge numbers in the order
-/// of
-///         kTetEdges.
+///         of kTetEdges.
 struct TetEdges {
   std::vector<Edge> edges;
   std::vector<std::array<Index, 6>> of_tet;

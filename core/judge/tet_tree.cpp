@@ -9,16 +9,6 @@ namespace {
 constexpr Index kLeafSize = 4;
 constexpr std::size_t kStackSize = 64;  // one node waits for each of the at most 32 levels
 
-double along(const Vec3& p, int axis) {
-  return axis == 0 ? p.x : (axis == 1 ? p.y : p.z);
-}
-
-int longest_axis(const Box& box) {
-  const Vec3 size = box.high - box.low;
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
-}
-
 bool holds(const Box& box, const Vec3& p) {
   return p.x >= box.low.x && p.x <= box.high.x && p.y >= box.low.y && p.y <= box.high.y && p.z >= box.low.z &&
          p.z <= box.high.z;
@@ -69,12 +59,12 @@ void TetTree::build(Index node, Index begin, Index end, const std::vector<Vec3>&
   }
   Box middle_points;
   for (Index k = begin; k < end; ++k) middle_points.add(centers[number_[k]]);
-  const int axis = longest_axis(middle_points);
+  const int axis = middle_points.longest_axis();
   const Index middle = begin + (end - begin) / 2;
   std::nth_element(number_.begin() + begin, number_.begin() + middle, number_.begin() + end,
                    [&](Index i, Index j) {
-                     const double x = along(centers[i], axis);
-                     const double y = along(centers[j], axis);
+                     const double x = coordinate(centers[i], axis);
+                     const double y = coordinate(centers[j], axis);
                      return x != y ? x < y : i < j;
                    });
   const auto child = static_cast<Index>(nodes_.size());

@@ -8,16 +8,6 @@ namespace {
 
 constexpr Index kLeafSize = 4;
 
-double coordinate(const Vec3& p, int axis) {
-  return axis == 0 ? p.x : (axis == 1 ? p.y : p.z);
-}
-
-int longest_axis(const Box& box) {
-  const Vec3 size = box.high - box.low;
-  if (size.x >= size.y && size.x >= size.z) return 0;
-  return size.y >= size.z ? 1 : 2;
-}
-
 double segment_distance_sq(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 side = b - a;
   const double length = length_sq(side);
@@ -94,7 +84,7 @@ void TriangleTree::build(Index node, Index begin, Index end) {
     nodes_[node].count = end - begin;
     return;
   }
-  const int axis = longest_axis(centers);
+  const int axis = centers.longest_axis();
   const Index middle = begin + (end - begin) / 2;
   std::nth_element(number_.begin() + begin, number_.begin() + middle, number_.begin() + end,
                    [&](Index i, Index j) {

@@ -12,8 +12,7 @@ namespace palpate {
 /// The edges of a mesh with a look-up by their ends.
 ///
 /// Shape:  edges as build_edges gives them; offsets has one entry a vertex and one more: the edges whose
-/// smaller
-///         end is v are edges[offsets[v] .. offsets[v + 1]).
+///         smaller end is v are edges[offsets[v] .. offsets[v + 1]).
 struct EdgeNumbers {
   std::vector<Edge> edges;
   std::vector<Index> offsets;

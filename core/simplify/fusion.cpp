@@ -7,51 +7,13 @@
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/space_order.h"
 
 namespace palpate::simplify {
 namespace {
 
 /// Room for new rows in meshes too small for a quarter to matter.
 constexpr std::size_t kSpareEntries = 1024;
-
-/// Spreads the low 21 bits of `x` to every third bit.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffffU;
-  x = (x | x << 32U) & 0x1f00000000ffffULL;
-  x = (x | x << 16U) & 0x1f0000ff0000ffULL;
-  x = (x | x << 8U) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4U) & 0x10c30c30c30c30c3ULL;
-  x = (x | x << 2U) & 0x1249249249249249ULL;
-  return x;
-}
-
-/// Vertices along the Morton curve through the bounding box; equal keys by number.
-std::vector<Index> order_in_space(const std::vector<Vec3>& points, int threads) {
-  const BoundingBox box = bounding_box(points);
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
-  const double scale = longest > 0.0 ? 2097151.0 / longest : 0.0;
-  struct Entry {
-    std::uint64_t key;
-    Index vertex;
-  };
-  std::vector<Entry> entries(points.size());
-  for_ranges(points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
-    for (std::size_t v = first; v < last; ++v) {
-      const Vec3 p = scale * (points[v] - box.low);
-      entries[v] = {spread_bits(static_cast<std::uint64_t>(p.x)) |
-                        spread_bits(static_cast<std::uint64_t>(p.y)) << 1U |
-                        spread_bits(static_cast<std::uint64_t>(p.z)) << 2U,
-                    static_cast<Index>(v)};
-    }
-  });
-  sort_on_threads(entries, threads, [](const Entry& a, const Entry& b) {
-    return a.key != b.key ? a.key < b.key : a.vertex < b.vertex;
-  });
-  std::vector<Index> order(points.size());
-  std::transform(entries.begin(), entries.end(), order.begin(), [](const Entry& e) { return e.vertex; });
-  return order;
-}
 
 /// Renumbers vertices along the curve, then tets by their smallest new vertex (a counting sort, so stable).
 void sort_in_space(TetMesh& mesh, FusionMesh& result, int threads) {

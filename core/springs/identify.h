@@ -41,18 +41,16 @@ struct IdentifyOptions {
   double stiffness_row_weight = 1.0;  ///< kThesisPrinted, kThesisCorrected: of the stiffness row
   double patch_length = 1.0;          ///< kIsotropyPatch: weight of the patch rows, in mean rest lengths
   double tolerance = 1e-10;           ///< of the KKT residual
-  int threads = 1;
 };
 
-/// What came of it. Shape: stiffness_ratio holds one entry a vertex: sum over its springs of k U^2 / (12 E
-/// V_m).
+/// What came of it.
 struct IdentifyReport {
   SpringMethod method = SpringMethod::kUniform;
   std::size_t zero_springs = 0;
   double kkt_relative = 0.0;  ///< 0 for closed forms
   std::size_t iterations = 0;
   bool converged = true;
-  double stiffness_ratio_mean = 0.0;
+  double stiffness_ratio_mean = 0.0;  ///< over vertices, of sum over its springs of k U^2 / (12 E V_m)
   std::vector<Index>
       degenerate_vertices;            ///< one tet, or a flat fan: their constants rest on too few directions
   std::vector<std::string> warnings;  ///< one line each; they name the first few vertices

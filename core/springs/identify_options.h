@@ -25,8 +25,9 @@ std::span<const SpringOption> spring_options();
 std::vector<std::string> spring_option_names(SpringMethod method);
 
 /// Sets the option `name` of the method from its text ("true", "0.5"). Ranges are checked by
-/// identify_springs. Throws: InputError that starts with `where`, for an option that the method does not
-/// take, or a text that
+/// identify_springs.
+///
+/// Throws: InputError that starts with `where`, for an option that the method does not take, or a text that
 ///         is not true or false, or not a finite number.
 void set_spring_option(SpringMethod method, std::string_view name, std::string_view text,
                        const std::string& where, IdentifyOptions& options);

@@ -4,13 +4,11 @@
 // At vertex n with springs of unit direction e (away from n), rest length U and w = k U^2, and with V_n a
 // quarter of the volume of its tets, a network is isotropic with Young's modulus E (Poisson's ratio 1/4) when
 //
-//   sum w e(x)e(x)e(x)e = 12 E V_n <e(x)e(x)e(x)e>                                          (isotropy, 15
-//   rows)
+//   sum w e(x)e(x)e(x)e = 12 E V_n <e(x)e(x)e(x)e>                                (isotropy, 15 rows)
 //
 // with <...> the mean over the sphere, and it hands on an affine field's traction when
 //
-//   sum k U e(x)e(x)e = -mu (d_jk A_i + d_ij A_k + d_ik A_j),  mu = E / 2.5,                  (patch, 10
-//   rows)
+//   sum k U e(x)e(x)e = -mu (d_jk A_i + d_ij A_k + d_ik A_j),  mu = E / 2.5,       (patch, 10 rows)
 //
 // with A a third of the area vectors of the boundary faces at n, 0 inside. Both are weighted so that the sum
 // of squares is the Frobenius norm of the tensors: turning the mesh changes nothing. The patch rows are

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 
 #include "core/base/error.h"
-#include "core/mesh/geometry.h"
+#include "core/mesh/space_order.h"
 #include "core/mesh/topology.h"
 #include "core/springs/network.h"
 
@@ -17,37 +16,6 @@ namespace {
 constexpr std::size_t kRows = kIsotropyRows + kPatchRows;
 constexpr std::size_t kPadding = 4;        // of a block's columns, in floats
 constexpr std::size_t kLargestBlock = 64;  // springs at a vertex; beyond, rows take less memory than a block
-
-// The lowest 21 bits, each followed by two zeros.
-std::uint64_t spread_bits(std::uint64_t bits) {
-  bits &= 0x1fffffU;
-  bits = (bits | bits << 32U) & 0x1f00000000ffffU;
-  bits = (bits | bits << 16U) & 0x1f0000ff0000ffU;
-  bits = (bits | bits << 8U) & 0x100f00f00f00f00fU;
-  bits = (bits | bits << 4U) & 0x10c30c30c30c30c3U;
-  bits = (bits | bits << 2U) & 0x1249249249249249U;
-  return bits;
-}
-
-// The vertices along Morton's curve: neighbours in space come near each other in memory.
-std::vector<Index> morton_order(const std::vector<Vec3>& points) {
-  const BoundingBox box = bounding_box(points);
-  const Vec3 size = box.high - box.low;
-  const double side = std::max({size.x, size.y, size.z});
-  const double scale = side > 0.0 ? 2097151.0 / side : 0.0;
-  std::vector<std::pair<std::uint64_t, Index>> keys(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 cell = scale * (points[i] - box.low);
-    keys[i] = {spread_bits(static_cast<std::uint64_t>(cell.x)) |
-                   spread_bits(static_cast<std::uint64_t>(cell.y)) << 1U |
-                   spread_bits(static_cast<std::uint64_t>(cell.z)) << 2U,
-               static_cast<Index>(i)};
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<Index> order(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) order[i] = keys[i].second;
-  return order;
-}
 
 // A third of the outward area vectors of the boundary faces at each vertex.
 std::vector<Vec3> vertex_areas(const TetMesh& mesh) {
@@ -236,7 +204,7 @@ IsotropySystem build_isotropy_system(const TetMesh& mesh, const SpringNetwork& n
   IsotropySystem system;
   system.springs = network.springs.size();
   system.rows_a_vertex = options.patch ? kRows : kIsotropyRows;
-  system.vertex = morton_order(mesh.points);
+  system.vertex = order_in_space(mesh.points);
   add_ends(mesh, network, system);
   add_targets(mesh, network, young_modulus_pa, options, system);
   add_blocks(system);

@@ -1,8 +1,8 @@
 #include "core/springs/network.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -30,44 +30,16 @@ void add_face_opposite_pairs(const TetMesh& mesh, std::vector<Edge>& pairs) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-/// Mean of e e^T over directions: a symmetric 3 x 3 matrix of trace 1.
-struct SecondMoment {
-  double xx = 0.0, yy = 0.0, zz = 0.0, xy = 0.0, xz = 0.0, yz = 0.0;
-};
-
-SecondMoment mean_second_moment(std::span<const Index> springs, const std::vector<Vec3>& directions) {
-  SecondMoment m;
-  const double share = 1.0 / static_cast<double>(springs.size());
-  for (const Index s : springs) {
-    const Vec3& e = directions[s];
-    m.xx += share * e.x * e.x;
-    m.yy += share * e.y * e.y;
-    m.zz += share * e.z * e.z;
-    m.xy += share * e.x * e.y;
-    m.xz += share * e.x * e.z;
-    m.yz += share * e.y * e.z;
-  }
-  return m;
-}
-
-/// Least eigenvalue, by the trigonometric form for symmetric 3 x 3 matrices: the mean square of the sine of
-/// the angle between the directions and the plane that fits them best.
-double least_eigenvalue(const SecondMoment& m) {
-  const double mean = (m.xx + m.yy + m.zz) / 3.0;
-  const double x = m.xx - mean;
-  const double y = m.yy - mean;
-  const double z = m.zz - mean;
-  const double off = m.xy * m.xy + m.xz * m.xz + m.yz * m.yz;
-  const double p = std::sqrt((x * x + y * y + z * z + 2.0 * off) / 6.0);
-  if (p == 0.0) return mean;
-  const double det =
-      x * (y * z - m.yz * m.yz) - m.xy * (m.xy * z - m.yz * m.xz) + m.xz * (m.xy * m.yz - y * m.xz);
-  const double angle = std::acos(std::clamp(0.5 * det / (p * p * p), -1.0, 1.0)) / 3.0;
-  return mean + 2.0 * p * std::cos(angle + 2.0 * std::numbers::pi / 3.0);
-}
-
+/// The least eigenvalue of the mean of e e^T is the mean square of the sine of the angle between the
+/// directions and the plane that fits them best.
 bool is_flat_fan(std::span<const Index> springs, const std::vector<Vec3>& directions) {
-  return least_eigenvalue(mean_second_moment(springs, directions)) < kFlatFan * kFlatFan;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const Index s : springs) {
+    const Eigen::Vector3d e(directions[s].x, directions[s].y, directions[s].z);
+    sum += e * e.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(sum, Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[0] < kFlatFan * kFlatFan * static_cast<double>(springs.size());
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ std::size_t slot_of(const Matrix& lower, int row, int column) {
 Matrix build_pattern(const RankOneTerms& terms, const TrainingBoundary& boundary,
                      const std::vector<int>& free_number, int free_count) {
   std::vector<Eigen::Triplet<double, int>> entries;
+  entries.reserve(static_cast<std::size_t>(free_count) + boundary.stiffness.size());
   for (int i = 0; i < free_count; ++i) entries.emplace_back(i, i, 0.0);
   for (const StiffnessEntry& entry : boundary.stiffness) {
     const int row = free_number[entry.row];

@@ -18,8 +18,8 @@ struct LinearMap {
   std::vector<double> column_norms_sq;
 };
 
-/// A least-squares problem by its normal equations: |A x - b|^2 = x.G x - 2 c.x + const, G = A^T A, c = A^T
-/// b.
+/// A least-squares problem by its normal equations:
+/// |A x - b|^2 = x.G x - 2 c.x + const, G = A^T A, c = A^T b.
 ///
 /// Shape: `diagonal` (of G) and `linear` (c) hold one entry a column; both actions overwrite y.
 struct NormalEquations {

@@ -1,5 +1,6 @@
 #include "core/springs/stiffness_fit.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -29,31 +30,24 @@ bool shares_vertex(std::size_t e, std::size_t f) {
   return e + f != 5;  // only opposite edges share none
 }
 
-/// Solves G_ff x_f = b_f on the free unknowns by Cholesky; the others are zero. G is positive definite.
+/// Solves G_ff x_f = b_f on the free unknowns; the others are zero. G is positive definite.
 Vec6 solve_free(const Mat6& gram, const Vec6& rhs, const std::array<bool, 6>& is_free) {
   std::array<std::size_t, 6> at{};
   std::size_t n = 0;
   for (std::size_t i = 0; i < 6; ++i) {
     if (is_free[i]) at[n++] = i;
   }
-  Mat6 lower{};
-  Vec6 y{};
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6> matrix(size, size);
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1> right(size);
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      double sum = gram[at[i]][at[j]];
-      for (std::size_t k = 0; k < j; ++k) sum -= lower[i][k] * lower[j][k];
-      lower[i][j] = i == j ? std::sqrt(std::max(sum, 1e-14)) : sum / lower[j][j];
-    }
-    double sum = rhs[at[i]];
-    for (std::size_t k = 0; k < i; ++k) sum -= lower[i][k] * y[k];
-    y[i] = sum / lower[i][i];
+    const auto row = static_cast<Eigen::Index>(i);
+    right[row] = rhs[at[i]];
+    for (std::size_t j = 0; j < n; ++j) matrix(row, static_cast<Eigen::Index>(j)) = gram[at[i]][at[j]];
   }
+  right = matrix.ldlt().solve(right).eval();
   Vec6 x{};
-  for (std::size_t i = n; i-- > 0;) {
-    double sum = y[i];
-    for (std::size_t k = i + 1; k < n; ++k) sum -= lower[k][i] * x[at[k]];
-    x[at[i]] = sum / lower[i][i];
-  }
+  for (std::size_t i = 0; i < n; ++i) x[at[i]] = right[static_cast<Eigen::Index>(i)];
   return x;
 }
 

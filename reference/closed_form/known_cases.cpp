@@ -51,9 +51,9 @@ TetMesh jittered_cube(int cells, double side_m) {
   return mesh;
 }
 
-/// A bar along x from the origin; its cells are cubes but for `stretch`.
-TetMesh bar_mesh(int cells, double length_m, double side_m, double stretch) {
-  const int along = std::max(1, static_cast<int>(std::lround(cells * length_m / (side_m * stretch))));
+/// A bar along x from the origin, of cubic cells.
+TetMesh bar_mesh(int cells, double length_m, double side_m) {
+  const int along = static_cast<int>(std::lround(cells * length_m / side_m));
   return build_mapped_block({along, cells, cells}, [&](const Vec3& s) {
     return Vec3{length_m * s.x, side_m * s.y, side_m * s.z};
   });
@@ -93,7 +93,7 @@ constexpr double kBarSide = 0.01;
 
 KnownCase bar_tension(int cells) {
   KnownCase known;
-  known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
+  known.mesh = bar_mesh(cells, kBarLength, kBarSide);
   known.problem.material = {10000.0, 0.3, 1000.0};
   hold_symmetry_planes(known);
   constexpr double kStress = 250.0;
@@ -106,7 +106,7 @@ KnownCase bar_tension(int cells) {
 
 KnownCase bar_pads(int cells) {
   KnownCase known;
-  known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
+  known.mesh = bar_mesh(cells, kBarLength, kBarSide);
   known.problem.material = {10000.0, 0.0, 1000.0};
   const BarBetweenPads bar{kBarLength, 1.0e6, 2.0e6, 0.002};
   known.problem.supports = {
@@ -120,7 +120,7 @@ KnownCase bar_pads(int cells) {
 
 KnownCase bar_own_weight(int cells) {
   KnownCase known;
-  known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
+  known.mesh = bar_mesh(cells, kBarLength, kBarSide);
   known.problem.material = {10000.0, 0.0, 1050.0};
   constexpr double kGravity = 9.81;
   known.problem.gravity_m_s2 = {kGravity, 0, 0};
@@ -133,7 +133,7 @@ KnownCase bar_own_weight(int cells) {
 
 KnownCase bar_large_tension(int cells) {
   KnownCase known;
-  known.mesh = bar_mesh(cells, kBarLength, kBarSide, 1.0);
+  known.mesh = bar_mesh(cells, kBarLength, kBarSide);
   known.problem.material = {10000.0, 0.3, 1000.0};
   known.problem.strain = StrainSize::kLarge;
   hold_symmetry_planes(known);
@@ -190,7 +190,7 @@ KnownCase cantilever(int cells) {
   constexpr double kLength = 0.1;
   constexpr double kTraction = -1.0;
   KnownCase known;
-  known.mesh = bar_mesh(cells, kLength, kBarSide, 1.0);
+  known.mesh = bar_mesh(cells, kLength, kBarSide);
   known.problem.material = {10000.0, 0.25, 1000.0};
   known.problem.held = {{faces_on(known.mesh, &Vec3::x, 0.0), kAll, {}}};
   known.problem.tractions = {{whole(faces_on(known.mesh, &Vec3::x, kLength)), {0, 0, kTraction}, 0.0}};

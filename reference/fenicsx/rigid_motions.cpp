@@ -1,16 +1,15 @@
 #include "reference/fenicsx/rigid_motions.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 #include "core/base/error.h"
+#include "core/mesh/rigid_motion.h"
 
 namespace palpate::reference::fenicsx {
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Motion = Eigen::Matrix<double, 3, 6>;
 
 /// The displacement at `p` of three translations and three rotations about `center`, over `radius`.
@@ -21,73 +20,14 @@ Motion motion_at(const Vec3& p, const Vec3& center, double radius) {
   return m;
 }
 
-/// The connected part of each vertex, named by one of its vertices.
-std::vector<Index> parts_of(const TetMesh& mesh) {
-  std::vector<Index> part(mesh.points.size());
-  std::iota(part.begin(), part.end(), Index{0});
-  const auto root = [&](Index v) {
-    while (part[v] != v) v = part[v] = part[part[v]];
-    return v;
-  };
-  for (const Tet& t : mesh.tets) {
-    for (std::size_t i = 1; i < 4; ++i) part[root(t[i])] = root(t[0]);
-  }
-  for (Index v = 0; v < part.size(); ++v) part[v] = root(v);
-  return part;
-}
-
-/// What holds one connected part, as a quadratic form on its rigid motions.
-struct Hold {
-  Vec3 center;
-  double radius = 0.0;
-  std::size_t vertices = 0;
-  Matrix6 form = Matrix6::Zero();
-};
-
-constexpr double kFree = 1e-12;  // of the greatest eigenvalue: a rigid motion that costs less is free
-
 }  // namespace
 
 void require_no_free_motion(const TetMesh& mesh, const BoundaryProblem& problem) {
-  const std::vector<Index> part = parts_of(mesh);
-  std::vector<Hold> holds(mesh.points.size());
-  for (Index v = 0; v < part.size(); ++v) {
-    Hold& hold = holds[part[v]];
-    hold.center = hold.center + mesh.points[v];
-    ++hold.vertices;
-  }
-  for (Hold& hold : holds) {
-    if (hold.vertices > 0) hold.center = (1.0 / static_cast<double>(hold.vertices)) * hold.center;
-  }
-  for (Index v = 0; v < part.size(); ++v) {
-    Hold& hold = holds[part[v]];
-    hold.radius = std::max(hold.radius, length(mesh.points[v] - hold.center));
-  }
-  const auto add = [&](const Triangle& face, const std::array<bool, 3>& axes) {
-    for (const Index v : face) {
-      Hold& hold = holds[part[v]];
-      const Motion m = motion_at(mesh.points[v], hold.center, hold.radius);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (axes[static_cast<std::size_t>(axis)]) hold.form += m.row(axis).transpose() * m.row(axis);
-      }
-    }
-  };
-  for (const HeldFaces& held : problem.held) {
-    for (const Triangle& face : held.faces) add(face, held.axes);
-  }
-  for (const ElasticSupport& support : problem.supports) {
-    for (const Triangle& face : support.patch.faces) add(face, {true, true, true});
-  }
-  for (const Hold& hold : holds) {
-    if (hold.vertices < 4) continue;
-    const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(hold.form, Eigen::EigenvaluesOnly);
-    const auto& values = eigen.eigenvalues();
-    const auto free = (values.array() <= kFree * std::max(values[5], 1e-300)).count();
-    if (free > 0) {
-      throw InputError("problem", 0, "supports or held faces that stop every rigid motion",
-                       std::to_string(free) + (free == 1 ? " motion" : " motions") + " left free");
-    }
-  }
+  const std::vector<RigidMotion> free = find_free_motions(mesh, resisted_axes(mesh, problem));
+  if (free.empty()) return;
+  throw InputError("problem", 0, "supports or held faces that stop every rigid motion",
+                   std::to_string(free.size()) + (free.size() == 1 ? " motion" : " motions") +
+                       " left free, such as " + rigid_motion_text(free[0]));
 }
 
 NullSpace near_null_space(const TetMesh& mesh, const ElasticBody& body) {

@@ -118,17 +118,14 @@ dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json
 }
 
 /// Identified or read springs with their figures in the report, and their volume model.
-BuiltModel build_springs(const DeformTask& task, const SpringRequest& wanted, int threads,
-                         Response& response) {
+BuiltModel build_springs(const DeformTask& task, const SpringRequest& wanted, Response& response) {
   const Material& material = task.problem.material;
   const Stopwatch identify_watch;
   SpringNetwork net;
   if (wanted.method) {
-    springs::IdentifyOptions identify = wanted.identify;
-    identify.threads = threads;
     springs::IdentifyReport report;
     const Material fitted = dynamics::spring_material(material, wanted.model.volume);
-    net = springs::identify_springs(task.mesh, fitted, *wanted.method, identify, report);
+    net = springs::identify_springs(task.mesh, fitted, *wanted.method, wanted.identify, report);
     response.report["zero_springs"] = report.zero_springs;
     response.report["kkt_relative"] = report.kkt_relative;
     response.report["identify_iterations"] = report.iterations;
@@ -186,7 +183,7 @@ Response run_model(const Request& request) {
   const dynamics::Loads loads = dynamics::build_loads(task.mesh, task.problem);
   dynamics::require_no_rigid_motion(task.mesh, loads);
   const Stopwatch building;
-  const BuiltModel built = has_springs ? build_springs(task, wanted, request.threads, response)
+  const BuiltModel built = has_springs ? build_springs(task, wanted, response)
                                        : dynamics::build_blend_model(task.mesh, task.problem.material, blend);
   response.report["assembly_s"] = building.seconds() - response.report["identify_s"].get<double>();
   const Stopwatch solving;

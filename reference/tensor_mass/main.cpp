@@ -43,9 +43,11 @@ Response answer(const Request& request) {
   const Relaxation found = relax(supported, loads, options);
   response.kernel_s = seconds_since(start);
 
+  const double energy_j = elastic_energy(elastic, found.displacement_m);
   response.report = {{"method", request.method},
                      {"outcome", found.converged ? "converged" : "not_converged"},
-                     {"energy_j", potential_energy(elastic, loads, found.displacement_m)},
+                     {"energy_j", energy_j},
+                     {"potential_j", energy_j + load_energy(loads, found.displacement_m, 1.0)},
                      {"assembly_s", assembly_s},
                      {"solve_s", response.kernel_s - assembly_s},
                      {"iterations", found.iterations},

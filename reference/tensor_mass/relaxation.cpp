@@ -3,37 +3,23 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/dynamics/vertex_field.h"
 
 namespace palpate::reference {
 
+using dynamics::add_scaled;
+using dynamics::clear_held;
+using dynamics::dot_of;
 using dynamics::Loads;
 using dynamics::Mat3;
+using dynamics::norm_of;
 
 namespace {
 
 using Field = std::vector<Vec3>;
 
-double product(const Field& a, const Field& b) {
-  double sum = 0.0;
-  for (std::size_t v = 0; v < a.size(); ++v) sum += dot(a[v], b[v]);
-  return sum;
-}
-
-void add_scaled(Field& sum, double scale, const Field& part) {
-  for (std::size_t v = 0; v < sum.size(); ++v) sum[v] = sum[v] + scale * part[v];
-}
-
 bool is_held(const Loads& loads, std::size_t v, std::size_t axis) {
   return ((loads.held[v] >> axis) & 1U) != 0;
-}
-
-/// Sets the held components to zero.
-void clear_held(const Loads& loads, Field& field) {
-  for (std::size_t v = 0; v < field.size(); ++v) {
-    if (is_held(loads, v, 0)) field[v].x = 0.0;
-    if (is_held(loads, v, 1)) field[v].y = 0.0;
-    if (is_held(loads, v, 2)) field[v].z = 0.0;
-  }
 }
 
 /// The inverses of the vertex tensors on the free components; zero elsewhere.
@@ -76,39 +62,39 @@ Relaxation relax(const TensorMass& tensors, const Loads& loads, const Relaxation
   Field residual = load_forces(loads);
   Field pull(n);
   add_tensor_forces(tensors, u, pull);
-  const double scale = std::sqrt(product(residual, residual)) + std::sqrt(product(pull, pull));
+  const double scale = norm_of(residual) + norm_of(pull);
   add_scaled(residual, 1.0, pull);
-  clear_held(loads, residual);
+  clear_held(loads.held, residual);
   const std::vector<Mat3> inverse = invert_vertex_tensors(tensors, loads);
   Field step(n);
   Field direction(n);
   Field stretched(n);
   double before = 0.0;
   for (;; ++found.iterations) {
-    const double norm = std::sqrt(product(residual, residual));
+    const double norm = norm_of(residual);
     found.residual_relative = scale > 0.0 ? norm / scale : 0.0;
     found.converged = found.residual_relative <= options.tolerance;
     if (found.converged || found.iterations == options.most_iterations || !std::isfinite(norm)) return found;
     for (std::size_t v = 0; v < n; ++v) step[v] = inverse[v] * residual[v];
-    const double now = product(residual, step);
+    const double now = dot_of(residual, step);
     for (std::size_t v = 0; v < n; ++v) {
       direction[v] = found.iterations == 0 ? step[v] : step[v] + (now / before) * direction[v];
       stretched[v] = {};
     }
     before = now;
     add_tensor_forces(tensors, direction, stretched);
-    clear_held(loads, stretched);
-    const double stiffness = -product(direction, stretched);
+    clear_held(loads.held, stretched);
+    const double stiffness = -dot_of(direction, stretched);
     if (!(stiffness > 0.0)) return found;
     add_scaled(u, now / stiffness, direction);
     add_scaled(residual, now / stiffness, stretched);
   }
 }
 
-double potential_energy(const TensorMass& elastic, const Loads& loads, const Field& displacement) {
+double elastic_energy(const TensorMass& elastic, const Field& displacement) {
   Field force(displacement.size());
   add_tensor_forces(elastic, displacement, force);
-  return -0.5 * product(displacement, force) + load_energy(loads, displacement, 1.0);
+  return -0.5 * dot_of(displacement, force);
 }
 
 }  // namespace palpate::reference

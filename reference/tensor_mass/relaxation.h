@@ -28,9 +28,7 @@ struct Relaxation {
 /// preconditioner: each vertex steps by what its own tensor and the force on it say. Deterministic.
 Relaxation relax(const TensorMass& tensors, const dynamics::Loads& loads, const RelaxationOptions& options);
 
-/// Potential energy of the elastic body and its supports less the work of the dead loads, in J, at
-/// `displacement`.
-double potential_energy(const TensorMass& elastic, const dynamics::Loads& loads,
-                        const std::vector<Vec3>& displacement);
+/// Energy of the elastic body alone, without supports and loads, in J, at `displacement`.
+double elastic_energy(const TensorMass& elastic, const std::vector<Vec3>& displacement);
 
 }  // namespace palpate::reference

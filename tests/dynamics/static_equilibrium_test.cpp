@@ -30,6 +30,7 @@ FacePatch whole(std::vector<Triangle> faces) {
 /// Rollers on the three faces through the origin: no rigid motion is left, and no stress is made.
 std::vector<HeldFaces> rollers(const TetMesh& mesh) {
   std::vector<HeldFaces> held;
+  held.reserve(3);
   for (int axis = 0; axis < 3; ++axis)
     held.push_back({find_faces_at(mesh, axis, 0.0), {axis == 0, axis == 1, axis == 2}, {}});
   return held;

@@ -161,7 +161,7 @@ TEST(Contestant, DescriptionErrorsNameTheLine) {
   EXPECT_THAT(description_error("  - {name: a, summary: s, stops: []}"), HasSubstr("has no stop"));
   const std::string method = "  - {name: a, summary: s, stops: [limit], options: [";
   EXPECT_THAT(description_error(method + "{name: o, type: real, default: 1, help: h}]}"),
-              HasSubstr("expected choice, number, integer or bool"));
+              HasSubstr("expected choice, number, integer, bool or file"));
   EXPECT_THAT(description_error(method + "{name: o, type: number, min: 2, default: 1, help: h}]}"),
               HasSubstr("a number, at least 2"));
   EXPECT_THAT(description_error(method + "{name: o, type: choice, default: 1, help: h}]}"),

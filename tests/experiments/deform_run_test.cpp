@@ -18,7 +18,6 @@ namespace {
 
 using nlohmann::json;
 using test::SceneText;
-using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// Plans over the scene "block", the fixture's cube of 0.1 m; answers are kept in a cache of the test's own.

@@ -61,6 +61,23 @@ TEST(Gate, EachWayToFail) {
       "a repeat is rejected");
 }
 
+TEST(Gate, AMarkedErrorIsNeverHeld) {
+  const auto judged = [](bool is_coarse) {
+    json one = record(0, 2.0);
+    one["judge"] = {
+        {"displacement_l2", 0.02}, {"displacement_max", 0.03}, {"reference_too_coarse", is_coarse}};
+    return std::vector<json>{one};
+  };
+  for (const char* measure : {"displacement_l2", "displacement_max"}) {
+    const std::string accepted = accepted_text(0.025, 0.01, 0.01, "kidney/a", measure);
+    EXPECT_EQ(gate_of(accepted, judged(false)).problem, "");
+    const GateLine marked = gate_of(accepted, judged(true));
+    EXPECT_EQ(marked.problem, "marked: its reference is not five times better");
+    EXPECT_FALSE(marked.measured) << "gate --update must not write it either";
+  }
+  EXPECT_EQ(gate_of(accepted_text(2.0, 1.0, 1.0), judged(true)).problem, "") << "times are no errors";
+}
+
 std::string gate_error(const std::string& accepted) {
   try {
     gate_of(accepted, kRecords);

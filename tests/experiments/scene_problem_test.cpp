@@ -14,6 +14,7 @@
 #include "reference/deform_problem.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/small_meshes.h"
 
 namespace palpate::experiments {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 using test::SceneText;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 /// Scenes over the cube [0, 0.1]^3 m of 4^3 cells, straight Kuhn tets.
 class SceneProblem : public testing::Test {
@@ -70,6 +72,24 @@ TEST_F(SceneProblem, MeshesAreInMetres) {
   const TetMesh bar = build_scene_mesh(read(text).mesh, 756).mesh;
   EXPECT_EQ(bar.points.size(), 756U);
   EXPECT_NEAR(bounding_box(bar.points).high.x, 0.08, 1e-15);
+}
+
+TEST_F(SceneProblem, InvalidMeshesAreRefusedWithTheirFile) {
+  TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
+  mesh.tets.push_back(mesh.tets[0]);
+  write_medit(folder_ / "cube.mesh", mesh);
+  EXPECT_THAT(error_of({}),
+              AllOf(HasSubstr("cube.mesh: expected a valid mesh, found tetrahedron 49: the same"),
+                    Not(HasSubstr("\n"))));
+  const TetMesh tet = testing_support::make_corner_tet();  // two that touch in a vertex alone
+  mesh = testing_support::join_meshes(tet, tet);
+  for (Vec3& p : std::span(mesh.points).subspan(4)) p = -1.0 * p;
+  std::swap(mesh.tets[1][2], mesh.tets[1][3]);
+  mesh.tets[1][0] = 0;
+  mesh.points.erase(mesh.points.begin() + 4);
+  for (std::size_t k = 1; k < 4; ++k) --mesh.tets[1][k];
+  write_medit(folder_ / "cube.mesh", mesh);
+  EXPECT_THAT(error_of({}), HasSubstr("cube.mesh: expected a valid mesh, found vertex 1"));
 }
 
 TEST_F(SceneProblem, AFaceInAPlaneBelongsToItsHalfSpaceAlone) {
@@ -193,66 +213,32 @@ TEST_F(SceneProblem, RigidMotionsThatAreLeftFree) {
   EXPECT_THAT(three, AllOf(HasSubstr("leave rigid motions free"), HasSubstr("translation along (1, 0, 0)"),
                            HasSubstr("translation along (0, 1, 0)"), HasSubstr("rotation about (0, 0, ")));
   text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, axes: [y, z]}]";
-  EXPECT_THAT(error_of(text), HasSubstr("leave a rigid motion free: translation along ("));
+  EXPECT_THAT(error_of(text), HasSubstr("leave a rigid motion free: a translation along ("));
   text.clamp =
       "[{half_space: {normal: [0, 0, 1], offset_m: 0}, axes: [z]}, {half_space: {normal: [1, 0, 0], "
       "offset_m: 0}, "
       "axes: [x]}]";
-  EXPECT_THAT(error_of(text), HasSubstr("leave a rigid motion free: translation along ("));
+  EXPECT_THAT(error_of(text), HasSubstr("leave a rigid motion free: a translation along ("));
   text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e-3}]";
   EXPECT_EQ(error_of(text), "no error") << "however soft, it holds";
 }
 
-TEST_F(SceneProblem, ARotationIsNamedWithItsAxis) {
-  const TetMesh mesh = cube();
-  BoundaryProblem problem;  // one edge, of two faces seen edge-on: what is held lies on the line y = z = 0
-  HeldFaces held;
-  held.axes = {true, true, true};
-  const Index a = 0;
-  Index b = 0;
-  for (Index v = 0; v < mesh.points.size(); ++v) {
-    if (mesh.points[v] == Vec3{0.1, 0, 0}) b = v;
-  }
-  ASSERT_EQ(mesh.points[a], (Vec3{0, 0, 0}));
-  ASSERT_NE(b, a);
-  problem.supports.push_back({{{{a, b, a}}, {1.0}}, 1.0, {}});
-  EXPECT_EQ(find_free_motions(problem, mesh).size(), 6U) << "a face without an area holds nothing";
-  problem.supports.clear();
-  held.faces = build_boundary(mesh);
-  problem.held.push_back(held);
-  EXPECT_TRUE(find_free_motions(problem, mesh).empty());
-  // Held along y on the face y = 0 and along z on the face z = 0, and along x nowhere: x is free; with x held
-  // on the face x = 0 too, nothing is.
-  problem.held.clear();
-  for (int axis = 0; axis < 3; ++axis) {
-    HeldFaces one;
-    one.axes = {axis == 0, axis == 1, axis == 2};
-    for (const Triangle& f : build_boundary(mesh)) {
-      bool lies = true;
-      for (const Index v : f) {
-        const Vec3& p = mesh.points[v];
-        lies = lies && (axis == 0 ? p.x : (axis == 1 ? p.y : p.z)) == 0.0;
-      }
-      if (lies) one.faces.push_back(f);
-    }
-    problem.held.push_back(one);
-  }
-  EXPECT_TRUE(find_free_motions(problem, mesh).empty());
-  problem.held.erase(problem.held.begin());
-  EXPECT_THAT(find_free_motions(problem, mesh), testing::ElementsAre(HasSubstr("translation along (")));
+TEST_F(SceneProblem, EachPartOfAMeshHasToBeHeld) {
+  const TetMesh cube = build_kuhn_cube(4, 0.0, 0);
+  write_medit(folder_ / "two.mesh",
+              testing_support::join_meshes(cube, testing_support::translated(cube, {2, 0, 0})));
+  SceneText text;
+  text.mesh = "{file: two.mesh, unit_m: 0.1}";
+  EXPECT_EQ(error_of(text), "no error");
+  text.clamp = "[{box: {low_m: [0, 0, 0], high_m: [0.1, 0.1, 0]}}]";  // of the first cube alone
+  EXPECT_THAT(error_of(text),
+              HasSubstr("the clamps leave every rigid motion of the part of the mesh with vertex 125 free"));
 }
 
 TEST_F(SceneProblem, TheRayFromTheCentroidLeavesForTheLastTime) {
   // Two cubes far apart as one mesh: the centroid lies between them, outside both.
-  TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
-  const std::size_t first = mesh.points.size();
-  for (std::size_t i = 0; i < first; ++i) mesh.points.push_back(mesh.points[i] + Vec3{4, 0, 0});
-  const std::size_t tets = mesh.tets.size();
-  for (std::size_t i = 0; i < tets; ++i) {
-    Tet t = mesh.tets[i];
-    for (Index& v : t) v += static_cast<Index>(first);
-    mesh.tets.push_back(t);
-  }
+  const TetMesh cube = build_kuhn_cube(2, 0.0, 0);
+  const TetMesh mesh = testing_support::join_meshes(cube, testing_support::translated(cube, {4, 0, 0}));
   SceneText text;
   text.load =
       "[{force: {sphere: {surface_point: {direction: [1, 0.01, 0.02]}, radius_m: 0.4}, total_n: [1, 0, 0]}}]";

@@ -110,6 +110,7 @@ TEST(VerifyContest, CasesAreThoseOfWhichSomethingIsExpectedFromCoarseToFine) {
                               fixture.registry());
   const std::vector<Case> cases = build_cases(plan, fixture.registry());
   std::vector<std::string> ids;
+  ids.reserve(cases.size());
   for (const Case& c : cases) ids.push_back(c.id);
   EXPECT_THAT(ids, ElementsAre("patch_test/tensor_mass/cells=2", "patch_test/tensor_mass/cells=4",
                                "bar_tension/test.field/cells=1"));

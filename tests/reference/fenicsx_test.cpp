@@ -15,6 +15,7 @@
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestant_run.h"
+#include "reference/closed_form/solutions.h"
 #include "reference/deform_problem.h"
 #include "tests/support/scratch_folder.h"
 
@@ -251,27 +252,6 @@ TEST_F(FiniteElements, StiffBlockTiltsOnItsSpringBedAsItsSecondMomentSays) {
   }
 }
 
-/// Neo-Hookean stretches of a bar under a dead traction: sideways free, so that
-/// mu (t^2 - 1) + lambda ln(s t^2) = 0, and traction = (mu (s^2 - 1) + lambda ln(s t^2)) / s.
-struct Stretches {
-  double along;
-  double across;
-  double traction_pa;
-};
-
-Stretches stretch_bar(const Material& material, double along) {
-  double least = 0.1;
-  double most = 2.0;
-  for (int k = 0; k < 200; ++k) {
-    const double t = 0.5 * (least + most);
-    const double side = material.mu_pa() * (t * t - 1.0) + material.lambda_pa() * std::log(along * t * t);
-    (side > 0.0 ? most : least) = t;
-  }
-  const double log_volume = std::log(along * least * least);
-  return {along, least,
-          (material.mu_pa() * (along * along - 1.0) + material.lambda_pa() * log_volume) / along};
-}
-
 TEST_F(FiniteElements, NeoHookeanBarStretchesAsItsClosedFormSays) {
   const TetMesh mesh = build_bar(1);
   for (const double poisson : {0.3, 0.49}) {
@@ -280,11 +260,11 @@ TEST_F(FiniteElements, NeoHookeanBarStretchesAsItsClosedFormSays) {
       problem.material = {10000.0, poisson, 1050.0};
       problem.strain = StrainSize::kLarge;
       hold_planes(mesh, problem);
-      const Stretches s = stretch_bar(problem.material, along);
+      const reference::UniaxialStretch s = reference::stretch_neo_hookean(problem.material, along);
       pull(
           mesh, [](const Vec3& p) { return p.x == 4.0; }, {s.traction_pa, 0.0, 0.0}, problem);
       const auto wanted = at_nodes(mesh, [&](const Vec3& p) {
-        return Vec3{(s.along - 1.0) * p.x, (s.across - 1.0) * p.y, (s.across - 1.0) * p.z};
+        return Vec3{(along - 1.0) * p.x, (s.across - 1.0) * p.y, (s.across - 1.0) * p.z};
       });
       for (const std::string& method : kMethods)
         EXPECT_LT(difference(solve(method, mesh, problem), wanted), 1e-8)

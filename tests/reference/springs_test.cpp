@@ -9,6 +9,7 @@
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
 #include "core/springs/identify.h"
+#include "core/springs/network.h"
 #include "core/springs/springs_csv.h"
 #include "experiments/process.h"
 #include "reference/deform_problem.h"
@@ -117,6 +118,17 @@ TEST_F(SpringsAdapter, EveryMethodAndVolumeModelAnswers) {
   }
 }
 
+TEST_F(SpringsAdapter, SpringsAloneWarnOfARatioThatTheyCannotHave) {
+  problem_.material.poisson_ratio = 0.45;
+  const auto warns = [&](const char* volume) {
+    EXPECT_EQ(run("springs.isotropy", {{"volume", volume}}), 0) << response_;
+    return response_.at("notes").dump().find("springs alone give Poisson's ratio 0.25, not 0.45") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(warns("none"));
+  EXPECT_FALSE(warns("node_average")) << "which adds what is missing";
+}
+
 TEST_F(SpringsAdapter, LargeStrainGoesByNewton) {
   problem_.strain = StrainSize::kLarge;
   for (const char* method : {"smoothed.blend", "springs.van_gelder"}) {
@@ -146,6 +158,10 @@ TEST_F(SpringsAdapter, SpringsComeFromAFileToo) {
   EXPECT_EQ(displacement(), from_file);
   EXPECT_EQ(run("springs.trained", json::object()), 2);
   EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("springs"));
+  springs::write_springs_csv(path("k.csv"), springs::build_spring_network(build_kuhn_cube(2, 0.0, 1)));
+  EXPECT_EQ(run("springs.trained", {{"springs", path("k.csv")}}), 2);
+  EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("k.csv:"));
+  EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("the springs are of another mesh"));
 }
 
 TEST_F(SpringsAdapter, TwoThreadsGiveTheSameBytes) {

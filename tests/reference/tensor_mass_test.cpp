@@ -232,6 +232,8 @@ TEST_F(TensorMassProgram, AgreesWithLinearFiniteElements) {
   const std::vector<Vec3> b = read_displacement(elements.output, mesh.points.size(), edges);
   ASSERT_EQ(a.size(), mesh.points.size());
   for (std::size_t v = 0; v < a.size(); ++v) ASSERT_LT(length(a[v] - b[v]), 1e-9 * largest(a)) << v;
+  const double energy = elements.report.at("energy_j").get<double>();
+  EXPECT_NEAR(tensors.report.at("energy_j").get<double>(), energy, 1e-9 * energy);
 }
 
 TEST_F(TensorMassProgram, SaysWhatIsWrong) {

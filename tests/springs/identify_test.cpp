@@ -10,7 +10,6 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes.h"
-#include "core/springs/identify_options.h"
 #include "core/springs/isotropy_rows.h"
 #include "core/springs/lattices.h"
 #include "core/springs/network.h"
@@ -371,38 +370,6 @@ TEST(Identify, AMeshThatBreaksTheContractIsAFaultOfTheCaller) {
   lonely.points.push_back({9, 9, 9});
   EXPECT_THROW(identify_springs(lonely, kMaterial, SpringMethod::kUniform, {}, report), ContractError);
   EXPECT_THROW(identify_springs({}, kMaterial, SpringMethod::kUniform, {}, report), ContractError);
-}
-
-TEST(Identify, OptionsByName) {
-  IdentifyOptions options;
-  set_spring_option(SpringMethod::kIsotropyPatch, "face_opposite", "true", "--set", options);
-  set_spring_option(SpringMethod::kIsotropyPatch, "patch_length", "0.5", "--set", options);
-  set_spring_option(SpringMethod::kUniform, "stiffness", "12.5", "--set", options);
-  set_spring_option(SpringMethod::kThesisPrinted, "row_weight", "1e2", "--set", options);
-  EXPECT_TRUE(options.face_opposite);
-  EXPECT_EQ(options.patch_length, 0.5);
-  EXPECT_EQ(options.uniform_stiffness_n_per_m, 12.5);
-  EXPECT_EQ(options.stiffness_row_weight, 100.0);
-  EXPECT_THAT(spring_option_names(SpringMethod::kIsotropyPatch),
-              ElementsAre("face_opposite", "patch_length"));
-  EXPECT_THAT(spring_option_names(SpringMethod::kLloyd), ElementsAre("face_opposite"));
-  const auto refuse = [&](SpringMethod method, const char* name, const char* text,
-                          const std::string& message) {
-    try {
-      set_spring_option(method, name, text, "--set", options);
-      FAIL() << "accepted: " << message;
-    } catch (const InputError& error) {
-      EXPECT_EQ(error.what(), message);
-    }
-  };
-  refuse(SpringMethod::kLloyd, "stiffness", "1",
-         "--set: lloyd has no option \"stiffness\"; it has face_opposite");
-  refuse(SpringMethod::kUniform, "row_weight", "1",
-         "--set: uniform has no option \"row_weight\"; it has face_opposite, stiffness");
-  refuse(SpringMethod::kUniform, "stiffness", "1x",
-         "--set stiffness: expected a finite number, found \"1x\"");
-  refuse(SpringMethod::kUniform, "face_opposite", "yes",
-         "--set face_opposite: expected true or false, found \"yes\"");
 }
 
 }  // namespace

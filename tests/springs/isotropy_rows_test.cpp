@@ -313,7 +313,7 @@ TEST(IdentifyIsotropy, HubsOfManySpringsTakeTheirRows) {
     IsotropyOptions options;
     options.patch = true;
     const IsotropySystem system = build_isotropy_system(mesh, network, 100.0, options);
-    EXPECT_LT(system.blocks.size(), 64 * 2 * network.springs.size());
+    EXPECT_LT(system.blocks.size(), std::size_t{64} * 2 * network.springs.size());
     std::vector<double> w(network.springs.size());
     for (std::size_t s = 0; s < w.size(); ++s)
       w[s] = network.stiffness_n_per_m[s] * network.rest_length_m[s] * network.rest_length_m[s];

@@ -7,7 +7,7 @@ For each size the program makes a kidney (or --mesh FILE gives one), identifies 
 that took (kernel_s, reading and writing left out). The same rows are built here from their definition, with NumPy, and given
 to scipy.optimize.lsq_linear with bounds (0, inf), columns scaled to length one, and the tolerance that brings its KKT residual
 to ours or the best it does. Prints one JSON object a size. Exit code 1 if the answers differ.
-A benchmark, run by hand: it takes minutes, and measures time.
+A benchmark, run by hand: it takes minutes, and measures time. Needs SciPy (Debian: python3-scipy), which nothing else does.
 """
 import argparse
 import json

@@ -62,7 +62,8 @@ Mat12 element_stiffness(const std::array<Vec3, 4>& p, double lambda, double mu) 
 }
 
 Mat12 spring_stiffness(const std::array<Vec3, 4>& p, std::size_t edge) {
-  const auto [a, b] = kTetEdges[edge];
+  const auto a = static_cast<std::size_t>(kTetEdges[edge][0]);
+  const auto b = static_cast<std::size_t>(kTetEdges[edge][1]);
   const Vec3 d = p[b] - p[a];
   const double l = length(d);
   const std::array<double, 3> e{d.x / l, d.y / l, d.z / l};

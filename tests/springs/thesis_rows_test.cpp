@@ -298,8 +298,9 @@ TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
           const Index v = network.springs[spring][end];
           const Vec3 d = mesh.points[network.springs[spring][1 - end]] - mesh.points[v];
           const auto column = thesis_row_coefficients((1.0 / u) * d, rows);
-          for (std::size_t r = 0; r < 17; ++r) a(18 * v + static_cast<Eigen::Index>(r), s) = column[r];
-          a(18 * v + 17, s) = weight;
+          const Eigen::Index first = 18 * static_cast<Eigen::Index>(v);
+          for (std::size_t r = 0; r < 17; ++r) a(first + static_cast<Eigen::Index>(r), s) = column[r];
+          a(first + 17, s) = weight;
         }
       }
       for (std::size_t v = 0; v < volumes.size(); ++v)
