@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "experiments/keep.h"
 #include "experiments/nearest_name.h"
+#include "experiments/training_plan.h"
 
 namespace palpate::experiments {
 namespace {
@@ -58,6 +59,22 @@ std::vector<std::int64_t> read_seeds(const YamlValue& value) {
   return seeds;
 }
 
+/// The training plan of a contestant, read once so that what is wrong with it is said now.
+std::filesystem::path read_train(const YamlValue& value, const Entry& entry) {
+  if (entry.method.method->find_option("springs") == nullptr)
+    value.fail("method " + entry.contestant.method + " takes no trained springs");
+  const std::filesystem::path file = std::filesystem::path(value.file()).parent_path() / value.text();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))
+    value.fail("expected a training plan, found none at " + file.string());
+  read_training_plan(file);  // throws where something is wrong
+  for (const char* option : {"springs", "moduli", "volume"}) {
+    if (entry.contestant.set.count(option) > 0)
+      value.fail("\"train\" and the option \"" + std::string(option) + "\" exclude each other");
+  }
+  return std::filesystem::absolute(file).lexically_normal();
+}
+
 Entry read_entry(const YamlValue& value, const std::string& contest, const Registry& registry) {
   if (value.is_text()) {
     const std::string name = value.text();
@@ -66,7 +83,8 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     entry.contestant.label = name;
     return entry;
   }
-  const YamlFields fields = value.fields({"method", "label", "stop", "set", "keep", "seeds", "required"});
+  const YamlFields fields =
+      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -78,6 +96,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   if (entry.stop_at) contestant.stop = read_stop(*entry.stop_at);
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
   if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
+  if (const auto train = fields.find("train")) contestant.train = read_train(*train, entry);
   if (const auto keep = fields.find("keep")) {
     if (!entry.method.method->keeps)
       keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
@@ -161,6 +180,9 @@ std::map<std::string, GivenOption> read_set(const YamlValue& value, const Method
   std::map<std::string, GivenOption> set;
   for (const auto& [name, option] : value.entries()) {
     set[name] = {option.text(), option.file() + ":" + std::to_string(option.line())};
+    const OptionSpec* spec = method.find_option(name);
+    if (spec == nullptr || spec->type != OptionType::kFile || set[name].text.empty()) continue;
+    set[name].text = (std::filesystem::path(option.file()).parent_path() / option.text()).string();
   }
   resolve_options(method, set);  // throws where a name or a value is wrong
   return set;

@@ -97,6 +97,20 @@ json program_hashes(const Plan& plan, const Registry& registry) {
   return hashes;
 }
 
+/// Hashes of the files that contestants take: options of the type file, and training plans.
+json contestant_files(const Plan& plan, const Registry& registry) {
+  json hashes = json::object();
+  for (const PlanContestant& contestant : plan.contestants) {
+    if (!contestant.train.empty()) hashes[contestant.label + ".train"] = hash_file(contestant.train);
+    for (const auto& [name, given] : contestant.set) {
+      const OptionSpec* option = registry.find(contestant.method)->method->find_option(name);
+      if (option->type == OptionType::kFile && !given.text.empty())
+        hashes[contestant.label + "." + name] = hash_file(given.text);
+    }
+  }
+  return hashes;
+}
+
 json seeds_of(const Plan& plan) {
   json seeds = json::object();
   for (const PlanMesh& mesh : plan.meshes) {
@@ -157,6 +171,7 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"build_type", PALPATE_BUILD_TYPE},
           {"libraries", library_versions()},
           {"programs", program_hashes(plan, registry)},
+          {"files", contestant_files(plan, registry)},
           {"system", operating_system()},
           {"processor", system_value("/proc/cpuinfo", "model name")},
           {"processors", ::sysconf(_SC_NPROCESSORS_ONLN)},
@@ -181,6 +196,11 @@ std::vector<std::string> find_changes(const json& then, const json& now) {
   if (then.value("plan_hash", json()) != now.value("plan_hash", json()))
     changes.emplace_back("the plan changed");
   compare("the number of threads changed", then.value("threads", json()), now.value("threads", json()));
+  const json files_then = then.value("files", json::object());
+  const json files_now = now.value("files", json::object());
+  for (const auto& [name, hash] : files_then.items()) {
+    if (files_now.value(name, json()) != hash) changes.push_back("the file of " + name + " changed");
+  }
   const json programs_then = then.value("programs", json::object());
   const json programs_now = now.value("programs", json::object());
   for (const auto& [name, hash] : programs_now.items()) {

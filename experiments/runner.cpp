@@ -10,9 +10,11 @@
 #include "experiments/case_record.h"
 #include "experiments/contest.h"
 #include "experiments/contestant_run.h"
+#include "experiments/file_hash.h"
 #include "experiments/provenance.h"
 #include "experiments/record_file.h"
 #include "experiments/run_folder.h"
+#include "experiments/trained_springs.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -55,7 +57,8 @@ class Runner {
     prepare();
     RecordFile records(folder_.paths().records());
     load_records();
-    record_inputs(records);
+    result_.interrupted = !train_springs();
+    if (!result_.interrupted) record_inputs(records);
     if (!result_.interrupted) run_rounds(records);
     summarise();
     return result_;
@@ -87,6 +90,37 @@ class Runner {
     json known = then.value_or(now);
     known.update(contest_->prepare(wanted, then.value_or(json())));
     if (known != then) write_file_atomically(folder_.paths().provenance(), known.dump(2) + "\n");
+    provenance_ = std::move(known);
+  }
+
+  /// Trains what the plan's contestants take (`train`), or takes it from the cache; the provenance keeps the
+  /// report. Returns false if it was interrupted.
+  bool train_springs() {
+    std::map<std::size_t, TrainedSprings> trained;
+    try {
+      for (const std::size_t index : selected_) {
+        const std::size_t who = cases_[index].contestant;
+        const PlanContestant& contestant = plan_.contestants[who];
+        if (contestant.train.empty() || trained.count(who) > 0) continue;
+        progress_.say("training " + contestant.label + " by " + contestant.train.filename().string());
+        trained[who] = train_cached(contestant.train, {registry_, fs::absolute(folder_.fresh_scratch()),
+                                                       progress_, threads_, options_.stop_flag});
+      }
+    } catch (const TrainingInterrupted&) {
+      return false;
+    }
+    if (trained.empty()) return true;
+    for (Case& c : cases_) {
+      const auto own = trained.find(c.contestant);
+      if (own == trained.end()) continue;
+      c.options["springs"] = own->second.springs.string();
+      c.options["moduli"] = own->second.moduli.string();
+    }
+    for (const auto& [who, springs] : trained)
+      provenance_["trained"][plan_.contestants[who].label] = {{"springs_hash", hash_file(springs.springs)},
+                                                              {"report", springs.report}};
+    write_file_atomically(folder_.paths().provenance(), provenance_.dump(2) + "\n");
+    return true;
   }
 
   void load_records() {
@@ -214,8 +248,19 @@ class Runner {
     RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
     facts.deterministic = registry_.find(contestant.method)->method->deterministic;
     json record = contest_->build_record(facts, answer, states_[index].records);
+    add_file_hashes(*registry_.find(contestant.method)->method, c, record);
     keep_output(c, repeat, answer, record);
     return record;
+  }
+
+  /// A changed file is another case, whatever its name.
+  static void add_file_hashes(const MethodSpec& method, const Case& c, json& record) {
+    for (const OptionSpec& option : method.options) {
+      if (option.type != OptionType::kFile) continue;
+      const std::string file = c.options.at(option.name).get<std::string>();
+      std::error_code error;
+      if (!file.empty() && fs::is_regular_file(file, error)) record["files"][option.name] = hash_file(file);
+    }
   }
 
   void keep_output(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
@@ -267,6 +312,7 @@ class Runner {
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;
+  json provenance_;
   RunResult result_;
 };
 

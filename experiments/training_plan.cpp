@@ -101,9 +101,10 @@ void check_splits(const YamlFields& fields, const TrainingPlan& plan) {
 }
 
 void read_springs(const YamlValue& value, TrainingPlan& plan) {
-  const YamlFields keys = value.fields({"start", "face_opposite", "volume"});
+  const YamlFields keys = value.fields({"start", "face_opposite", "calibrate", "volume"});
   if (const auto start = keys.find("start")) plan.start = springs::parse_spring_method(start->text());
   if (const auto opposite = keys.find("face_opposite")) plan.face_opposite = opposite->boolean();
+  if (const auto calibrate = keys.find("calibrate")) plan.calibrate = calibrate->boolean();
   if (const auto volume = keys.find("volume")) {
     const std::string name = volume->text();
     if (name != "none" && name != "tet" && name != "node_average")

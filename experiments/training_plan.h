@@ -39,6 +39,7 @@ struct TrainingPlan {
   Material material;
   springs::SpringMethod start = springs::SpringMethod::kIsotropyPatch;
   bool face_opposite = false;
+  bool calibrate = false;  ///< the start times one factor, from the moduli that it has on its own mesh
   TrainedVolume volume = TrainedVolume::kNone;
   int refine = 1;                ///< of the quadratic elements that make the fields to learn from
   std::vector<double> ridges;    ///< the validation set chooses among them

@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/dynamics/calibration.h"
 #include "core/dynamics/loads.h"
 #include "core/dynamics/volume_models.h"
 #include "core/mesh/medit.h"
@@ -22,13 +23,6 @@ namespace {
 
 constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr double kLeastShare = 1e-3;          // of the mean stiffness, where a spring of zero starts
-
-/// What fields are solved with.
-struct ReferenceSolver {
-  MethodEntry method;
-  fs::path scratch;
-  int threads = 1;
-};
 
 std::vector<double> components_of(const std::vector<Vec3>& field) {
   std::vector<double> out;
@@ -81,57 +75,69 @@ void add_case(const TetMesh& mesh, const BoundaryProblem& problem, const std::st
   set.cases.push_back(std::move(one));
 }
 
-/// The field of quadratic elements at the vertices of the mesh.
-std::vector<Vec3> solve_field(const TetMesh& mesh, const BoundaryProblem& problem, const std::string& name,
-                              int refine, const ReferenceSolver& solver, std::size_t number) {
-  const fs::path folder = solver.scratch / std::to_string(number);
-  fs::create_directories(folder / "answer");
+/// One problem on the plan's mesh, as files.
+struct ProblemOnMesh {
+  const TetMesh& mesh;
+  std::string name;
+  fs::path folder;
+};
+
+ProblemOnMesh write_case(const TetMesh& mesh, const BoundaryProblem& problem, const std::string& name,
+                         const fs::path& folder) {
+  fs::create_directories(folder);
+  write_medit(folder / "in.mesh", mesh);
+  write_file_atomically(folder / "problem.json", reference::problem_to_json(problem).dump() + "\n");
+  return {mesh, name, folder};
+}
+
+/// The field of finite elements at the vertices of the mesh.
+std::vector<Vec3> solve_field(const ProblemOnMesh& on, const std::string& method, int refine,
+                              const TrainingSetting& setting) {
   ContestantTask task;
-  task.method = solver.method;
-  task.mesh_in = folder / "in.mesh";
-  task.problem_in = folder / "problem.json";
-  write_medit(task.mesh_in, mesh);
-  write_file_atomically(task.problem_in, reference::problem_to_json(problem).dump() + "\n");
-  task.scratch = folder / "answer";
-  task.options = resolve_options(*solver.method.method, {});
+  task.method = *setting.registry.find(method);
+  task.mesh_in = on.folder / "in.mesh";
+  task.problem_in = on.folder / "problem.json";
+  task.scratch = on.folder / method;
+  fs::create_directories(task.scratch);
+  task.options = resolve_options(*task.method.method, {});
   task.options["refine"] = refine;
-  task.threads = solver.threads;
+  task.threads = setting.threads;
   task.timeout_s = kReferenceTimeout;
+  task.stop_flag = setting.stop_flag;
   bool was_kept = false;
   const ContestantAnswer answer = run_cached(task, was_kept);
-  if (answer.outcome != "ok")
-    throw UnavailableError("the field of " + name + ": " + answer.outcome + ": " + answer.message);
+  const std::string what = method + " on the training case " + on.name + ": ";
+  if (answer.outcome == "interrupted") throw TrainingInterrupted();
+  if (answer.outcome != "ok") throw UnavailableError(what + answer.outcome + ": " + answer.message);
   const std::string outcome = answer.report.at("outcome").get<std::string>();
-  if (outcome != "converged") throw UnavailableError("the field of " + name + ": " + outcome);
+  if (outcome != "converged") throw UnavailableError(what + outcome);
+  const std::size_t vertices = on.mesh.points.size();
   std::vector<Vec3> field =
-      reference::read_displacement(answer.output, mesh.points.size(), build_edges(mesh).size());
-  field.resize(mesh.points.size());
+      reference::read_displacement(answer.output, vertices, build_edges(on.mesh).size());
+  field.resize(vertices);
   return field;
 }
 
-/// The springs to start from and the dilatations, as terms with constants.
-void build_start(const TrainingPlan& plan, TrainingInput& input) {
-  const auto volume = plan.volume == TrainedVolume::kNone ? dynamics::VolumeModel::kNone
-                                                          : dynamics::VolumeModel::kNodeAverage;
-  springs::IdentifyOptions options;
-  options.face_opposite = plan.face_opposite;
-  springs::IdentifyReport report;
-  input.network = springs::identify_springs(input.mesh, dynamics::spring_material(plan.material, volume),
-                                            plan.start, options, report);
-  input.notes.insert(input.notes.end(), report.warnings.begin(), report.warnings.end());
-  springs::add_spring_terms(input.mesh, input.network, kLeastShare, input.terms);
-  const double modulus = plan.material.lambda_pa() - plan.material.mu_pa();
-  if (plan.volume == TrainedVolume::kTet) springs::add_tet_dilatation_terms(input.mesh, modulus, input.terms);
-  if (plan.volume == TrainedVolume::kNodeAverage)
-    springs::add_vertex_dilatation_terms(input.mesh, modulus, input.terms);
+double relative_error(const std::vector<double>& weight, const std::vector<double>& u,
+                      const std::vector<double>& target) {
+  double difference = 0.0;
+  double size = 0.0;
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    difference += weight[i] * (u[i] - target[i]) * (u[i] - target[i]);
+    size += weight[i] * target[i] * target[i];
+  }
+  return std::sqrt(difference / size);
 }
 
-ReferenceSolver find_solver(const Registry& registry, const fs::path& scratch, int threads) {
-  const auto method = registry.find("fem.p2");
-  if (!method) throw UnavailableError("training needs the contestant fem.p2, which is not there");
-  const std::string why = method->contestant->unavailable();
-  if (!why.empty()) throw UnavailableError("training needs fem.p2, which is unavailable: " + why);
-  return {*method, scratch, threads};
+void require_elements(const Registry& registry) {
+  for (const char* name : {"fem.p2", "fem.p1"}) {
+    const auto method = registry.find(name);
+    if (!method)
+      throw UnavailableError(std::string("training needs the contestant ") + name + ", which is not there");
+    const std::string why = method->contestant->unavailable();
+    if (!why.empty())
+      throw UnavailableError(std::string("training needs ") + name + ", which is unavailable: " + why);
+  }
 }
 
 /// Estimates the seconds that are left from those gone by.
@@ -152,6 +158,11 @@ class StepClock {
   std::size_t done_ = 0;
 };
 
+/// Throws when the run is to be given up.
+void check_stop(const TrainingSetting& setting) {
+  if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw TrainingInterrupted();
+}
+
 /// The errors of all cases of a set with these constants.
 std::vector<double> errors_with(const springs::RankOneTerms& terms, const std::vector<double>& constant,
                                 const springs::TrainingSet& set) {
@@ -169,47 +180,88 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-TrainingInput build_training_input(const TrainingPlan& plan, const Registry& registry,
-                                   const fs::path& scratch, int threads, Progress& progress) {
-  const ReferenceSolver solver = find_solver(registry, scratch, threads);
+BoundaryProblem place_case(const TrainingPlan& plan, std::size_t clamp, std::size_t load,
+                           const TetMesh& mesh) {
+  Scene scene;
+  scene.file = plan.file;
+  scene.material = plan.material;
+  scene.clamps = plan.clamps[clamp].clamps;
+  scene.loads = plan.loads[load].loads;
+  return build_problem(place_scene(std::move(scene), mesh), mesh);
+}
+
+SpringStart build_spring_start(const TetMesh& mesh, const TrainingPlan& plan, bool face_opposite,
+                               bool calibrated, std::vector<std::string>& notes) {
+  const auto volume = plan.volume == TrainedVolume::kNone ? dynamics::VolumeModel::kNone
+                                                          : dynamics::VolumeModel::kNodeAverage;
+  const Material material = dynamics::spring_material(plan.material, volume);
+  springs::IdentifyOptions options;
+  options.face_opposite = face_opposite;
+  springs::IdentifyReport report;
+  SpringStart start;
+  start.network = springs::identify_springs(mesh, material, plan.start, options, report);
+  notes.insert(notes.end(), report.warnings.begin(), report.warnings.end());
+  if (calibrated) {
+    const dynamics::ElasticModel model{mesh.points, start.network, true, {}, {}};
+    const double factor =
+        dynamics::calibration_factor(dynamics::measure_moduli(mesh, model, {}), material.mu_pa());
+    for (double& stiffness : start.network.stiffness_n_per_m) stiffness *= factor;
+  }
+  springs::add_spring_terms(mesh, start.network, kLeastShare, start.terms);
+  const double modulus = plan.material.lambda_pa() - plan.material.mu_pa();
+  if (plan.volume == TrainedVolume::kTet) springs::add_tet_dilatation_terms(mesh, modulus, start.terms);
+  if (plan.volume == TrainedVolume::kNodeAverage)
+    springs::add_vertex_dilatation_terms(mesh, modulus, start.terms);
+  return start;
+}
+
+TrainingInput build_training_input(const TrainingPlan& plan, const TrainingSetting& setting) {
+  require_elements(setting.registry);
   TrainingInput input;
   MadeMesh made = build_scene_mesh(plan.mesh);
   input.mesh = std::move(made.mesh);
   input.notes = std::move(made.notes);
-  build_start(plan, input);
+  input.start = build_spring_start(input.mesh, plan, plan.face_opposite, plan.calibrate, input.notes);
   std::vector<double> weight;
   for (const double volume : springs::build_influence_volumes(input.mesh))
     weight.insert(weight.end(), 3, volume);
+  struct Place {
+    std::size_t split;
+    std::string name;
+    BoundaryProblem problem;
+  };
+  std::vector<Place> places;  // all problems first: what is wrong with one is said before hours of solving
   const std::array<const TrainingSplit*, 4> splits{&plan.train, &plan.validate, &plan.test_loads,
                                                    &plan.test_clamps};
-  std::size_t all = 0;
-  for (const TrainingSplit* split : splits) all += split->size();
-  progress.start(all);
-  StepClock clock(all);
-  std::size_t number = 0;
   for (const TrainingSplit* split : splits) {
-    TrainingCases cases{split->name, {weight, {}, {}}};
     for (const std::size_t clamp : split->clamps)
-      for (const std::size_t load : split->loads) {
-        Scene scene;
-        scene.file = plan.file;
-        scene.material = plan.material;
-        scene.clamps = plan.clamps[clamp].clamps;
-        scene.loads = plan.loads[load].loads;
-        const std::string name = plan.clamps[clamp].name + "/" + plan.loads[load].name;
-        progress.show("field of " + name);
-        const BoundaryProblem problem = build_problem(place_scene(std::move(scene), input.mesh), input.mesh);
-        add_case(input.mesh, problem, name,
-                 solve_field(input.mesh, problem, name, plan.refine, solver, number++), cases.set);
-        progress.step(clock.seconds_left());
-      }
-    input.splits.push_back(std::move(cases));
+      for (const std::size_t load : split->loads)
+        places.push_back({input.splits.size(), plan.clamps[clamp].name + "/" + plan.loads[load].name,
+                          place_case(plan, clamp, load, input.mesh)});
+    input.splits.push_back({split->name, {weight, {}, {}}, {}});
+  }
+  setting.progress.start(places.size());
+  StepClock clock(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Place& place = places[i];
+    setting.progress.show("field of " + place.name);
+    const ProblemOnMesh on =
+        write_case(input.mesh, place.problem, place.name, setting.scratch / std::to_string(i));
+    TrainingCases& cases = input.splits[place.split];
+    add_case(input.mesh, place.problem, place.name, solve_field(on, "fem.p2", plan.refine, setting),
+             cases.set);
+    cases.linear_elements.push_back(relative_error(
+        weight, components_of(solve_field(on, "fem.p1", 0, setting)), cases.set.cases.back().target_m));
+    fs::remove_all(on.folder);
+    setting.progress.step(clock.seconds_left());
   }
   return input;
 }
 
-TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& plan, Progress& progress) {
+TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& plan,
+                             const TrainingSetting& setting) {
   TrainingOutcome outcome;
+  Progress& progress = setting.progress;
   progress.start(plan.ridges.size());
   StepClock clock(plan.ridges.size());
   for (const double ridge : plan.ridges) {
@@ -217,9 +269,12 @@ TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& pla
     springs::TrainingOptions options;
     options.ridge = ridge;
     options.lbfgs.max_iterations = plan.iterations;
-    const springs::TrainingReport report = springs::fit_constants(input.terms, input.splits[0].set, options);
+    options.before_evaluation = [&] { check_stop(setting); };
+    const springs::TrainingReport report =
+        springs::fit_constants(input.start.terms, input.splits[0].set, options);
     RidgeResult result{ridge, report.error_after, 0.0, report.lbfgs};
-    result.validate_rms = root_mean_square(errors_with(input.terms, report.constant, input.splits[1].set));
+    result.validate_rms =
+        root_mean_square(errors_with(input.start.terms, report.constant, input.splits[1].set));
     if (outcome.ridges.empty() || result.validate_rms < outcome.ridges[outcome.chosen].validate_rms) {
       outcome.chosen = outcome.ridges.size();
       outcome.constant = report.constant;
@@ -229,11 +284,15 @@ TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& pla
     outcome.ridges.push_back(result);
     progress.step(clock.seconds_left());
   }
+  std::vector<std::string> ignored;
+  const SpringStart opposite = build_spring_start(input.mesh, plan, true, true, ignored);
+  outcome.models = {"start", "calibrated_opposite", "fem_p1", "trained"};
   for (const TrainingCases& split : input.splits) {
-    SplitErrors errors{split.name, {}, {}, {}};
+    SplitErrors errors{split.name, {}, {}};
     for (const springs::TrainingCase& one : split.set.cases) errors.cases.push_back(one.name);
-    errors.before = errors_with(input.terms, input.terms.constant, split.set);
-    errors.after = errors_with(input.terms, outcome.constant, split.set);
+    errors.of_model = {errors_with(input.start.terms, input.start.terms.constant, split.set),
+                       errors_with(opposite.terms, opposite.terms.constant, split.set), split.linear_elements,
+                       errors_with(input.start.terms, outcome.constant, split.set)};
     outcome.errors.push_back(std::move(errors));
   }
   return outcome;

@@ -165,10 +165,11 @@ TrainingReport fit_constants(const RankOneTerms& terms, const TrainingSet& set,
   report.error_before = root_mean_square(solve_cases(terms, terms.constant, set));
   Fit fit(terms, set);
   std::vector<double> theta = fit.start();
-  report.lbfgs =
-      minimize_lbfgs([&](std::span<const double> at,
-                         std::span<double> gradient) { return fit.evaluate(options.ridge, at, gradient); },
-                     theta, options.lbfgs);
+  const auto evaluate = [&](std::span<const double> at, std::span<double> gradient) {
+    if (options.before_evaluation) options.before_evaluation();
+    return fit.evaluate(options.ridge, at, gradient);
+  };
+  report.lbfgs = minimize_lbfgs(evaluate, theta, options.lbfgs);
   for (const double value : theta) report.constant.push_back(std::exp(value));
   report.error_after = root_mean_square(solve_cases(terms, report.constant, set));
   return report;

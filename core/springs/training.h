@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -93,6 +94,7 @@ std::vector<CaseResult> solve_cases(const RankOneTerms& terms, std::span<const d
 struct TrainingOptions {
   double ridge = 0.0;
   LbfgsOptions lbfgs;
+  std::function<void()> before_evaluation;  ///< if there is one; what it throws ends the fit
 };
 
 struct TrainingReport {

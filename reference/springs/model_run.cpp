@@ -12,6 +12,7 @@
 #include "core/dynamics/static_equilibrium.h"
 #include "core/dynamics/volume_models.h"
 #include "core/springs/identify.h"
+#include "core/springs/moduli_csv.h"
 #include "core/springs/springs_csv.h"
 #include "reference/deform_problem.h"
 #include "reference/fusion_options.h"
@@ -36,6 +37,7 @@ class Stopwatch {
 struct SpringRequest {
   std::optional<springs::SpringMethod> method;  ///< nothing: from a file
   std::string file;
+  std::string moduli_file;  ///< beside `file`; empty: none
   springs::IdentifyOptions identify;
   bool calibrate = false;
   dynamics::SpringModelOptions model;
@@ -64,6 +66,8 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
     out.file =
         take_option<std::string>(options, "springs", &json::is_string, "the path of a springs CSV", "");
     if (out.file.empty()) throw InputError("springs", 0, "the path of a springs CSV", "none");
+    out.moduli_file =
+        take_option<std::string>(options, "moduli", &json::is_string, "the path of a moduli CSV", "");
   } else {
     out.method = springs::parse_spring_method(name);
     out.identify.face_opposite = take_bool(options, "face_opposite", false);
@@ -85,6 +89,9 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
   out.model.shear = take_domain(options, "shear", out.model.shear);
   out.model.volume_force_ratio = take_number(options, "volume_force_ratio", 0.0, kHuge, 1.0);
   out.model.large_law = take_law(options, out.model.large_law);
+  if (!out.moduli_file.empty() && out.model.volume != dynamics::VolumeModel::kNone)
+    throw InputError("moduli", 0, "volume=none beside trained moduli: they are the volume model",
+                     dynamics::volume_model_name(out.model.volume));
   return out;
 }
 
@@ -117,6 +124,18 @@ dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json
   return out;
 }
 
+/// Adds the energy 1/2 m V (tr eps)^2 of each vertex or tet, with the moduli m of a file.
+void add_trained_dilatation(const TetMesh& mesh, const std::string& file,
+                            const dynamics::SpringModelOptions& options, dynamics::ElasticModel& model) {
+  const springs::DilatationModuli moduli = springs::read_moduli_csv(file, mesh);
+  const auto domain = moduli.at_vertices ? dynamics::StrainDomain::kNode : dynamics::StrainDomain::kTet;
+  dynamics::StrainTerm term{dynamics::build_strain_operator(mesh, domain), {1.0, 0.0}, options.large_law};
+  if (options.strain == StrainSize::kSmall) term.law = dynamics::StrainLaw::kLinear;
+  // The laws are linear in their moduli, so a domain's modulus can stand in its volume.
+  for (std::size_t s = 0; s < term.op.domains(); ++s) term.op.volume_m3[s] *= moduli.modulus_pa[s];
+  model.strain_terms.push_back(std::move(term));
+}
+
 /// Identified or read springs with their figures in the report, and their volume model.
 BuiltModel build_springs(const DeformTask& task, const SpringRequest& wanted, Response& response) {
   const Material& material = task.problem.material;
@@ -144,7 +163,10 @@ BuiltModel build_springs(const DeformTask& task, const SpringRequest& wanted, Re
   }
   response.report["springs"] = net.springs.size();
   response.report["identify_s"] = identify_watch.seconds();
-  return dynamics::build_spring_model(task.mesh, std::move(net), material, wanted.model);
+  BuiltModel built = dynamics::build_spring_model(task.mesh, std::move(net), material, wanted.model);
+  if (!wanted.moduli_file.empty())
+    add_trained_dilatation(task.mesh, wanted.moduli_file, wanted.model, built.model);
+  return built;
 }
 
 void report_solution(const dynamics::StaticReport& report, Response& response) {

@@ -54,6 +54,15 @@ TEST(Schema, PlansOfTheProject) {
   EXPECT_NE(validate("plan.schema.json", broken), "");
 }
 
+TEST(Schema, TrainingPlansOfTheProject) {
+  const json plans = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/training", ".yaml");
+  ASSERT_GT(plans.size(), 0U);
+  EXPECT_EQ(validate("training.schema.json", plans), "");
+  json broken = plans;
+  broken[0]["clamps"]["back"][0]["elastic"] = 1;
+  EXPECT_NE(validate("training.schema.json", broken), "");
+}
+
 TEST(Schema, DescriptionsOfTheProject) {
   json descriptions = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "reference", "contestant.yaml");
   ASSERT_GT(descriptions.size(), 0U);

@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include "core/base/error.h"
+#include "experiments/scene_problem.h"
+#include "experiments/training_run.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
@@ -70,10 +72,19 @@ TEST(TrainingPlan, ReadsWhatItSays) {
   EXPECT_EQ(plan.volume, TrainedVolume::kNone);
 }
 
-TEST(TrainingPlan, ReadsTheOneThatIsShipped) {
-  const TrainingPlan plan = read_training_plan(std::filesystem::path(PALPATE_SOURCE_DIR) / "experiments" /
-                                               "training" / "kidney_springs.yaml");
-  EXPECT_GT(plan.train.size(), 0U);
+TEST(TrainingPlan, ThoseThatAreShippedFindTheirRegionsOnTheirMeshes) {
+  const auto folder = std::filesystem::path(PALPATE_SOURCE_DIR) / "experiments" / "training";
+  std::size_t plans = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const TrainingPlan plan = read_training_plan(entry.path());
+    const TetMesh mesh = build_scene_mesh(plan.mesh).mesh;
+    for (std::size_t clamp = 0; clamp < plan.clamps.size(); ++clamp)
+      EXPECT_NO_THROW(place_case(plan, clamp, 0, mesh)) << plan.clamps[clamp].name;
+    for (std::size_t load = 0; load < plan.loads.size(); ++load)
+      EXPECT_NO_THROW(place_case(plan, 0, load, mesh)) << plan.loads[load].name;
+    ++plans;
+  }
+  EXPECT_GT(plans, 0U);
 }
 
 TEST(TrainingPlan, RefusesATestSetThatAChoiceLooksAt) {

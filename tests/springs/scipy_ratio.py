@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Our identification beside SciPy's lsq_linear, in one run and on the same rows: same answer? how much faster?
 
-    tests/springs/scipy_ratio.py build/release/bin/palpate [--vertices 1300 10000] [--repeats 5] [--time-limit 900]
+    tests/springs/scipy_ratio.py build/release/bin/palpate [--vertices 1300 10000] [--repeats 5]
 
 For each size the program makes a kidney (or --mesh FILE gives one), identifies `isotropy_patch` springs and says how long
 that took (kernel_s, reading and writing left out). The same rows are built here from their definition, with NumPy, and given
