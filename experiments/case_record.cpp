@@ -67,7 +67,12 @@ void add_bound_violations(const std::vector<AcceptBound>& bounds, json& record) 
 
 namespace {
 
-/// The judge's figures and violations of an output, from an earlier repeat if it is the same.
+/// What a contestant says of its own end; null where the contest asks for nothing of the kind.
+json outcome_of(const json& report) {
+  return report.is_object() ? report.value("outcome", json()) : json();
+}
+
+/// The judge's figures and violations of an output, from an earlier repeat if it is the same and ended alike.
 void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
                        const std::vector<json>& earlier, json& record) {
   std::error_code error;
@@ -78,7 +83,7 @@ void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const
   for (const json& other : earlier) {
     if (!has_output || !other.at("output_hash").is_string()) continue;
     if (other.at("output_hash") == hash) {
-      same = &other;
+      if (outcome_of(other.at("report")) == outcome_of(answer.report)) same = &other;
     } else {
       differs = true;
     }

@@ -39,7 +39,8 @@ nlohmann::json start_record(const RepeatFacts& facts, const nlohmann::json& subj
                             const ContestantAnswer& answer);
 
 /// Judges an answer that is "ok", and ends the record. `earlier` are the records of the case so far: the same
-/// output is not judged again, another output is a violation. Keys: experiments/schema/record.schema.json.
+/// output of the same outcome is not judged again, another output is a violation. Keys:
+/// experiments/schema/record.schema.json.
 void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
                   const std::vector<nlohmann::json>& earlier, nlohmann::json& record);
 

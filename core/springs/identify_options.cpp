@@ -44,8 +44,8 @@ std::span<const SpringOption> spring_options() {
   static const std::array<SpringOption, 4> options{{
       {"face_opposite", "true: also a spring between the two apexes of each interior face", "false",
        all_methods()},
-      {"stiffness",
-       "of every spring, in N/m, above 0",
+      {"stiffness_n_per_m",
+       "of every spring, above 0",
        "the best fit to sum k U^2 = 6 E V",
        {SpringMethod::kUniform}},
       {"row_weight",
@@ -79,7 +79,7 @@ void set_spring_option(SpringMethod method, std::string_view name, std::string_v
   }
   const std::string place = where + " " + std::string(name);
   if (name == "face_opposite") options.face_opposite = parse_flag(text, place);
-  if (name == "stiffness") options.uniform_stiffness_n_per_m = parse_number(text, place);
+  if (name == "stiffness_n_per_m") options.uniform_stiffness_n_per_m = parse_number(text, place);
   if (name == "row_weight") options.stiffness_row_weight = parse_number(text, place);
   if (name == "patch_length") options.patch_length = parse_number(text, place);
 }

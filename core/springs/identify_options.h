@@ -18,7 +18,7 @@ struct SpringOption {
   std::vector<SpringMethod> methods;
 };
 
-/// All of them: face_opposite, stiffness, row_weight, patch_length.
+/// All of them: face_opposite, stiffness_n_per_m, row_weight, patch_length.
 std::span<const SpringOption> spring_options();
 
 /// Names of the options that the method takes.

@@ -78,7 +78,7 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
     }
     if (*out.method == springs::SpringMethod::kThesisPrinted ||
         *out.method == springs::SpringMethod::kThesisCorrected)
-      out.identify.stiffness_row_weight = take_number(options, "stiffness_row_weight", 0.0, kHuge, 1.0);
+      out.identify.stiffness_row_weight = take_number(options, "row_weight", 0.0, kHuge, 1.0);
     if (*out.method == springs::SpringMethod::kIsotropyPatch)
       out.identify.patch_length = take_number(options, "patch_length", 0.0, kHuge, 1.0);
   }

@@ -72,9 +72,10 @@ TEST_F(SpringsCommand, WritesTheConstantsOfEachMethod) {
 
 TEST_F(SpringsCommand, OptionsUnitsAndMasses) {
   const std::string masses = (folder_ / "m.csv").string();
-  const ProgramResult result = springs({"--set", "stiffness=42", "--set", "face_opposite=true", "--unit-m",
-                                        "0.001", "--density", "1050", "--masses", masses, "--json"},
-                                       "uniform");
+  const ProgramResult result =
+      springs({"--set", "stiffness_n_per_m=42", "--set", "face_opposite=true", "--unit-m", "0.001",
+               "--density", "1050", "--masses", masses, "--json"},
+              "uniform");
   ASSERT_EQ(result.exit_code, 0) << result.error;
   TetMesh small = mesh_;
   for (Vec3& p : small.points) p = 0.001 * p;
@@ -147,8 +148,8 @@ TEST_F(SpringsCommand, UnknownMethodsAndOptionsAreRefused) {
                  "row_weight: expected a finite number above 0, found 0");
   expect_refusal(springs({"--set", "stiffness"}, "uniform"),
                  "--set: expected key=value, found \"stiffness\"");
-  expect_refusal(springs({"--set", "stiffness=1", "--set", "stiffness=2"}, "uniform"),
-                 "--set: option \"stiffness\" twice");
+  expect_refusal(springs({"--set", "stiffness_n_per_m=1", "--set", "stiffness_n_per_m=2"}, "uniform"),
+                 "--set: option \"stiffness_n_per_m\" twice");
   expect_refusal(springs({}, "trained"),
                  "--method trained: trained springs are fitted to displacement fields");
 }

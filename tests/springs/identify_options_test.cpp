@@ -14,7 +14,7 @@ TEST(IdentifyOptions, AreSetByName) {
   IdentifyOptions options;
   set_spring_option(SpringMethod::kIsotropyPatch, "face_opposite", "true", "--set", options);
   set_spring_option(SpringMethod::kIsotropyPatch, "patch_length", "0.5", "--set", options);
-  set_spring_option(SpringMethod::kUniform, "stiffness", "12.5", "--set", options);
+  set_spring_option(SpringMethod::kUniform, "stiffness_n_per_m", "12.5", "--set", options);
   set_spring_option(SpringMethod::kThesisPrinted, "row_weight", "1e2", "--set", options);
   EXPECT_TRUE(options.face_opposite);
   EXPECT_EQ(options.patch_length, 0.5);
@@ -32,12 +32,12 @@ TEST(IdentifyOptions, AreSetByName) {
       EXPECT_EQ(error.what(), message);
     }
   };
-  refuse(SpringMethod::kLloyd, "stiffness", "1",
-         "--set: lloyd has no option \"stiffness\"; it has face_opposite");
+  refuse(SpringMethod::kLloyd, "stiffness_n_per_m", "1",
+         "--set: lloyd has no option \"stiffness_n_per_m\"; it has face_opposite");
   refuse(SpringMethod::kUniform, "row_weight", "1",
-         "--set: uniform has no option \"row_weight\"; it has face_opposite, stiffness");
-  refuse(SpringMethod::kUniform, "stiffness", "1x",
-         "--set stiffness: expected a finite number, found \"1x\"");
+         "--set: uniform has no option \"row_weight\"; it has face_opposite, stiffness_n_per_m");
+  refuse(SpringMethod::kUniform, "stiffness_n_per_m", "1x",
+         "--set stiffness_n_per_m: expected a finite number, found \"1x\"");
   refuse(SpringMethod::kUniform, "face_opposite", "yes",
          "--set face_opposite: expected true or false, found \"yes\"");
 }
