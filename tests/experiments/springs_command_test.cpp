@@ -143,7 +143,7 @@ TEST_F(SpringsCommand, UnknownMethodsAndOptionsAreRefused) {
                  "--method: unknown method \"isotropc\"; did you mean \"isotropy\"?");
   expect_refusal(springs({"--set", "row_wight=2"}, "thesis_corrected"),
                  "--set: thesis_corrected has no option \"row_wight\"; it has face_opposite, row_weight");
-  expect_refusal(springs({"--set", "face_opposite=true"}, "lloyd"), "--set: lloyd has no option");
+  expect_refusal(springs({"--set", "patch_length=2"}, "lloyd"), "--set: lloyd has no option");
   expect_refusal(springs({"--set", "row_weight=0"}, "thesis_printed"),
                  "row_weight: expected a finite number above 0, found 0");
   expect_refusal(springs({"--set", "stiffness"}, "uniform"),
