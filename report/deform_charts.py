@@ -54,13 +54,16 @@ def finish(fig, title, handles, height, **spacing):
 
 
 def percent_number(value):
-    return f"{value:g}" if value < 1000 else f"{value:.0e}"
+    return f"{value:g}" if value < 1e5 else f"{value:.0e}"
 
 
 def set_percent_axis(axis):
-    """Numbers at 1, 2, 5 where there is room for them."""
+    """Numbers at 1, 2, 5 where there is room for them; at every second power of ten where there is little."""
     low, high = sorted(axis.get_view_interval())
-    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=12))
+    if high > 2e4 * low:
+        axis.set_major_locator(LogLocator(base=100, numticks=12))
+    else:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: percent_number(value)))
     axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
     axis.set_minor_formatter(NullFormatter())
