@@ -60,44 +60,73 @@ std::vector<std::size_t> read_names(const YamlValue& value, const std::vector<st
   return places;
 }
 
+bool has(const std::vector<std::size_t>& places, std::size_t place) {
+  return std::find(places.begin(), places.end(), place) != places.end();
+}
+
+/// Adds each of a block's clamps with each of its loads.
+void read_block(const YamlValue& value, const TrainingPlan& plan, TrainingSplit& split) {
+  const YamlFields keys = value.fields({"clamps", "loads"});
+  const auto clamps = read_names(keys.need("clamps"), names_of(plan.clamps));
+  const auto loads = read_names(keys.need("loads"), names_of(plan.loads));
+  for (const std::size_t clamp : clamps)
+    for (const std::size_t load : loads) {
+      const TrainingPair pair{clamp, load};
+      if (std::find(split.cases.begin(), split.cases.end(), pair) != split.cases.end())
+        value.fail("\"" + plan.clamps[clamp].name + "\" with \"" + plan.loads[load].name + "\" twice");
+      split.cases.push_back(pair);
+    }
+}
+
 void read_split(const YamlFields& fields, const TrainingPlan& plan, TrainingSplit& split) {
   const YamlValue value = fields.need(split.name);
-  const YamlFields keys = value.fields({"clamps", "loads"});
-  split.clamps = read_names(keys.need("clamps"), names_of(plan.clamps));
-  split.loads = read_names(keys.need("loads"), names_of(plan.loads));
-  if (split.size() > kMostCases) value.fail("too many cases: " + std::to_string(split.size()));
+  if (value.is_list()) {
+    for (const YamlValue& block : value.items()) read_block(block, plan, split);
+  } else {
+    read_block(value, plan, split);
+  }
+  if (split.cases.empty()) value.fail_expected("clamps and loads, or a list of such blocks");
+  if (split.cases.size() > kMostCases) value.fail("too many cases: " + std::to_string(split.cases.size()));
+}
+
+std::vector<std::size_t> clamps_of(const TrainingSplit& split) {
+  std::vector<std::size_t> clamps;
+  for (const TrainingPair& pair : split.cases) clamps.push_back(pair.clamp);
+  return clamps;
+}
+
+std::vector<std::size_t> loads_of(const TrainingSplit& split) {
+  std::vector<std::size_t> loads;
+  for (const TrainingPair& pair : split.cases) loads.push_back(pair.load);
+  return loads;
 }
 
 // A test set's names must be ones that no choice looks at.
 void require_apart(const YamlValue& at, const std::vector<std::size_t>& tested,
                    const std::vector<std::size_t>& seen, const std::vector<std::string>& names) {
   for (const std::size_t place : tested)
-    if (std::find(seen.begin(), seen.end(), place) != seen.end())
+    if (has(seen, place))
       at.fail("\"" + names[place] + "\" is looked at by train or validate: a test set is apart from both");
 }
 
 void check_splits(const YamlFields& fields, const TrainingPlan& plan) {
-  std::vector<std::size_t> loads = plan.train.loads;
-  loads.insert(loads.end(), plan.validate.loads.begin(), plan.validate.loads.end());
-  std::vector<std::size_t> clamps = plan.train.clamps;
-  clamps.insert(clamps.end(), plan.validate.clamps.begin(), plan.validate.clamps.end());
-  require_apart(fields.need("test_loads"), plan.test_loads.loads, loads, names_of(plan.loads));
-  require_apart(fields.need("test_clamps"), plan.test_clamps.clamps, clamps, names_of(plan.clamps));
-  for (const std::size_t clamp : plan.test_loads.clamps)
-    if (std::find(plan.train.clamps.begin(), plan.train.clamps.end(), clamp) == plan.train.clamps.end())
+  for (const TrainingSplit* seen : {&plan.train, &plan.validate}) {
+    require_apart(fields.need("test_loads"), loads_of(plan.test_loads), loads_of(*seen),
+                  names_of(plan.loads));
+    require_apart(fields.need("test_clamps"), clamps_of(plan.test_clamps), clamps_of(*seen),
+                  names_of(plan.clamps));
+  }
+  const auto trained = clamps_of(plan.train);
+  for (const std::size_t clamp : clamps_of(plan.test_loads))
+    if (!has(trained, clamp))
       fields.need("test_loads")
           .fail("\"" + plan.clamps[clamp].name +
                 "\" is not among train's clamps: unseen clamps go into test_clamps");
-  for (const std::size_t clamp : plan.validate.clamps)
-    for (const std::size_t load : plan.validate.loads) {
-      const auto has = [](const std::vector<std::size_t>& places, std::size_t place) {
-        return std::find(places.begin(), places.end(), place) != places.end();
-      };
-      if (has(plan.train.clamps, clamp) && has(plan.train.loads, load))
-        fields.need("validate")
-            .fail("\"" + plan.clamps[clamp].name + "\" with \"" + plan.loads[load].name +
-                  "\" is in train too: it validates nothing");
-    }
+  for (const TrainingPair& pair : plan.validate.cases)
+    if (std::find(plan.train.cases.begin(), plan.train.cases.end(), pair) != plan.train.cases.end())
+      fields.need("validate")
+          .fail("\"" + plan.clamps[pair.clamp].name + "\" with \"" + plan.loads[pair.load].name +
+                "\" is in train too: it validates nothing");
 }
 
 void read_springs(const YamlValue& value, TrainingPlan& plan) {
@@ -119,9 +148,10 @@ void check_ratio(const YamlValue& material, const TrainingPlan& plan) {
   if (plan.volume == TrainedVolume::kNone && ratio != kSpringRatio)
     material.fail("springs alone have Poisson's ratio 0.25, not " + std::to_string(ratio) +
                   ": name a volume model (springs: {volume: node_average})");
-  if (plan.volume != TrainedVolume::kNone && !(ratio > kSpringRatio))
-    material.fail("a volume model carries what Poisson's ratio has above 0.25, found " +
-                  std::to_string(ratio));
+  if (plan.volume != TrainedVolume::kNone && ratio < kSpringRatio)
+    material.fail(
+        "a volume model carries what Poisson's ratio has above 0.25: expected at least that, found " +
+        std::to_string(ratio));
 }
 
 void read_fit(const YamlValue& value, TrainingPlan& plan) {

@@ -21,13 +21,17 @@ struct NamedLoads {
   std::vector<SceneLoad> loads;
 };
 
-/// Each of its clamps with each of its loads, by their places in the plan.
+/// A clamp with a load, by their places in the plan.
+struct TrainingPair {
+  std::size_t clamp = 0;
+  std::size_t load = 0;
+  bool operator==(const TrainingPair&) const = default;
+};
+
+/// The cases of one set: the products of clamps and loads that the plan lists.
 struct TrainingSplit {
   std::string name;  ///< "train", "validate", "test_loads", "test_clamps"
-  std::vector<std::size_t> clamps;
-  std::vector<std::size_t> loads;
-
-  std::size_t size() const { return clamps.size() * loads.size(); }
+  std::vector<TrainingPair> cases;
 };
 
 /// What carries the dilatation beside the springs; both have trained moduli.
@@ -46,10 +50,10 @@ struct TrainingPlan {
   std::size_t iterations = 150;  ///< of each fit
   std::vector<NamedClamps> clamps;
   std::vector<NamedLoads> loads;
-  TrainingSplit train{"train", {}, {}};
-  TrainingSplit validate{"validate", {}, {}};
-  TrainingSplit test_loads{"test_loads", {}, {}};    ///< loads that no choice looks at, on clamps of `train`
-  TrainingSplit test_clamps{"test_clamps", {}, {}};  ///< clamps that no choice looks at
+  TrainingSplit train{"train", {}};
+  TrainingSplit validate{"validate", {}};
+  TrainingSplit test_loads{"test_loads", {}};    ///< loads that no choice looks at, on clamps of `train`
+  TrainingSplit test_clamps{"test_clamps", {}};  ///< clamps that no choice looks at
 };
 
 /// Reads and checks a training plan.

@@ -23,6 +23,7 @@ namespace {
 
 constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr double kLeastShare = 1e-3;          // of the mean stiffness, where a spring of zero starts
+constexpr double kLeastModulus = 0.02;        // of mu, where a dilatation of zero starts
 
 std::vector<double> components_of(const std::vector<Vec3>& field) {
   std::vector<double> out;
@@ -208,7 +209,9 @@ SpringStart build_spring_start(const TetMesh& mesh, const TrainingPlan& plan, bo
     for (double& stiffness : start.network.stiffness_n_per_m) stiffness *= factor;
   }
   springs::add_spring_terms(mesh, start.network, kLeastShare, start.terms);
-  const double modulus = plan.material.lambda_pa() - plan.material.mu_pa();
+  // At Poisson's ratio 1/4 the start would be zero, which has no logarithm.
+  const double modulus =
+      std::max(plan.material.lambda_pa() - plan.material.mu_pa(), kLeastModulus * plan.material.mu_pa());
   if (plan.volume == TrainedVolume::kTet) springs::add_tet_dilatation_terms(mesh, modulus, start.terms);
   if (plan.volume == TrainedVolume::kNodeAverage)
     springs::add_vertex_dilatation_terms(mesh, modulus, start.terms);
@@ -234,10 +237,9 @@ TrainingInput build_training_input(const TrainingPlan& plan, const TrainingSetti
   const std::array<const TrainingSplit*, 4> splits{&plan.train, &plan.validate, &plan.test_loads,
                                                    &plan.test_clamps};
   for (const TrainingSplit* split : splits) {
-    for (const std::size_t clamp : split->clamps)
-      for (const std::size_t load : split->loads)
-        places.push_back({input.splits.size(), plan.clamps[clamp].name + "/" + plan.loads[load].name,
-                          place_case(plan, clamp, load, input.mesh)});
+    for (const TrainingPair& pair : split->cases)
+      places.push_back({input.splits.size(), plan.clamps[pair.clamp].name + "/" + plan.loads[pair.load].name,
+                        place_case(plan, pair.clamp, pair.load, input.mesh)});
     input.splits.push_back({split->name, {weight, {}, {}}, {}});
   }
   setting.progress.start(places.size());

@@ -63,13 +63,24 @@ TEST(TrainingPlan, ReadsWhatItSays) {
   const TrainingPlan plan = read_changed();
   EXPECT_EQ(plan.clamps.size(), 3U);
   EXPECT_EQ(plan.loads.size(), 4U);
-  EXPECT_EQ(plan.train.size(), 2U);
-  EXPECT_EQ(plan.test_clamps.clamps, (std::vector<std::size_t>{2}));
-  EXPECT_EQ(plan.test_clamps.loads, (std::vector<std::size_t>{0, 3}));
+  EXPECT_EQ(plan.train.cases, (std::vector<TrainingPair>{{0, 0}, {1, 0}}));
+  EXPECT_EQ(plan.test_clamps.cases, (std::vector<TrainingPair>{{2, 0}, {2, 3}}));
   EXPECT_EQ(plan.ridges, (std::vector<double>{0.01, 0.001}));
   EXPECT_EQ(plan.iterations, 20U);
   EXPECT_EQ(plan.refine, 0);
   EXPECT_EQ(plan.volume, TrainedVolume::kNone);
+}
+
+TEST(TrainingPlan, ASetMayBeSeveralBlocks) {
+  const std::string one = "train: {clamps: [low, side], loads: [weight]}";
+  const auto plan =
+      read_changed(one, "train: [{clamps: [low, side], loads: [weight]}, {clamps: [side], loads: [wind]}]");
+  EXPECT_EQ(plan.train.cases, (std::vector<TrainingPair>{{0, 0}, {1, 0}, {1, 1}}));
+  EXPECT_NE(
+      complaint(one, "train: [{clamps: [low, side], loads: [weight]}, {clamps: [side], loads: [weight]}]")
+          .find("\"side\" with \"weight\" twice"),
+      std::string::npos);
+  EXPECT_NE(complaint(one, "train: []").find("blocks"), std::string::npos);
 }
 
 TEST(TrainingPlan, ThoseThatAreShippedFindTheirRegionsOnTheirMeshes) {
@@ -109,7 +120,7 @@ TEST(TrainingPlan, RefusesWithTheLine) {
   expect("loads: [storm, push]", "loads: [storm, storm]", "twice");
   expect("loads: [wind]}", "loads: []}", "at least one");
   expect("poisson_ratio: 0.25", "poisson_ratio: 0.45", "volume model");
-  expect("volume: none", "volume: node_average", "above 0.25");
+  expect("poisson_ratio: 0.25", "poisson_ratio: 0.2", "springs alone");
   expect("volume: none", "volume: sponge", "none, tet or node_average");
   expect("ridges: [0.01, 0.001]", "ridges: []", "at least one");
   expect("ridges: [0.01, 0.001]", "ridges: [-1]", "-1");
