@@ -19,6 +19,9 @@ using nlohmann::json;
 
 constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr double kSimplifierTimeout = 1800.0;
+// Simplifiers get millimetres, as in their own contest: VTK's, in single precision, removes nothing from an
+// organ in metres.
+constexpr double kSimplifierUnit = 1e-3;  // m
 
 ContestantTask start_task(const std::string& method, const ProblemFiles& files,
                           const ContestSetting& setting) {
@@ -78,6 +81,17 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
   }
 }
 
+void create_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+}
+
+TetMesh scaled(TetMesh mesh, double factor) {
+  for (Vec3& point : mesh.points) point = factor * point;
+  return mesh;
+}
+
 }  // namespace
 
 json problem_sweep(const json& sweep) {
@@ -96,9 +110,7 @@ std::string problem_id(const std::string& scene, const json& sweep) {
 }
 
 void write_problem(ProblemFiles& files, const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+  create_folder(folder);
   files.mesh_file = fs::absolute(folder / "in.mesh");
   files.problem_file = fs::absolute(folder / "problem.json");
   write_medit(files.mesh_file, files.mesh);
@@ -161,7 +173,10 @@ DeformReference solve_reference(const DeformInput& input, const ContestSetting& 
 SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
                                const fs::path& folder, const ContestSetting& setting) {
   SimplifiedInput simplified;
+  create_folder(folder);
   ContestantTask task = start_task(simplifier.method, input.own, setting);
+  task.mesh_in = fs::absolute(folder / "whole_mm.mesh");
+  write_medit(task.mesh_in, scaled(input.own.mesh, 1.0 / kSimplifierUnit));
   task.options = resolve_options(*task.method.method, simplifier.set);
   task.stop = stop;
   task.timeout_s = kSimplifierTimeout;
@@ -174,7 +189,9 @@ SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& s
   }
   simplified.report = answer.report;
   try {
-    simplified.files.mesh = read_medit(answer.output, ReadOrientation::kKeep).mesh;
+    simplified.files.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit);
+    if (stop.kind != StopKind::kLimit && simplified.files.mesh.tets.size() >= input.own.mesh.tets.size())
+      throw InputError("no tetrahedra were removed");
     const Judgement judgement = judge_mesh(simplified.files.mesh);
     if (!judgement.violations.empty()) throw InputError(judgement.violations.front());
     simplified.files.problem = build_problem(input.placed, simplified.files.mesh);

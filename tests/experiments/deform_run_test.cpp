@@ -213,6 +213,16 @@ TEST_F(DeformRun, SimplifiedMeshesAreJudgedOnTheScenesOwnVertices) {
   EXPECT_EQ(cut.at("solved_on").at("tets").get<int>() + 1, cut.at("mesh").at("tets").get<int>());
 }
 
+TEST_F(DeformRun, AMeshThatASimplifierLeftAsItIsDoesNotCountAsSimplified) {
+  const auto plan =
+      add_plan("[{method: test.field, label: off}]",
+               "simplify: [{method: test.copy, label: lazy}]\nsweep: {tets_removed_ratio: [0.2]}\n");
+  run(plan);
+  const json record = records().at("block/off/simplify=lazy/tets_removed_ratio=0.2");
+  EXPECT_EQ(record.at("outcome"), "error") << record.dump();
+  EXPECT_THAT(record.at("message").get<std::string>(), HasSubstr("no tetrahedra were removed"));
+}
+
 TEST_F(DeformRun, CasesCrossProblemsOptionsAndSimplifiers) {
   const auto path =
       add_plan("\n  - test.field\n  - {method: test.field, label: b, set: {factor: 2}}",
