@@ -13,6 +13,7 @@ constexpr std::size_t kMostCases = 1000;
 template <typename Named>
 std::vector<std::string> names_of(const std::vector<Named>& items) {
   std::vector<std::string> names;
+  names.reserve(items.size());
   for (const Named& item : items) names.push_back(item.name);
   return names;
 }
