@@ -41,8 +41,8 @@ struct Fixture {
           set.boundaries[1].stiffness.push_back({3 * v + axis, 3 * v + axis, 50.0});
     }
     SplitMix64 random(9);
-    for (std::size_t i = 0; i < terms.constant.size(); ++i)
-      truth.push_back(terms.constant[i] * std::exp(0.6 * (random.uniform() - 0.5)));
+    for (const double constant : terms.constant)
+      truth.push_back(constant * std::exp(0.6 * (random.uniform() - 0.5)));
     for (int i = 0; i < 6; ++i) add_case(i, random);
     const std::vector<CaseResult> fields = solve_cases(terms, truth, set);
     for (std::size_t i = 0; i < fields.size(); ++i) set.cases[i].target_m = fields[i].displacement_m;
@@ -104,7 +104,10 @@ TEST(Training, SpringTermsHoldTheEnergyOfSprings) {
   for (std::size_t s = 0; s < network.springs.size(); ++s) {
     const auto [a, b] = network.springs[s];
     const Vec3 d = mesh.points[b] - mesh.points[a];
-    const Vec3 du{u[3 * b] - u[3 * a], u[3 * b + 1] - u[3 * a + 1], u[3 * b + 2] - u[3 * a + 2]};
+    const auto displacement_at = [&](std::size_t vertex) {
+      return Vec3{u[3 * vertex], u[3 * vertex + 1], u[3 * vertex + 2]};
+    };
+    const Vec3 du = displacement_at(b) - displacement_at(a);
     const double along = dot(d, du) / length(d);
     expected += 0.5 * terms.constant[s] * along * along;
     if (s > 0) {
