@@ -90,10 +90,8 @@ void add_option(const YamlValue& at, OptionSpec option, std::vector<OptionSpec>&
   options.push_back(std::move(option));
 }
 
-std::vector<OptionSpec> read_options(const YamlValue& list) {
-  std::vector<OptionSpec> options;
+void add_options(const YamlValue& list, std::vector<OptionSpec>& options) {
   for (const YamlValue& item : list.items()) add_option(item, read_option(item), options);
-  return options;
 }
 
 /// What the methods of a contestant share.
@@ -122,9 +120,7 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest, const
   method.options.insert(method.options.end(), shared.of_all.begin(), shared.of_all.end());
   if (const auto sets = fields.find("option_sets")) add_sets(*sets, shared, method.options);
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
-  if (const auto options = fields.find("options")) {
-    for (const YamlValue& item : options->items()) add_option(item, read_option(item), method.options);
-  }
+  if (const auto options = fields.find("options")) add_options(*options, method.options);
   return method;
 }
 
@@ -228,9 +224,9 @@ Contestant read_contestant(const std::filesystem::path& description,
   contestant.licence = fields.need("licence").text();
   if (const auto source = fields.find("source")) contestant.source = source->text();
   SharedOptions shared;
-  if (const auto options = fields.find("options")) shared.of_all = read_options(*options);
+  if (const auto options = fields.find("options")) add_options(*options, shared.of_all);
   if (const auto sets = fields.find("option_sets")) {
-    for (const auto& [name, list] : sets->entries()) shared.sets.emplace(name, read_options(list));
+    for (const auto& [name, list] : sets->entries()) add_options(list, shared.sets[name]);
   }
   for (const YamlValue& method : fields.need("methods").items()) {
     contestant.methods.push_back(read_method(method, contestant.contest, shared));
