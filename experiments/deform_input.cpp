@@ -8,6 +8,7 @@
 #include "experiments/file_hash.h"
 #include "experiments/judge_record.h"
 #include "experiments/mesh_source.h"
+#include "experiments/output_file.h"
 #include "experiments/scene_problem.h"
 #include "reference/deform_problem.h"
 
@@ -79,12 +80,6 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
     fail(reference, "bad_answer", which + "cannot be read: " + error.what());
     return {};
   }
-}
-
-void create_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
 }
 
 TetMesh scaled(TetMesh mesh, double factor) {

@@ -38,4 +38,10 @@ void check_output_csv(const std::filesystem::path& path) {
   check_place(path);
 }
 
+void create_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+}
+
 }  // namespace palpate::experiments

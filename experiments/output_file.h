@@ -1,4 +1,4 @@
-// Checks of an output file before any work is done for it.
+// Checks of an output file before any work is done for it; folders for outputs.
 #pragma once
 
 #include <filesystem>
@@ -10,5 +10,8 @@ void check_output_file(const std::filesystem::path& path);
 
 /// Throws: InputError unless the file's ending is .csv and its folder can be written.
 void check_output_csv(const std::filesystem::path& path);
+
+/// Makes the folder and those above it, where they are missing. Throws: InputError if it cannot.
+void create_folder(const std::filesystem::path& folder);
 
 }  // namespace palpate::experiments

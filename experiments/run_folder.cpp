@@ -5,17 +5,12 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "experiments/output_file.h"
 #include "experiments/provenance.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
-
-void create_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
-}
 
 bool holds_run(const fs::path& folder) {
   std::error_code error;

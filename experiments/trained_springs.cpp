@@ -8,6 +8,7 @@
 #include "core/mesh/medit.h"
 #include "experiments/file_hash.h"
 #include "experiments/mesh_cache.h"
+#include "experiments/output_file.h"
 #include "experiments/scene_problem.h"
 #include "experiments/training_report.h"
 
@@ -61,9 +62,7 @@ TrainedSprings train_cached(const fs::path& plan_file, const TrainingSetting& se
   const TrainingInput input = build_training_input(plan, setting);
   const TrainingOutcome outcome = run_training(input, plan, setting);
   TrainedSprings trained{folder / "springs.csv", {}, build_training_report(input, outcome)};
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
+  create_folder(folder);
   json files = json::object();
   write_trained_springs(trained.springs, input, outcome);
   files["springs.csv"] = hash_file(trained.springs);
