@@ -140,11 +140,25 @@ SceneClamp read_clamp(const YamlValue& value) {
   return clamp;
 }
 
+/// When a load is there: for dynamic scenes.
+void read_times(const YamlFields& fields, SceneLoad& load) {
+  if (const auto profile = fields.find("profile")) load.profile = read_profile(*profile);
+  if (const auto from = fields.find("from_s")) load.from_s = from->number(0.0, 1e300);
+  if (const auto until = fields.find("until_s")) {
+    load.until_s = until->number(0.0, 1e300);
+    if (!(*load.until_s > load.from_s)) until->fail_expected("a time after from_s");
+  }
+}
+
 SceneLoad read_load(const YamlValue& value) {
-  const YamlFields fields = value.fields({"gravity_m_s2", "displace", "force"});
-  if (value.entries().size() != 1) value.fail("a load is one of gravity_m_s2, displace and force");
+  const YamlFields fields =
+      value.fields({"gravity_m_s2", "displace", "force", "profile", "from_s", "until_s"});
+  const auto kinds = {fields.find("gravity_m_s2"), fields.find("displace"), fields.find("force")};
+  if (std::count_if(kinds.begin(), kinds.end(), [](const auto& kind) { return kind.has_value(); }) != 1)
+    value.fail("a load is one of gravity_m_s2, displace and force");
   SceneLoad load;
   load.where = place_of(value);
+  read_times(fields, load);
   if (const auto gravity = fields.find("gravity_m_s2")) load.vector = read_vector(*gravity);
   if (const auto displace = fields.find("displace")) {
     const YamlFields keys = displace->fields({"sphere", "half_space", "box", "by_m", "elastic_pa_per_m"});
@@ -180,14 +194,23 @@ void read_analysis(const YamlValue& value, Scene& scene) {
   scene.analysis_where = place_of(value);
   if (value.is_map()) {
     const YamlFields keys = value.fields({"dynamic"});
-    const YamlFields fields = keys.need("dynamic").fields({"integrator", "time_step_s", "duration_s"});
-    fields.need("integrator").identifier();
-    read_positive(fields.need("time_step_s"));
-    read_positive(fields.need("duration_s"));
+    scene.dynamic = read_dynamic(keys.need("dynamic"));
     scene.is_dynamic = true;
     return;
   }
   if (value.text() != "static") value.fail_expected("static or {dynamic: ...}");
+}
+
+/// What fits a dynamic scene alone, or not to its preset.
+void check_times(const Scene& scene) {
+  for (const SceneLoad& load : scene.loads) {
+    const bool has_times = load.profile || load.until_s || load.from_s > 0.0;
+    if (has_times && !scene.is_dynamic)
+      throw InputError(load.where + ": profile, from_s and until_s belong to a dynamic analysis");
+  }
+  if (scene.is_dynamic && !scene.dynamic.preset.empty() && scene.model)
+    throw InputError(scene.analysis_where + ": the preset " + scene.dynamic.preset +
+                     " sets the model by itself");
 }
 
 StrainSize read_strain(const YamlValue& value) {
@@ -219,7 +242,10 @@ SceneClamp read_scene_clamp(const YamlValue& value) {
 }
 
 SceneLoad read_scene_load(const YamlValue& value) {
-  return read_load(value);
+  SceneLoad load = read_load(value);
+  if (load.profile || load.until_s || load.from_s > 0.0)
+    value.fail("profile, from_s and until_s belong to a dynamic analysis");
+  return load;
 }
 
 Scene read_scene(const std::filesystem::path& path) {
@@ -240,6 +266,7 @@ Scene read_scene(const std::filesystem::path& path) {
   }
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);
+  check_times(scene);
   return scene;
 }
 

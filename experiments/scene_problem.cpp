@@ -202,8 +202,12 @@ Scene place_scene(Scene scene, const TetMesh& mesh) {
   return scene;
 }
 
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh) {
+  return ProblemBuilder(placed, mesh).build();
+}
+
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh) {
-  BoundaryProblem problem = ProblemBuilder(placed, mesh).build();
+  BoundaryProblem problem = resolve_problem(placed, mesh);
   const auto free = find_free_motions(problem, mesh);
   if (free.empty()) return problem;
   std::string message = placed.file.string() + ": the clamps leave ";

@@ -33,6 +33,9 @@ Scene place_scene(Scene scene, const TetMesh& mesh);
 ///         rigid motion left free, naming that motion.
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh);
 
+/// The same for a body that may move as a whole: no rigid motion needs to be held.
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh);
+
 /// The rigid motions that the problem leaves free, one line each: "translation along (1, 0, 0)",
 /// "rotation about (0, 0, 1) through (0, 0, 0.01) m". Empty if there are none.
 std::vector<std::string> find_free_motions(const BoundaryProblem& problem, const TetMesh& mesh);
