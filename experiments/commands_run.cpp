@@ -13,6 +13,7 @@
 #include "core/base/error.h"
 #include "experiments/case_list.h"
 #include "experiments/commands.h"
+#include "experiments/motion_setup.h"
 #include "experiments/process.h"
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
@@ -145,7 +146,12 @@ bool is_scene(const std::string& file) {
 void check_scene(const std::string& file, const Registry& registry) {
   const Scene scene = read_scene(file);
   const MadeMesh made = build_scene_mesh(scene.mesh);
-  build_problem(place_scene(scene, made.mesh), made.mesh);
+  const Scene placed = place_scene(scene, made.mesh);
+  if (scene.is_dynamic) {
+    build_motion(placed, made.mesh, registry, 1);
+  } else {
+    build_problem(placed, made.mesh);
+  }
   if (scene.model) resolve_options(*find_model(scene, registry).method, scene.model->set);
   std::cout << file << ": good, a " << (scene.is_dynamic ? "dynamic" : "static") << " scene of "
             << made.mesh.points.size() << " vertices\n";

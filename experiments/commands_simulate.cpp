@@ -1,4 +1,4 @@
-// simulate: one scene through the same door as in a plan.
+// simulate: a static scene through the same door as in a plan, or a dynamic one in this process.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -14,6 +14,7 @@
 #include "experiments/mesh_tools.h"
 #include "experiments/scene.h"
 #include "experiments/scene_problem.h"
+#include "experiments/simulate_motion.h"
 #include "experiments/terminal.h"
 #include "experiments/usage.h"
 #include "reference/deform_problem.h"
@@ -29,6 +30,7 @@ struct SimulateArguments {
   std::string out;
   double timeout_s = 3600.0;
   int threads = 1;
+  double most_output_gb = kMostOutputBytes / 1e9;
   bool as_json = false;
 };
 
@@ -88,12 +90,54 @@ void print_result(const json& report) {
   for (const json& file : report.at("files")) std::cout << "Written: " << file.get<std::string>() << '\n';
 }
 
+void print_motion(const json& report) {
+  const auto number = [&](const char* key, const char* unit) {
+    const json& value = report.at(key);
+    return value.is_number() ? short_number(value.get<double>()) + unit : std::string("none");
+  };
+  TextTable table({"measure", "value"}, "lr");
+  table.add({"method", report.at("method").get<std::string>()});
+  table.add({"integrator", report.at("integrator").get<std::string>()});
+  table.add({"outcome", report.at("outcome").get<std::string>()});
+  table.add({"vertices", report.at("vertices").dump()});
+  table.add({"springs", report.at("springs").dump()});
+  table.add({"time step", number("time_step_s", " s")});
+  table.add({"longest stable step at rest", number("stable_step_s", " s")});
+  table.add({"steps", report.at("steps").dump()});
+  table.add({"simulated time", number("simulated_s", " s")});
+  table.add({"time of the steps", duration_text(report.at("kernel_s").get<double>())});
+  table.add({"largest displacement", number("max_displacement_m", " m")});
+  table.add({"displacement at the end", number("end_displacement_m", " m")});
+  table.add({"peak speed", number("peak_speed_m_s", " m/s")});
+  table.add({"speeds cut to the limit", report.at("speeds_cut").dump()});
+  table.add({"inverted tetrahedra, most", report.at("inverted_tets_most").dump()});
+  table.add({"springs of length zero", report.at("zero_length_springs").dump()});
+  table.add({"hash of the last state", report.at("state_hash").get<std::string>()});
+  std::cout << table.text();
+  const json& files = report.at("files");
+  std::cout << "Written: " << files.front().get<std::string>() << " and " << files.size() - 1
+            << " more in its folder\n";
+}
+
+int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
+  prepare_folder(arguments.out);
+  SimulateMotionOptions options;
+  options.out = arguments.out;
+  options.threads = arguments.threads;
+  options.timeout_s = arguments.timeout_s;
+  options.most_output_bytes = 1e9 * arguments.most_output_gb;
+  const json report = simulate_motion(scene, options);
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_motion(report);
+  }
+  return report.at("outcome") == "completed" ? kDone : kNotAccepted;
+}
+
 int simulate(const SimulateArguments& arguments) {
   const Scene scene = read_scene(arguments.scene);
-  if (scene.is_dynamic) {
-    throw UnavailableError(scene.analysis_where +
-                           ": dynamic analyses do not exist yet: simulate solves static scenes alone");
-  }
+  if (scene.is_dynamic) return simulate_dynamic(scene, arguments);
   const Registry registry = load_registry();
   ContestantTask task;
   task.method = find_model(scene, registry);
@@ -133,7 +177,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SimulateArguments>();
   CLI::App* command = app.add_subcommand("simulate", "Solve one scene with the model that it names");
   command->add_option("SCENE", arguments->scene, "Scene file (.yaml)")->required();
-  command->add_option("-o,--output", arguments->out, "Folder for displacement.csv and displacement.vtu")
+  command->add_option("-o,--output", arguments->out, "Folder for what it writes")
       ->required()
       ->type_name("DIR");
   command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
@@ -142,7 +186,17 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
-  command->footer("The exit code is 1 if the method found no equilibrium; there are no files then.");
+  command
+      ->add_option("--max-output-gb", arguments->most_output_gb,
+                   "A dynamic scene that may write more is refused (2)")
+      ->check(number_from(0.0, 1e9))
+      ->type_name("GB");
+  command->footer(
+      "A static scene leaves displacement.csv and displacement.vtu; the exit code is 1, without files, if "
+      "the method "
+      "found no equilibrium. A dynamic one leaves frames.pvd with its frames, history.csv and summary.json; "
+      "the exit "
+      "code is 1 if it diverged or ends with inverted tetrahedra.");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simulate(*arguments); });
 }

@@ -87,11 +87,47 @@ std::array<bool, 3> read_axes(const YamlValue& value) {
   return axes;
 }
 
+/// When a load is there: for dynamic scenes.
+void read_times(const YamlFields& fields, SceneLoad& load) {
+  if (const auto profile = fields.find("profile")) load.profile = read_profile(*profile);
+  if (const auto from = fields.find("from_s")) load.from_s = from->number(0.0, 1e300);
+  if (const auto until = fields.find("until_s")) {
+    load.until_s = until->number(0.0, 1e300);
+    if (!(*load.until_s > load.from_s)) until->fail_expected("a time after from_s");
+  }
+}
+
+SceneLoad read_load(const YamlValue& value) {
+  const YamlFields fields =
+      value.fields({"gravity_m_s2", "displace", "force", "profile", "from_s", "until_s"});
+  const auto kinds = {fields.find("gravity_m_s2"), fields.find("displace"), fields.find("force")};
+  if (std::count_if(kinds.begin(), kinds.end(), [](const auto& kind) { return kind.has_value(); }) != 1)
+    value.fail("a load is one of gravity_m_s2, displace and force");
+  SceneLoad load;
+  load.where = place_of(value);
+  read_times(fields, load);
+  if (const auto gravity = fields.find("gravity_m_s2")) load.vector = read_vector(*gravity);
+  if (const auto displace = fields.find("displace")) {
+    const YamlFields keys = displace->fields({"sphere", "half_space", "box", "by_m", "elastic_pa_per_m"});
+    load.kind = SceneLoad::Kind::kDisplace;
+    load.region = read_region(keys);
+    load.vector = read_vector(keys.need("by_m"));
+    if (const auto elastic = keys.find("elastic_pa_per_m")) load.elastic_pa_per_m = read_positive(*elastic);
+  }
+  if (const auto force = fields.find("force")) {
+    const YamlFields keys = force->fields({"sphere", "half_space", "box", "total_n"});
+    load.kind = SceneLoad::Kind::kForce;
+    load.region = read_region(keys);
+    load.vector = read_vector(keys.need("total_n"));
+  }
+  return load;
+}
+
 void read_loads(const YamlValue& value, Scene& scene) {
   bool acts = false;
   bool has_gravity = false;
   for (const YamlValue& item : value.items()) {
-    scene.loads.push_back(read_scene_load(item));
+    scene.loads.push_back(read_load(item));
     const SceneLoad& load = scene.loads.back();
     acts = acts || length(load.vector) > 0.0;
     if (load.kind != SceneLoad::Kind::kGravity) continue;
@@ -105,14 +141,23 @@ void read_analysis(const YamlValue& value, Scene& scene) {
   scene.analysis_where = place_of(value);
   if (value.is_map()) {
     const YamlFields keys = value.fields({"dynamic"});
-    const YamlFields fields = keys.need("dynamic").fields({"integrator", "time_step_s", "duration_s"});
-    fields.need("integrator").identifier();
-    read_positive(fields.need("time_step_s"));
-    read_positive(fields.need("duration_s"));
+    scene.dynamic = read_dynamic(keys.need("dynamic"));
     scene.is_dynamic = true;
     return;
   }
   if (value.text() != "static") value.fail_expected("static or {dynamic: ...}");
+}
+
+/// What fits a dynamic scene alone, or not to its preset.
+void check_times(const Scene& scene) {
+  for (const SceneLoad& load : scene.loads) {
+    const bool has_times = load.profile || load.until_s || load.from_s > 0.0;
+    if (has_times && !scene.is_dynamic)
+      throw InputError(load.where + ": profile, from_s and until_s belong to a dynamic analysis");
+  }
+  if (scene.is_dynamic && !scene.dynamic.preset.empty() && scene.model)
+    throw InputError(scene.analysis_where + ": the preset " + scene.dynamic.preset +
+                     " sets the model by itself");
 }
 
 StrainSize read_strain(const YamlValue& value) {
@@ -185,24 +230,9 @@ SceneClamp read_scene_clamp(const YamlValue& value) {
 }
 
 SceneLoad read_scene_load(const YamlValue& value) {
-  const YamlFields fields = value.fields({"gravity_m_s2", "displace", "force"});
-  if (value.entries().size() != 1) value.fail("a load is one of gravity_m_s2, displace and force");
-  SceneLoad load;
-  load.where = place_of(value);
-  if (const auto gravity = fields.find("gravity_m_s2")) load.vector = read_vector(*gravity);
-  if (const auto displace = fields.find("displace")) {
-    const YamlFields keys = displace->fields({"sphere", "half_space", "box", "by_m", "elastic_pa_per_m"});
-    load.kind = SceneLoad::Kind::kDisplace;
-    load.region = read_region(keys);
-    load.vector = read_vector(keys.need("by_m"));
-    if (const auto elastic = keys.find("elastic_pa_per_m")) load.elastic_pa_per_m = read_positive(*elastic);
-  }
-  if (const auto force = fields.find("force")) {
-    const YamlFields keys = force->fields({"sphere", "half_space", "box", "total_n"});
-    load.kind = SceneLoad::Kind::kForce;
-    load.region = read_region(keys);
-    load.vector = read_vector(keys.need("total_n"));
-  }
+  SceneLoad load = read_load(value);
+  if (load.profile || load.until_s || load.from_s > 0.0)
+    value.fail("profile, from_s and until_s belong to a dynamic analysis");
   return load;
 }
 
@@ -224,6 +254,7 @@ Scene read_scene(const std::filesystem::path& path) {
   }
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);
+  check_times(scene);
   return scene;
 }
 

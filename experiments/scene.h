@@ -13,6 +13,7 @@
 #include "experiments/contestant.h"
 #include "experiments/mesh_source.h"
 #include "experiments/region.h"
+#include "experiments/scene_dynamic.h"
 
 namespace palpate::experiments {
 
@@ -40,6 +41,10 @@ struct SceneLoad {
   Vec3 vector;                             ///< m/s^2, m or N (the total over the region)
   std::optional<double> elastic_pa_per_m;  ///< kDisplace: through an elastic pad
   std::string where;                       ///< "kidney.yaml:12", for messages
+  /// In a dynamic scene: how much of it there is at each time; nothing: all of it.
+  std::optional<dynamics::TimeProfile> profile;
+  double from_s = 0.0;            ///< the load, with what it holds, is there from this time ...
+  std::optional<double> until_s;  ///< ... to this one; nothing: to the end
 };
 
 /// The scene's own choice of a model, for `simulate`; contests bring their own.
@@ -58,6 +63,7 @@ struct Scene {
   std::vector<SceneClamp> clamps;
   std::vector<SceneLoad> loads;
   bool is_dynamic = false;     ///< `analysis: {dynamic: ...}`
+  SceneDynamic dynamic;        ///< of a dynamic one
   std::string analysis_where;  ///< "kidney.yaml:20"
 };
 

@@ -207,8 +207,12 @@ Scene place_scene(Scene scene, const TetMesh& mesh) {
   return scene;
 }
 
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh) {
+  return ProblemBuilder(placed, mesh).build();
+}
+
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh) {
-  BoundaryProblem problem = ProblemBuilder(placed, mesh).build();
+  BoundaryProblem problem = resolve_problem(placed, mesh);
   const std::vector<RigidMotion> free = find_free_motions(mesh, resisted_axes(mesh, problem));
   if (free.empty()) return problem;
   std::vector<std::string> motions;

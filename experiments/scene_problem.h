@@ -33,4 +33,7 @@ Scene place_scene(Scene scene, const TetMesh& mesh);
 ///         rigid motion left free, naming that motion.
 BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh);
 
+/// The same for a body that may move as a whole: no rigid motion needs to be held.
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh);
+
 }  // namespace palpate::experiments

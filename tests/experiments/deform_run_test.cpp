@@ -274,7 +274,7 @@ TEST_F(DeformRun, PlansThatAreWrong) {
       "test.field}\ncontestants: [test.field]\n");
   EXPECT_THAT(error_of(scenes), HasSubstr("did you mean \"bar_tension\"?"));
   SceneText dynamic;
-  dynamic.analysis = "{dynamic: {integrator: verlet, time_step_s: 0.1, duration_s: 1}}";
+  dynamic.analysis = "{dynamic: {integrator: velocity_verlet, time_step_s: 0.1, duration_s: 1}}";
   fixture_.folder().add("block.yaml", dynamic.yaml());
   EXPECT_THAT(error_of(add_plan("[test.field]")),
               HasSubstr("is dynamic; the contest deform takes static ones"));

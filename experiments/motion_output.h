@@ -1,0 +1,61 @@
+// What a run of a dynamic scene writes: frames for ParaView and a history.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/dynamics/motion_forces.h"
+#include "core/mesh/tet_mesh.h"
+#include "experiments/motion_setup.h"
+
+namespace palpate::experiments {
+
+/// How much a run may write, in bytes, unless told otherwise.
+inline constexpr double kMostOutputBytes = 2e9;
+
+/// An estimate of the bytes of so many frames and rows, from above: numbers at their longest.
+double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uint64_t rows,
+                             std::size_t columns);
+
+/// Throws InputError that names the estimate if a run would write more than `most_bytes`, or more than what
+/// is left on the disk of `folder`.
+void require_room(const std::filesystem::path& folder, double bytes, double most_bytes);
+
+/// Writes frames as frame_00000.vtu ..., with frames.pvd that gives ParaView their times, and history.csv.
+/// Its columns:
+///
+///   time_s, kinetic_j, elastic_j, load_j, total_j, volume_m3, inverted_tets, largest_speed_m_s,
+///   tool_K_fx_n, ... the force of load K of the scene (from 1) on the body; 0 while it is not there,
+///   probe_K_ux_m, ... the displacement of the vertex nearest to probe K
+///
+/// An energy that is not finite is left empty.
+class MotionOutput {
+ public:
+  MotionOutput(std::filesystem::path folder, const Scene& scene, const TetMesh& mesh);
+
+  /// A row of the history for the state of a phase.
+  void add_row(const MotionPhase& phase, dynamics::MotionForces& forces, const dynamics::MotionState& state);
+
+  /// A frame, unless there is one of that time.
+  void add_frame(const dynamics::MotionState& state);
+
+  /// Writes what has been collected. Returns the files.
+  std::vector<std::string> finish();
+
+  std::size_t columns() const { return columns_; }
+  double max_displacement_m() const { return max_displacement_m_; }
+
+ private:
+  std::filesystem::path folder_;
+  const TetMesh* mesh_;
+  std::vector<std::size_t> tools_;  ///< loads that displace, by their place in the scene
+  std::vector<Index> probes_;
+  std::size_t columns_ = 0;
+  std::string history_;
+  std::vector<double> frame_times_;
+  double max_displacement_m_ = 0.0;
+};
+
+}  // namespace palpate::experiments

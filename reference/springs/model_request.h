@@ -1,0 +1,40 @@
+// The method and options of springs.* and smoothed.* as an elastic model.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/dynamics/volume_models.h"
+#include "core/springs/identify.h"
+#include "reference/adapter.h"
+
+namespace palpate::reference {
+
+/// What a method's springs come from, and what is added to them.
+struct SpringRequest {
+  std::optional<springs::SpringMethod> method;  ///< nothing: from a file
+  std::string file;
+  std::string moduli_file;  ///< beside `file`; empty: none
+  springs::IdentifyOptions identify;
+  bool calibrate = false;
+  dynamics::SpringModelOptions model;
+};
+
+/// A model that a method and its options ask for: springs, or smoothed elements.
+struct ModelRequest {
+  std::optional<SpringRequest> springs;
+  dynamics::BlendOptions blend;  ///< without springs
+};
+
+/// Takes what makes the model out of `options`; what says how to solve stays. Throws: InputError for an
+/// unknown method or a bad value.
+ModelRequest take_model_request(const std::string& method, StrainSize strain, nlohmann::json& options);
+
+/// Builds the model. The report gets identify_s and the figures of identified springs, the notes its
+/// warnings. Throws: InputError for a ratio that the model cannot represent, or a springs file that does not
+/// fit.
+dynamics::BuiltModel build_requested_model(const TetMesh& mesh, const Material& material,
+                                           const ModelRequest& wanted, Response& response);
+
+}  // namespace palpate::reference

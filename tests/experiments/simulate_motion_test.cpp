@@ -1,0 +1,253 @@
+// Dynamic scenes: what is read, what is refused, and palpate simulate on them as a program.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/shapes.h"
+#include "experiments/motion_output.h"
+#include "experiments/motion_setup.h"
+#include "experiments/scene_problem.h"
+#include "tests/support/experiment_fixture.h"
+#include "tests/support/scene_text.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using test::run_program;
+using test::SceneText;
+using testing::HasSubstr;
+
+class SimulateMotion : public testing::Test {
+ protected:
+  static SceneText pressed(const std::string& dynamic) {
+    SceneText text;
+    text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.25, density_kg_m3: 1000}";
+    text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}}]";
+    text.load =
+        "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.01]}, profile: "
+        "{times_s: "
+        "[0, 0.05], shares: [0, 1], smooth: true}, until_s: 0.06}]";
+    text.analysis = "{dynamic: {" + dynamic + "}}";
+    text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+    return text;
+  }
+
+  std::string scene(const SceneText& text) const {
+    return fixture_.folder().add("scene.yaml", text.yaml()).string();
+  }
+  std::string error_of(const SceneText& text) const {
+    const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string()});
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    return result.error;
+  }
+  std::string error_of(const std::string& dynamic) const { return error_of(pressed(dynamic)); }
+
+  json simulate(const SceneText& text, const std::string& folder, const std::string& threads = "1",
+                int exit_code = 0) const {
+    const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / folder).string(),
+                                     "--json", "--threads", threads});
+    EXPECT_EQ(result.exit_code, exit_code) << result.error;
+    return json::parse(result.out);
+  }
+
+  test::ExperimentFixture fixture_;
+};
+
+std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path) {
+  std::istringstream lines(test::bytes_of(path));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    std::vector<std::string>& row = rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+  }
+  return rows;
+}
+
+const std::string kGood =
+    "integrator: symplectic_euler, time_step_s: auto, duration_s: 0.1, damping: {stiffness_s: 0.001}";
+
+TEST_F(SimulateMotion, APressedBlockIsLetGoAndLeavesFramesAndHistory) {
+  const json report = simulate(
+      pressed(
+          "integrator: symplectic_euler, time_step_s: auto, duration_s: 0.6, damping: {stiffness_s: 0.001, "
+          "mass_per_s: 30}, frames: 4, probes_m: [[0.05, 0.05, 0.1]]"),
+      "out");
+  EXPECT_EQ(report.at("outcome"), "completed");
+  EXPECT_EQ(report.at("stable_by"), "eigenvalues");
+  EXPECT_GT(report.at("stability_margin").get<double>(), 1.0 / 0.9 - 1e-9);
+  EXPECT_NEAR(report.at("simulated_s").get<double>(), 0.6, 1e-9);
+  EXPECT_NEAR(report.at("max_displacement_m").get<double>(), 0.01, 1e-4);
+  // Let go at 0.06 s, each mode has lost at least exp(-15 x 0.54) of its size, a hundredth leaves room for
+  // all.
+  EXPECT_LT(report.at("end_displacement_m").get<double>(), 1e-4);
+  EXPECT_EQ(report.at("inverted_tets_most"), 0);
+  const auto folder = fixture_.folder() / "out";
+  EXPECT_EQ(json::parse(test::bytes_of(folder / "summary.json")), report);
+  EXPECT_THAT(test::bytes_of(folder / "frames.pvd"), HasSubstr("file=\"frame_00004.vtu\""));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frame_00004.vtu"));
+
+  const auto rows = read_csv(folder / "history.csv");
+  ASSERT_EQ(rows.front().size(), 14U);
+  EXPECT_EQ(rows.front()[10], "tool_1_fz_n");
+  EXPECT_EQ(rows.front()[13], "probe_1_uz_m");
+  double deepest = 0.0;
+  double strongest = 0.0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    ASSERT_EQ(rows[k].size(), rows.front().size());
+    const double time = std::stod(rows[k][0]);
+    deepest = std::min(deepest, std::stod(rows[k][13]));
+    strongest = std::min(strongest, std::stod(rows[k][10]));
+    const bool has_let_go = time > 0.065;  // 0.06 s to the nearest step
+    EXPECT_EQ(has_let_go && std::stod(rows[k][10]) != 0.0, false) << time;
+  }
+  EXPECT_DOUBLE_EQ(deepest, -0.01);  // the top's centre follows the tool
+  // E A / l times the depth is 10 N of a bar; held at both ends, and moved fast, it is more.
+  EXPECT_LT(strongest, -5.0);
+  EXPECT_GT(strongest, -100.0);
+}
+
+TEST_F(SimulateMotion, TheSameHashOnOneThreadAndTwoAndInEachRun) {
+  const json first = simulate(pressed(kGood), "one");
+  EXPECT_EQ(simulate(pressed(kGood), "again").at("state_hash"), first.at("state_hash"));
+  EXPECT_EQ(simulate(pressed(kGood), "two", "2").at("state_hash"), first.at("state_hash"));
+}
+
+TEST_F(SimulateMotion, EveryIntegratorRuns) {
+  for (const dynamics::IntegratorKind kind : dynamics::kIntegrators) {
+    const std::string name = dynamics::integrator_name(kind);
+    const json report = simulate(pressed("integrator: " + name +
+                                         ", time_step_s: 2.0e-4, duration_s: 0.02, frames: 0, damping: "
+                                         "{stiffness_s: 0.001, mass_per_s: 1}"),
+                                 name);
+    EXPECT_EQ(report.at("outcome"), "completed") << name;
+    EXPECT_EQ(report.at("integrator"), name);
+    EXPECT_EQ(report.at("steps"), 100) << name;
+    EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / name / "frames.pvd"));
+  }
+}
+
+TEST_F(SimulateMotion, AStepOverTheBoundIsRefusedUnlessItIsAllowed) {
+  const std::string fast = "integrator: symplectic_euler, time_step_s: 0.02, duration_s: 10, frames: 0";
+  const std::string error = error_of(fast);
+  EXPECT_THAT(error,
+              HasSubstr("scene.yaml:6: a time step of 0.02 s is over the bound of symplectic_euler at rest"));
+  EXPECT_THAT(error, HasSubstr("allow_unstable: true"));
+  const json report = simulate(pressed(fast + ", allow_unstable: true"), "out", "1", 1);
+  EXPECT_EQ(report.at("outcome"), "diverged");
+  EXPECT_LT(report.at("stability_margin").get<double>(), 1.0);
+  EXPECT_TRUE(report.at("first_bad_vertex").is_number());
+  EXPECT_TRUE(report.at("energy_end").is_null());
+  EXPECT_THAT(test::bytes_of(fixture_.folder() / "out" / "history.csv"), testing::Not(HasSubstr("nan")));
+}
+
+TEST_F(SimulateMotion, WhatMakesNoSenseIsRefusedWithItsPlace) {
+  const std::string rest = ", duration_s: 1";
+  for (const std::string bad : {"0", "-1", ".nan", ".inf"}) {
+    EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: " + bad + rest),
+                HasSubstr("scene.yaml:6"));
+    EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: auto, duration_s: " + bad),
+                HasSubstr("duration_s: expected"));
+    EXPECT_THAT(error_of(kGood + ", mass_per_vertex_kg: " + bad), HasSubstr("mass_per_vertex_kg: expected"));
+    EXPECT_THAT(error_of(kGood + ", speed_limit_m_s: " + bad), HasSubstr("speed_limit_m_s: expected"));
+  }
+  EXPECT_THAT(error_of("integrator: verlet, time_step_s: auto" + rest),
+              HasSubstr("unknown integrator \"verlet\""));
+  EXPECT_THAT(error_of("integrator: velocity_verle, time_step_s: auto" + rest),
+              HasSubstr("did you mean \"velocity_verlet\""));
+  EXPECT_THAT(error_of("preset: thesis_table_41" + rest), HasSubstr("did you mean \"thesis_table_4_1\""));
+  EXPECT_THAT(error_of("preset: thesis_table_4_1, time_step_s: 0.1" + rest),
+              HasSubstr("sets time_step_s by itself"));
+  EXPECT_THAT(error_of("preset: thesis_table_4_1" + rest), HasSubstr("sets the model by itself"));
+  EXPECT_THAT(error_of("integrator: implicit_euler, time_step_s: auto" + rest), HasSubstr("has no bound"));
+  EXPECT_THAT(error_of("integrator: explicit_euler, time_step_s: auto" + rest),
+              HasSubstr("no step of explicit_euler"));
+  EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: 1.0e-30, duration_s: 1"),
+              HasSubstr("at most 1e12 steps"));
+  EXPECT_THAT(error_of(kGood + ", damping: {stiffness_s: -1}"), HasSubstr("scene.yaml:6"));
+  EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: auto, damping: {mass_per_s: .nan}" + rest),
+              HasSubstr("mass_per_s: expected"));
+}
+
+TEST_F(SimulateMotion, LoadsWithTimesAreChecked) {
+  SceneText text = pressed(kGood);
+  text.load = "[{gravity_m_s2: [0, 0, -1], from_s: 0.05, until_s: 0.01}]";
+  EXPECT_THAT(error_of(text), HasSubstr("until_s: expected a time after from_s"));
+  text.load = "[{gravity_m_s2: [0, 0, -1], profile: {times_s: [1, 0], shares: [0, 1]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("times that increase"));
+  text.load = "[{gravity_m_s2: [0, 0, -1], until_s: 0.1}]";
+  text.analysis = "static";
+  EXPECT_THAT(error_of(text), HasSubstr("belong to a dynamic analysis"));
+  text = pressed(kGood);
+  text.rest = "model: {springs: van_gelder, tolerance: 1.0e-3}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("tolerance belongs to a static analysis"));
+  text = pressed("integrator: prefactored, time_step_s: 0.001, duration_s: 0.01");
+  text.rest = "model: {springs: van_gelder, volume: thesis}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("a model of springs alone for prefactored"));
+}
+
+TEST_F(SimulateMotion, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {
+  SceneText text =
+      pressed("integrator: symplectic_euler, time_step_s: 1.0e-6, duration_s: 10, frames: 10000000");
+  const std::string error = error_of(text);
+  EXPECT_THAT(error,
+              HasSubstr("GB, more than 2 GB: ask for fewer frames, or allow more with --max-output-gb"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(fixture_.folder() / "out"), {}), 0);
+  const auto result = run_program(
+      {"simulate", scene(text), "-o", (fixture_.folder() / "out").string(), "--max-output-gb", "1e8"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.error, HasSubstr(" left"));
+}
+
+TEST_F(SimulateMotion, TheEstimateOfTheOutputIsFromAboveAndNotWild) {
+  const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
+  const json report = simulate(pressed(kGood + ", frames: 4"), "out");
+  double bytes = 0.0;
+  for (const json& file : report.at("files"))
+    bytes += static_cast<double>(std::filesystem::file_size(file.get<std::string>()));
+  const double estimate = estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 11);
+  EXPECT_GT(estimate, bytes);
+  EXPECT_LT(estimate, 10.0 * bytes);
+}
+
+TEST_F(SimulateMotion, AFreeBodyFallsAndIsChecked) {
+  SceneText text = pressed("integrator: velocity_verlet, time_step_s: 1.0e-3, duration_s: 0.1, frames: 0");
+  text.clamp = "[]";
+  text.load = "[{gravity_m_s2: [0, 0, -9.81]}]";
+  const auto checked = run_program({"check", scene(text)});
+  EXPECT_EQ(checked.exit_code, 0) << checked.error;
+  EXPECT_THAT(checked.out, HasSubstr("good, a dynamic scene of 125 vertices"));
+  const json report = simulate(text, "out");
+  EXPECT_NEAR(report.at("end_displacement_m").get<double>(), 0.5 * 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(report.at("peak_speed_m_s").get<double>(), 0.981, 1e-12);
+}
+
+TEST_F(SimulateMotion, TheThesissPresetIsItsTable) {
+  const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
+  SceneText text = pressed("preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true");
+  text.rest = "";
+  const Scene raw = read_scene(scene(text));
+  const TetMesh made = build_scene_mesh(raw.mesh).mesh;
+  const MotionSetup setup = build_motion(place_scene(raw, made), made, fixture_.registry(), 1);
+  EXPECT_EQ(setup.method, "springs.uniform");
+  EXPECT_EQ(setup.step_s, 3e-4);
+  EXPECT_EQ(setup.steps, 100U);
+  EXPECT_NEAR(setup.integrator.speed_limit_m_s, 20.0 * 0.05, 1e-12);  // a cube of 0.1 m
+  const dynamics::MotionModel& model = setup.phases.front().model;
+  for (const double mass : model.mass_kg) EXPECT_EQ(mass, 1.0);
+  for (const double stiffness : model.elastic.springs.stiffness_n_per_m) EXPECT_EQ(stiffness, 100.0);
+  for (const double damping : model.spring_damping_n_s_per_m) EXPECT_EQ(damping, 500.0);
+  for (const double damping : model.environment_damping_n_s_per_m) EXPECT_EQ(damping, 800.0);
+  EXPECT_EQ(model.spring_damping, dynamics::SpringDamping::kAxial);
+  ASSERT_TRUE(model.elastic.volume_force.has_value());
+  EXPECT_NEAR(model.elastic.volume_force->stiffness_n_per_m3, 100.0 / (0.05 * 0.05), 1e-6);
+  EXPECT_FALSE(model.elastic.springs_are_linear);
+}
+
+}  // namespace
+}  // namespace palpate::experiments
