@@ -11,6 +11,7 @@ namespace palpate::dynamics {
 struct PlainOptions {
   int threads = 1;
   double speed_limit_m_s = 0.0;  ///< 0: no limit
+  bool portable = false;         ///< do without AVX2 where there is one; the bits are the same
 };
 
 /// What happened in some steps.
@@ -25,7 +26,7 @@ struct PlainReport {
 ///
 /// d and w are the differences of positions and velocities of a spring's ends, r = |d|, f the loads in full.
 /// Positions are kept from the rest shape's centre. The arithmetic is fixed by the layout alone
-/// (core/dynamics/plain_layout.h): one thread and two give the same bits.
+/// (core/dynamics/plain_layout.h): one thread and two give the same bits, with AVX2 and without.
 ///
 /// Precision: of single precision, an elongation is known to about 1e-7 of the distance from the centre.
 template <typename Real>
@@ -45,6 +46,9 @@ class PlainEngine {
 
   /// Takes `steps` steps of length `step_s` > 0.
   PlainReport step(double step_s, std::uint64_t steps);
+
+  /// Whether springs are computed eight at a time: in single precision, on a processor that can.
+  bool uses_avx2() const;
 
   std::size_t springs() const;
   /// Springs between two blocks, which are computed twice.
