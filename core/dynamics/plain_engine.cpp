@@ -249,7 +249,8 @@ struct PlainEngine<Real>::Body {
     std::vector<std::uint64_t> cuts(threads);
     std::uint64_t cuts_before = 0;
     PlainReport sum;
-    bool is_over = steps == 0;
+    bool is_over = false;
+    if (steps == 0) return sum;
     loads->set_times(time_s, time_s + step_s);
     const auto end_step = [&]() noexcept {
       now.swap(next);
@@ -273,13 +274,14 @@ struct PlainEngine<Real>::Body {
     std::barrier team(static_cast<std::ptrdiff_t>(threads), end_step);
     const auto work = [&](std::size_t t) {
       PlainReport report;
-      while (!is_over) {
+      for (;;) {
         bool has_zero = false;
         for (std::size_t b = blocks.size() * t / threads; b < blocks.size() * (t + 1) / threads; ++b)
           step_block(b, h, report, has_zero);
         zero[t] = has_zero ? 1 : 0;
         cuts[t] = report.speeds_cut;
         team.arrive_and_wait();
+        if (is_over) return;
       }
     };
     {
