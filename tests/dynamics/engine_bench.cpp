@@ -76,28 +76,34 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Times `work` again and again; returns the medians of its seconds, by the wall and by this thread.
+/// Times `work` so many times; returns the medians of its seconds, by the wall and by this thread. All of it
+/// is one iteration to the library: a benchmark is then set up once a repetition, which takes long at 1M
+/// vertices.
 template <typename Work>
-std::array<double, 2> time_medians(benchmark::State& state, const Work& work) {
+std::array<double, 2> time_medians(benchmark::State& state, int times, const Work& work) {
   std::vector<double> wall;
   std::vector<double> cpu;
   while (state.KeepRunning()) {
-    const double cpu_start = seconds_of_this_thread();
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    wall.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    cpu.push_back(seconds_of_this_thread() - cpu_start);
-    state.SetIterationTime(wall.back());
+    for (int k = 0; k < times; ++k) {
+      const double cpu_start = seconds_of_this_thread();
+      const auto start = std::chrono::steady_clock::now();
+      work();
+      wall.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      cpu.push_back(seconds_of_this_thread() - cpu_start);
+    }
+    state.SetIterationTime(median(wall));
   }
   return {median(wall), median(cpu)};
 }
 
-/// Times `take_steps(count)` with enough steps at a time for the clock: some 0.2 ms at the least.
+/// Times `take_steps(count)`: as many steps at a time as the clock needs, some 0.2 ms at the least; 500 times
+/// at 1.3k vertices, 15 times at 1M.
 template <typename TakeSteps>
 void time_steps(benchmark::State& state, const Body& body, const TakeSteps& take_steps) {
   const double springs = spring_count(body);
   const auto steps = static_cast<std::uint64_t>(std::clamp(150000.0 / springs, 1.0, 20.0));
-  const auto [wall, cpu] = time_medians(state, [&] { take_steps(steps); });
+  const int times = static_cast<int>(std::clamp(4e7 / (static_cast<double>(steps) * springs), 15.0, 500.0));
+  const auto [wall, cpu] = time_medians(state, times, [&] { take_steps(steps); });
   const double share = 1e9 / (static_cast<double>(steps) * springs);
   state.counters["ns_per_spring"] = share * wall;
   state.counters["cpu_ns_per_spring"] = share * cpu;
@@ -150,7 +156,7 @@ void time_plain(benchmark::State& state, const PlainOptions& options) {
   if (std::is_same_v<Real, float> && options.threads == 1) count_error(state, body, before);
 }
 
-/// Range 0: cells a side; 1: threads.
+/// Range 0 is the number of cells a side, range 1 that of threads, here and below.
 template <typename Real>
 void bench_plain(benchmark::State& state) {
   PlainOptions options;
@@ -236,7 +242,7 @@ void bench_triad(benchmark::State& state) {
       to[k] = one[k] + 0.5F * other[k];
     benchmark::ClobberMemory();
   };
-  const auto [wall, cpu] = time_medians(state, [&] {
+  const auto [wall, cpu] = time_medians(state, 30, [&] {
     std::vector<std::jthread> others;
     for (std::size_t t = 1; t < threads; ++t) others.emplace_back(part, t);
     part(0);
@@ -250,52 +256,37 @@ bool is_large_wanted() {
   return large != nullptr && *large == '1';
 }
 
-/// How large a body is and how often its time is taken: a benchmark is set up once a repetition.
-struct Size {
-  int cells;
-  int iterations;
-};
-
-/// 1331, 10648, 103823 and 1030301 vertices.
-std::vector<Size> all_sizes() {
-  std::vector<Size> all{{10, 500}, {21, 200}, {46, 50}};
-  if (is_large_wanted()) all.push_back({100, 15});
-  return all;
-}
-
-/// One benchmark a size, and a number of threads where there are several. Each has its own count of
-/// iterations.
-template <typename Bench>
-void add(const char* name, Bench bench, const std::vector<int>& threads, bool up_to_100k = false) {
-  for (const int thread_count : threads) {
-    for (const Size& size : all_sizes()) {
-      if (up_to_100k && size.cells > 46) continue;
-      benchmark::RegisterBenchmark(name, bench)
-          ->Args({size.cells, thread_count})
-          ->Iterations(size.iterations)
-          ->UseManualTime();
-    }
+/// 1331, 10648, 103823 and, if they are wanted, 1030301 vertices.
+void add_sizes(benchmark::internal::Benchmark* bench, int threads, bool up_to_100k = false) {
+  for (const int cells : {10, 21, 46, 100}) {
+    if (cells < 100 || (is_large_wanted() && !up_to_100k)) bench->Args({cells, threads});
   }
+  bench->UseManualTime()->Iterations(1);
 }
 
-const bool kAdded = [] {
-  add("bench_plain<float>", bench_plain<float>, {1, 2});
-  add("bench_plain<double>", bench_plain<double>, {1, 2});
-  add("bench_portable", bench_portable, {1});
-  add("bench_every_force", bench_every_force, {1, 2}, true);
-  add("bench_pointers", bench_pointers, {1});
-  add("bench_pointers_shuffled", bench_pointers_shuffled, {1});
+void on_one(benchmark::internal::Benchmark* bench) {
+  add_sizes(bench, 1);
+}
+
+void on_one_and_two(benchmark::internal::Benchmark* bench) {
+  for (const int threads : {1, 2}) add_sizes(bench, threads);
+}
+
+void up_to_100k(benchmark::internal::Benchmark* bench) {
+  for (const int threads : {1, 2}) add_sizes(bench, threads, true);
+}
+
+BENCHMARK_TEMPLATE(bench_plain, float)->Apply(on_one_and_two);
+BENCHMARK_TEMPLATE(bench_plain, double)->Apply(on_one_and_two);
+BENCHMARK(bench_portable)->Apply(on_one);
+BENCHMARK(bench_every_force)->Apply(up_to_100k);
+BENCHMARK(bench_pointers)->Apply(on_one);
+BENCHMARK(bench_pointers_shuffled)->Apply(on_one);
 #ifdef PALPATE_HAS_BULLET
-  add("bench_bullet_step", bench_bullet_step, {1});
-  add("bench_bullet_links", bench_bullet_links, {1});
+BENCHMARK(bench_bullet_step)->Apply(on_one);
+BENCHMARK(bench_bullet_links)->Apply(on_one);
 #endif
-  for (const int threads : {1, 2})
-    benchmark::RegisterBenchmark("bench_triad", bench_triad)
-        ->Args({100, threads})
-        ->Iterations(30)
-        ->UseManualTime();
-  return true;
-}();
+BENCHMARK(bench_triad)->Args({100, 1})->Args({100, 2})->UseManualTime()->Iterations(1);
 
 }  // namespace
 }  // namespace palpate::dynamics
