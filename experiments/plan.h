@@ -135,11 +135,11 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify", "deform" or "verify"
+  std::string contest;                      ///< "simplify", "deform", "motion" or "verify"
   std::vector<PlanMesh> meshes;             ///< simplify
-  std::vector<PlanScene> scenes;            ///< deform
+  std::vector<PlanScene> scenes;            ///< deform and motion
   std::vector<PlanKnownCase> known_cases;   ///< verify
-  std::optional<PlanReference> reference;   ///< deform
+  std::optional<PlanReference> reference;   ///< deform and motion
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
