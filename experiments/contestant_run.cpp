@@ -43,6 +43,15 @@ bool deforms(const ContestantTask& task) {
   return task.method.contestant->contest == "deform";
 }
 
+bool moves(const ContestantTask& task) {
+  return task.method.contestant->contest == "motion";
+}
+
+/// The file that a contestant writes, by its contest.
+const char* output_name(const ContestantTask& task) {
+  return deforms(task) ? "displacement.csv" : (moves(task) ? "history.csv" : "out.mesh");
+}
+
 json build_request(const ContestantTask& task, const std::filesystem::path& output) {
   json request = {{"schema", "palpate/request/1"},
                   {"contest", task.method.contestant->contest},
@@ -50,9 +59,9 @@ json build_request(const ContestantTask& task, const std::filesystem::path& outp
                   {"mesh_in", task.mesh_in.string()},
                   {"options", task.options},
                   {"threads", task.threads}};
-  if (deforms(task)) {
+  if (deforms(task) || moves(task)) {
     request["problem_in"] = task.problem_in.string();
-    request["displacement_out"] = output.string();
+    request[deforms(task) ? "displacement_out" : "history_out"] = output.string();
   } else {
     request["mesh_out"] = output.string();
     request["stop"] = stop_request(task.stop);
@@ -121,9 +130,10 @@ std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
   std::error_code error;
   const bool is_there = std::filesystem::is_regular_file(output, error);
-  if (!deforms(task)) return is_there ? "" : "it wrote no mesh";
+  if (!deforms(task) && !moves(task)) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
+  if (moves(task)) return outcome != "completed" || is_there ? "" : "it completed and wrote no history";
   return outcome != "converged" || is_there ? "" : "it converged and wrote no displacement";
 }
 
@@ -175,7 +185,7 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   const auto request_file = task.scratch / "request.json";
   const auto response_file = task.scratch / "response.json";
   const auto error_file = task.scratch / "stderr.txt";
-  answer.output = task.scratch / (deforms(task) ? "displacement.csv" : "out.mesh");
+  answer.output = task.scratch / output_name(task);
   write_file_atomically(request_file, build_request(task, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;

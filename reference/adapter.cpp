@@ -53,8 +53,10 @@ Request parse_request(const std::filesystem::path& path) {
   request.method = field<std::string>(object, "method", where);
   request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
   const bool deforms = request.contest == "deform";
-  request.output = field<std::string>(object, deforms ? "displacement_out" : "mesh_out", where);
-  if (deforms) request.problem = field<std::string>(object, "problem_in", where);
+  const bool moves = request.contest == "motion";
+  const char* const output = deforms ? "displacement_out" : (moves ? "history_out" : "mesh_out");
+  request.output = field<std::string>(object, output, where);
+  if (deforms || moves) request.problem = field<std::string>(object, "problem_in", where);
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
   request.threads = object.value("threads", 1);

@@ -4,12 +4,15 @@
 #include <array>
 #include <barrier>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include "core/base/error.h"
 #include "core/dynamics/lanes.h"
 #include "core/dynamics/plain_layout.h"
+#include "core/dynamics/plain_loads.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
@@ -67,28 +70,21 @@ inline void pull_quad(const SpringQuad<Real>& quad, const Particle<Real>* at,
   for (std::size_t i = 0; i < 4; ++i) force[i] = L::of(factors[i]) * d[i];
 }
 
-void refuse(bool condition, const char* what) {
-  if (condition) throw InputError("plain engine", 0, "springs with axial damping alone", what);
-}
-
 void check_plain(const MotionModel& model) {
   validate(model);
-  refuse(!model.elastic.strain_terms.empty(), "strain energies");
-  refuse(model.elastic.volume_force.has_value(), "a volume force");
-  refuse(model.elastic.springs_are_linear, "linearised springs");
-  refuse(model.spring_damping == SpringDamping::kIsotropic && !model.spring_damping_n_s_per_m.empty(),
-         "isotropic damping");
-  for (const TimedLoads& group : model.loads) {
-    refuse(!group.loads.supports.empty(), "elastic supports");
-    refuse(group.profile.share != std::vector<double>{1.0}, "loads that change with time");
-    for (std::size_t v = 0; v < group.loads.held.size(); ++v) {
-      refuse(group.loads.held[v] != 0 && group.loads.held[v] != 7, "vertices held in some directions");
-      refuse(group.loads.held[v] != 0 && length_sq(group.loads.held_by_m[v]) > 0.0, "prescribed motions");
-    }
-  }
+  const std::string what = find_more_than_plain(model);
+  if (!what.empty()) throw InputError("plain engine", 0, "springs with axial damping alone", what);
 }
 
 }  // namespace
+
+std::string find_more_than_plain(const MotionModel& model) {
+  if (!model.elastic.strain_terms.empty()) return "strain energies";
+  if (model.elastic.volume_force) return "a volume force";
+  if (model.elastic.springs_are_linear) return "linearised springs";
+  const bool is_isotropic = model.spring_damping == SpringDamping::kIsotropic;
+  return is_isotropic && !model.spring_damping_n_s_per_m.empty() ? "isotropic damping" : "";
+}
 
 template <typename Real>
 struct PlainEngine<Real>::Body {
@@ -96,6 +92,12 @@ struct PlainEngine<Real>::Body {
     std::vector<SpringQuad<Real>> inside;
     std::vector<SpringQuad<Real>> across;
   };
+  struct Watched {
+    Real speed_sq = 0;
+    Real farthest_sq = 0;
+    Real sum = 0;
+  };
+  static constexpr std::size_t kStride = sizeof(Particle<Real>) / sizeof(Real);
 
   Body(const MotionModel& model, const PlainOptions& given) : options(given), rest(model.elastic.rest) {
     check_plain(model);
@@ -115,6 +117,8 @@ struct PlainEngine<Real>::Body {
     spring_count = model.elastic.springs.springs.size();
     now.resize(order.size());
     next.resize(order.size());
+    watched.resize(blocks.size());
+    loads.emplace(model, PlainPlaces{order, place, kBlockVertices, center});
     set_inertia(model);
   }
 
@@ -143,15 +147,10 @@ struct PlainEngine<Real>::Body {
     inertia.resize(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) {
       const Index v = order[k];
-      Vec3 load;
-      bool is_held = false;
-      for (const TimedLoads& group : model.loads) {
-        load = load + group.loads.force_n[v];
-        is_held = is_held || group.loads.held[v] != 0;
-      }
+      const Vec3& load = loads->steady_force(k);
       inertia[k].load = {static_cast<Real>(load.x), static_cast<Real>(load.y), static_cast<Real>(load.z),
                          Real(0)};
-      inertia[k].inverse_mass = is_held ? Real(0) : static_cast<Real>(1.0 / model.mass_kg[v]);
+      inertia[k].inverse_mass = loads->is_held(k) ? Real(0) : static_cast<Real>(1.0 / model.mass_kg[v]);
       if (!model.environment_damping_n_s_per_m.empty())
         inertia[k].drag = static_cast<Real>(model.environment_damping_n_s_per_m[v]);
     }
@@ -186,16 +185,49 @@ struct PlainEngine<Real>::Body {
     std::array<Real, 4> least;
     least_sq.store(least.data());
     has_zero = has_zero || *std::min_element(least.begin(), least.end()) < Real(1e-36);
+    loads->add_forces(b, PlainRows<const Real>{now[0].x.data(), kStride}, force.data());
     for (std::size_t k = 0; k < count; ++k) {
       const Particle<Real>& from = now[first + k];
       const Inertia<Real>& own = inertia[first + k];
       const L speed = L::load(from.v.data());
       L v = speed + L::of(h * own.inverse_mass) * (L::load(&force[4 * k]) - L::of(own.drag) * speed);
-      if (options.speed_limit_m_s > 0.0) v = cut(v, report);
+      if (options.speed_limit_m_s > 0.0 && own.inverse_mass > 0) v = cut(v, report);
       Particle<Real>& to = next[first + k];
       v.store(to.v.data());
       (L::load(from.x.data()) + L::of(h) * v).store(to.x.data());
     }
+    loads->hold(b, PlainRows<Real>{next[0].x.data(), kStride}, PlainRows<Real>{next[0].v.data(), kStride});
+    if (options.escape_m > 0.0) watch(b);
+  }
+
+  /// Notes the fastest and the farthest vertex of a block; a sum keeps what is not finite.
+  void watch(std::size_t b) {
+    const std::size_t first = b * kBlockVertices;
+    const std::size_t count = std::min(kBlockVertices, next.size() - first);
+    Watched seen;
+    for (std::size_t k = first; k < first + count; ++k) {
+      const auto& [x, v] = next[k];
+      const Real away_sq = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+      const Real speed_sq = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      seen.farthest_sq = std::max(seen.farthest_sq, away_sq);
+      seen.speed_sq = std::max(seen.speed_sq, speed_sq);
+      seen.sum += away_sq + speed_sq;
+    }
+    watched[b] = seen;
+  }
+
+  /// Whether the last step left a state that is finite and within bounds.
+  bool is_good(PlainReport& report) const {
+    const auto escape = static_cast<Real>(options.escape_m);
+    bool good = true;
+    Real speed_sq = 0;
+    for (const Watched& seen : watched) {
+      good = good && std::isfinite(seen.sum) && seen.farthest_sq <= escape * escape;
+      speed_sq = std::max(speed_sq, seen.speed_sq);
+    }
+    if (good)
+      report.peak_speed_m_s = std::max(report.peak_speed_m_s, std::sqrt(static_cast<double>(speed_sq)));
+    return good;
   }
 
   Lanes<Real> cut(const Lanes<Real>& v, PlainReport& report) const {
@@ -209,41 +241,54 @@ struct PlainEngine<Real>::Body {
   }
 
   /// Steps with `threads` threads, each with blocks of its own.
-  PlainReport run(Real h, std::uint64_t steps) {
+  PlainReport run(double step_s, std::uint64_t steps, const PlainObserver& observer) {
+    const auto h = static_cast<Real>(step_s);
     const std::size_t threads = std::clamp<std::size_t>(
         static_cast<std::size_t>(std::max(options.threads, 1)), 1, std::max<std::size_t>(blocks.size(), 1));
-    std::vector<PlainReport> reports(threads);
     std::vector<char> zero(threads);
-    std::uint64_t steps_with_zero = 0;
+    std::vector<std::uint64_t> cuts(threads);
+    std::uint64_t cuts_before = 0;
+    PlainReport sum;
+    bool is_over = false;
+    if (steps == 0) return sum;
+    loads->set_times(time_s, time_s + step_s);
     const auto end_step = [&]() noexcept {
       now.swap(next);
+      ++sum.steps;
+      time_s += step_s;
+      loads->gather();
+      loads->set_times(time_s, time_s + step_s);
+      sum.diverged = options.escape_m > 0.0 && !is_good(sum);
+      is_over = sum.diverged || sum.steps == steps;
       bool has_zero = false;
       for (char& each : zero) {
         has_zero = has_zero || each != 0;
         each = 0;
       }
-      steps_with_zero += has_zero ? 1 : 0;
+      sum.steps_with_zero_length += has_zero ? 1 : 0;
+      sum.speeds_cut = std::accumulate(cuts.begin(), cuts.end(), std::uint64_t{0});
+      sum.steps_with_cuts += sum.speeds_cut > cuts_before ? 1 : 0;
+      cuts_before = sum.speeds_cut;
+      if (observer) observer(sum.steps);
     };
     std::barrier team(static_cast<std::ptrdiff_t>(threads), end_step);
     const auto work = [&](std::size_t t) {
       PlainReport report;
-      for (std::uint64_t k = 0; k < steps; ++k) {
+      for (;;) {
         bool has_zero = false;
         for (std::size_t b = blocks.size() * t / threads; b < blocks.size() * (t + 1) / threads; ++b)
           step_block(b, h, report, has_zero);
         zero[t] = has_zero ? 1 : 0;
+        cuts[t] = report.speeds_cut;
         team.arrive_and_wait();
+        if (is_over) return;
       }
-      reports[t] = report;
     };
     {
       std::vector<std::jthread> others;
       for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
       work(0);
     }
-    PlainReport sum;
-    for (const PlainReport& each : reports) sum.speeds_cut += each.speeds_cut;
-    sum.steps_with_zero_length = steps_with_zero;
     return sum;
   }
 
@@ -256,6 +301,8 @@ struct PlainEngine<Real>::Body {
   std::vector<Inertia<Real>> inertia;
   std::vector<Particle<Real>> now;
   std::vector<Particle<Real>> next;
+  std::optional<PlainLoads> loads;
+  std::vector<Watched> watched;
   double time_s = 0.0;
   std::size_t spring_count = 0;
   std::size_t across_count = 0;
@@ -286,6 +333,9 @@ void PlainEngine<Real>::set_state(const MotionState& state) {
     body_->now[k].v = {static_cast<Real>(speed.x), static_cast<Real>(speed.y), static_cast<Real>(speed.z),
                        Real(0)};
   }
+  Body& body = *body_;
+  body.loads->hold_all(body.time_s, PlainRows<Real>{body.now[0].x.data(), Body::kStride},
+                       PlainRows<Real>{body.now[0].v.data(), Body::kStride});
 }
 
 template <typename Real>
@@ -303,11 +353,14 @@ MotionState PlainEngine<Real>::state() const {
 }
 
 template <typename Real>
-PlainReport PlainEngine<Real>::step(double step_s, std::uint64_t steps) {
+PlainReport PlainEngine<Real>::step(double step_s, std::uint64_t steps, const PlainObserver& observer) {
   require(step_s > 0.0 && std::isfinite(step_s), "a finite step above zero");
-  const PlainReport report = body_->run(static_cast<Real>(step_s), steps);
-  body_->time_s += static_cast<double>(steps) * step_s;
-  return report;
+  return body_->run(step_s, steps, observer);
+}
+
+template <typename Real>
+const std::vector<Vec3>& PlainEngine<Real>::group_forces() const {
+  return body_->loads->group_forces();
 }
 
 template <typename Real>
