@@ -44,7 +44,7 @@ bool deforms(const ContestantTask& task) {
 }
 
 bool moves(const ContestantTask& task) {
-  return task.method.contestant->contest == "motion";
+  return task.method.contestant->contest == "motion" || task.method.contestant->contest == "engine";
 }
 
 /// The file that a contestant writes, by its contest.

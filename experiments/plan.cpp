@@ -10,6 +10,7 @@
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
+#include "experiments/plan_engine.h"
 #include "experiments/plan_report.h"
 #include "experiments/plan_targets.h"
 #include "experiments/plan_verify.h"
@@ -240,6 +241,18 @@ void read_verify_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   plan.known_cases = read_known_cases(fields.need("cases"), plan.contestants);
 }
 
+/// What a contest of the engine is about.
+void read_engine_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "engine");
+  refuse_keys(fields, {"simplify", "scene_sets", "targets"}, "deform", "engine");
+  refuse_keys(fields, {"cases"}, "verify", "engine");
+  plan.scenes = read_dynamic_scenes(fields.need("scenes"), plan.file.parent_path());
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {});
+  plan.contestants = read_contestants(fields.need("contestants"), "engine", plan.sweep, registry);
+  check_scenes_of_contestants(fields.need("contestants"), plan);
+  if (const auto reference = fields.find("reference")) plan.reference = read_reference(*reference, registry);
+}
+
 void add_availability_notes(Plan& plan, const Registry& registry) {
   const auto add = [&](const std::string& label, const std::string& method) {
     const std::string why = registry.find(method)->contestant->unavailable();
@@ -275,8 +288,10 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
     read_deform_parts(fields, plan, registry);
   } else if (plan.contest == "verify") {
     read_verify_parts(fields, plan, registry);
+  } else if (plan.contest == "engine") {
+    read_engine_parts(fields, plan, registry);
   } else {
-    contest.fail_expected("simplify, deform or verify");
+    contest.fail_expected("simplify, deform, verify or engine");
   }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);

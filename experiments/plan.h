@@ -62,6 +62,7 @@ struct PlanContestant {
   std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
   std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
+  std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code
 };
 
@@ -135,11 +136,11 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify", "deform" or "verify"
+  std::string contest;                      ///< "simplify", "deform", "verify" or "engine"
   std::vector<PlanMesh> meshes;             ///< simplify
-  std::vector<PlanScene> scenes;            ///< deform
+  std::vector<PlanScene> scenes;            ///< deform, engine
   std::vector<PlanKnownCase> known_cases;   ///< verify
-  std::optional<PlanReference> reference;   ///< deform
+  std::optional<PlanReference> reference;   ///< deform; engine, of the tool's force: may be missing
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;

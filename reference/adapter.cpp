@@ -53,7 +53,7 @@ Request parse_request(const std::filesystem::path& path) {
   request.method = field<std::string>(object, "method", where);
   request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
   const bool deforms = request.contest == "deform";
-  const bool moves = request.contest == "motion";
+  const bool moves = request.contest == "motion" || request.contest == "engine";
   const char* const output = deforms ? "displacement_out" : (moves ? "history_out" : "mesh_out");
   request.output = field<std::string>(object, output, where);
   if (deforms || moves) request.problem = field<std::string>(object, "problem_in", where);

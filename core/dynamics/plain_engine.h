@@ -13,6 +13,7 @@ namespace palpate::dynamics {
 struct PlainOptions {
   int threads = 1;
   double speed_limit_m_s = 0.0;  ///< 0: no limit; held vertices are not cut
+  bool portable = false;         ///< do without AVX2 where there is one; the bits are the same
   /// Above 0: each step is watched. Peak speeds are reported, and the first state that is not finite or has a
   /// vertex farther than this from the rest shape's centre is the last.
   double escape_m = 0.0;
@@ -44,7 +45,7 @@ std::string find_more_than_plain(const MotionModel& model);
 /// ones, elastic supports and pads, each with its profile (core/dynamics/plain_loads.h). Held components
 /// follow their profiles, as Integrator has them. Positions are kept from the rest shape's centre. The
 /// arithmetic is fixed by the layout alone (core/dynamics/plain_layout.h): one thread and two give the same
-/// bits.
+/// bits, with AVX2 and without.
 ///
 /// Precision: of single precision, an elongation is known to about 1e-7 of the distance from the centre.
 template <typename Real>
@@ -67,6 +68,9 @@ class PlainEngine {
   /// The force of each group of loads on the body, in N, at the start of the last step
   /// (MotionForces::group_forces); zero before the first.
   const std::vector<Vec3>& group_forces() const;
+
+  /// Whether springs are computed eight at a time: in single precision, on a processor that can.
+  bool uses_avx2() const;
 
   std::size_t springs() const;
   /// Springs between two blocks, which are computed twice.

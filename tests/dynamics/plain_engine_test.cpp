@@ -21,7 +21,7 @@ namespace {
 
 using namespace testing_support;
 
-/// A cube of 2744 vertices, three blocks, held below, heavy, damped and shaken.
+/// A cube of 2744 vertices, two blocks, held below, heavy, damped and shaken.
 struct Shaken {
   MotionModel model;
   MotionState start;
