@@ -214,7 +214,7 @@ void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& r
 void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
   refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "deform");
   refuse_keys(fields, {"cases"}, "verify", "deform");
-  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path());
+  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), plan.contest);
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
   read_simplifiers(fields, plan, registry);
@@ -224,9 +224,22 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   }
   plan.contestants = read_contestants(fields.need("contestants"), "deform", own, registry);
   check_reserved_labels(fields.need("contestants"), plan);
-  plan.reference = read_reference(fields.need("reference"), registry);
+  plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
   check_vertices_sweep(fields, plan);
   check_targets(fields, plan);
+}
+
+/// What a contest of motions is about.
+void read_motion_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "motion");
+  refuse_keys(fields, {"simplify", "scene_sets", "targets"}, "deform", "motion");
+  refuse_keys(fields, {"cases"}, "verify", "motion");
+  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), plan.contest);
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices"});
+  plan.contestants = read_contestants(fields.need("contestants"), "motion", plan.sweep, registry);
+  check_reserved_labels(fields.need("contestants"), plan);
+  plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
+  check_vertices_sweep(fields, plan);
 }
 
 /// What a contest with known answers is about.
@@ -286,12 +299,14 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
     read_simplify_parts(fields, plan, registry);
   } else if (plan.contest == "deform") {
     read_deform_parts(fields, plan, registry);
+  } else if (plan.contest == "motion") {
+    read_motion_parts(fields, plan, registry);
   } else if (plan.contest == "verify") {
     read_verify_parts(fields, plan, registry);
   } else if (plan.contest == "engine") {
     read_engine_parts(fields, plan, registry);
   } else {
-    contest.fail_expected("simplify, deform, verify or engine");
+    contest.fail_expected("simplify, deform, motion, verify or engine");
   }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);

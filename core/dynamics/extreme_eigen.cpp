@@ -7,6 +7,7 @@
 
 #include <Spectra/GenEigsSolver.h>
 #include <Spectra/SymEigsSolver.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +92,41 @@ FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix&
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   const auto values = solver.eigenvalues();
   for (Eigen::Index k = 0; k < values.size(); ++k) out.lambda.push_back(values[k]);
+  return out;
+}
+
+FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& damping) {
+  require(stiffness.rows() > 0 && damping.columns == stiffness.columns, "two matrices of one pattern");
+  std::vector<Eigen::Index> number(3 * stiffness.rows(), -1);
+  Eigen::Index count = 0;
+  const auto for_each = [&](const auto& visit) {
+    for (std::size_t v = 0; v < stiffness.rows(); ++v) {
+      for (std::size_t k = stiffness.offsets[v]; k < stiffness.offsets[v + 1]; ++k) {
+        for (std::size_t i = 0; i < 9; ++i)
+          visit(3 * v + i / 3, 3 * std::size_t{stiffness.columns[k]} + i % 3,
+                stiffness.blocks[k](i / 3, i % 3), damping.blocks[k](i / 3, i % 3));
+      }
+    }
+  };
+  double scale = 0.0;
+  for_each([&](std::size_t row, std::size_t, double k, double d) {
+    if ((k != 0.0 || d != 0.0) && number[row] < 0) number[row] = count++;
+    scale = std::max({scale, std::sqrt(std::abs(k)), std::abs(d)});
+  });
+  FastestRates out;
+  out.converged = true;
+  if (count == 0) return out;
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(2 * count, 2 * count);
+  for (Eigen::Index k = 0; k < count; ++k) rates(k, count + k) = 1.0;
+  for_each([&](std::size_t row, std::size_t column, double k, double d) {
+    if (number[row] < 0 || number[column] < 0) return;
+    rates(count + number[row], number[column]) = -k / (scale * scale);
+    rates(count + number[row], count + number[column]) = -d / scale;
+  });
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(rates, false);
+  out.converged = solver.info() == Eigen::Success;
+  const auto& values = solver.eigenvalues();
+  for (Eigen::Index k = 0; out.converged && k < values.size(); ++k) out.lambda.push_back(scale * values[k]);
   return out;
 }
 

@@ -32,4 +32,8 @@ struct FastestRates {
 FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix& damping,
                                 double stiffness_max, int threads);
 
+/// All of them, of the components that have stiffness or damping, by Eigen's dense QR method. The time grows
+/// with the third power of the rows. Requires: both of one pattern, at least one row.
+FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& damping);
+
 }  // namespace palpate::dynamics

@@ -81,7 +81,7 @@ struct PlainEngine<Real>::Body {
     spring_count = model.elastic.springs.springs.size();
     now.resize(order.size());
     next.resize(order.size());
-    watched.resize(blocks.size());
+    watched.resize(block_count());
     loads.emplace(model, PlainPlaces{order, place, kBlockVertices, center});
     set_inertia(model);
   }
@@ -281,9 +281,9 @@ struct PlainEngine<Real>::Body {
   LargeVector<Inertia<Real>> inertia;
   LargeVector<Particle<Real>> now;
   LargeVector<Particle<Real>> next;
-  bool use_avx2 = false;
   std::optional<PlainLoads> loads;
   std::vector<Watched> watched;
+  bool use_avx2 = false;
   double time_s = 0.0;
   std::size_t spring_count = 0;
   std::size_t across_count = 0;

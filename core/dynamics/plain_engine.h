@@ -13,10 +13,10 @@ namespace palpate::dynamics {
 struct PlainOptions {
   int threads = 1;
   double speed_limit_m_s = 0.0;  ///< 0: no limit; held vertices are not cut
-  bool portable = false;         ///< do without AVX2 where there is one; the bits are the same
   /// Above 0: each step is watched. Peak speeds are reported, and the first state that is not finite or has a
   /// vertex farther than this from the rest shape's centre is the last.
   double escape_m = 0.0;
+  bool portable = false;  ///< do without AVX2 where there is one; the bits are the same
 };
 
 /// What happened in some steps.

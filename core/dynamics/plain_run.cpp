@@ -48,8 +48,7 @@ void observe(const MotionModel& model, const MotionState& state, const MotionObs
 template <typename Real>
 MotionReport run(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
                  const MotionObserver& observer) {
-  const PlainOptions own{options.threads, options.speed_limit_m_s, false,
-                         find_escape(model, options.run.escape_ratio)};
+  PlainOptions own{options.threads, options.speed_limit_m_s, find_escape(model, options.run.escape_ratio)};
   PlainEngine<Real> engine(model, own);
   engine.set_state(state);
   MotionReport report;
