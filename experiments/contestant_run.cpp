@@ -43,6 +43,11 @@ bool deforms(const ContestantTask& task) {
   return task.method.contestant->contest == "deform";
 }
 
+/// Whether an answer comes with a file.
+bool has_output(const ContestantTask& task) {
+  return task.method.contestant->contest != "stability";
+}
+
 json build_request(const ContestantTask& task, const std::filesystem::path& output) {
   json request = {{"schema", "palpate/request/1"},
                   {"contest", task.method.contestant->contest},
@@ -53,7 +58,7 @@ json build_request(const ContestantTask& task, const std::filesystem::path& outp
   if (deforms(task)) {
     request["problem_in"] = task.problem_in.string();
     request["displacement_out"] = output.string();
-  } else {
+  } else if (has_output(task)) {
     request["mesh_out"] = output.string();
     request["stop"] = stop_request(task.stop);
   }
@@ -121,9 +126,10 @@ std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
   std::error_code error;
   const bool is_there = std::filesystem::is_regular_file(output, error);
-  if (!deforms(task)) return is_there ? "" : "it wrote no mesh";
+  if (!deforms(task) && has_output(task)) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
+  if (!has_output(task)) return is_there ? "it wrote a mesh that nobody asked for" : "";
   return outcome != "converged" || is_there ? "" : "it converged and wrote no displacement";
 }
 

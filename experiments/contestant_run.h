@@ -44,7 +44,7 @@ struct ContestantAnswer {
   bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
   /// Mesh or displacement, there only if "ok"; in the contest deform only if the report's outcome is
-  /// "converged" as well.
+  /// "converged" as well; in the contest stability there is none.
   std::filesystem::path output;
 };
 

@@ -98,6 +98,12 @@ constexpr std::array kMeasures{
     Measure{"zero_springs", "1", "lower", "/report/zero_springs", "springs without stiffness"},
     Measure{"kkt_relative", "1", "lower", "/report/kkt_relative",
             "residual of the optimality conditions of the identification"},
+    Measure{"predicted_step_s", "s", "", "/report/predicted_step_s", "longest stable step, predicted"},
+    Measure{"measured_step_s", "s", "", "/report/measured_step_s", "longest stable step, measured"},
+    Measure{"measured_over_predicted", "1", "", "/judge/measured_over_predicted",
+            "longest stable step, measured over predicted"},
+    Measure{"row_sum_over_measured", "1", "higher", "/judge/row_sum_over_measured",
+            "step bound by row sums over the measured one"},
     Measure{"stiffness_ratio_mean", "1", "", "/report/stiffness_ratio_mean",
             "mean over the vertices of sum k U^2 / (12 E V)"},
 };

@@ -11,6 +11,7 @@
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_stability.h"
 #include "experiments/plan_targets.h"
 #include "experiments/plan_verify.h"
 
@@ -201,6 +202,7 @@ void refuse_keys(const YamlFields& fields, const std::vector<const char*>& keys,
 void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
   refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "simplify");
   refuse_keys(fields, {"cases"}, "verify", "simplify");
+  refuse_keys(fields, {"extremes"}, "stability", "simplify");
   plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
@@ -213,6 +215,7 @@ void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& r
 void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
   refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "deform");
   refuse_keys(fields, {"cases"}, "verify", "deform");
+  refuse_keys(fields, {"extremes"}, "stability", "deform");
   plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
@@ -232,12 +235,26 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
 void read_verify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
   refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "verify");
   refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "verify");
+  refuse_keys(fields, {"extremes"}, "stability", "verify");
   if (const auto sweep = fields.find("sweep"))
     sweep->fail("the contest verify sweeps the cells of its cases");
   if (const auto accept = fields.find("accept"))
     accept->fail("the contest verify has its bounds in \"expect\"");
   plan.contestants = read_contestants(fields.need("contestants"), "deform", {}, registry);
   plan.known_cases = read_known_cases(fields.need("cases"), plan.contestants);
+}
+
+/// What a contest of extremes is about.
+void read_stability_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  refuse_keys(fields, {"region", "equal_count"}, "simplify", "stability");
+  refuse_keys(fields, {"scenes", "reference", "scene_sets", "targets"}, "deform", "stability");
+  refuse_keys(fields, {"cases"}, "verify", "stability");
+  if (const auto sweep = fields.find("sweep")) sweep->fail("the contest stability sweeps in its extremes");
+  plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
+  if (const auto simplify = fields.find("simplify"))
+    plan.simplifiers = read_contestants(*simplify, "simplify", {}, registry);
+  plan.contestants = read_contestants(fields.need("contestants"), "stability", {}, registry);
+  plan.extremes = read_extremes(fields.need("extremes"), plan, registry);
 }
 
 void add_availability_notes(Plan& plan, const Registry& registry) {
@@ -259,7 +276,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlFields fields =
       root.fields({"schema",   "question",    "contest",     "meshes", "scenes",     "cases",   "reference",
                    "simplify", "contestants", "sweep",       "region", "run",        "measure", "accept",
-                   "claim",    "equal_count", "comparisons", "charts", "scene_sets", "targets"});
+                   "claim",    "equal_count", "comparisons", "charts", "scene_sets", "targets", "extremes"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -275,8 +292,10 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
     read_deform_parts(fields, plan, registry);
   } else if (plan.contest == "verify") {
     read_verify_parts(fields, plan, registry);
+  } else if (plan.contest == "stability") {
+    read_stability_parts(fields, plan, registry);
   } else {
-    contest.fail_expected("simplify, deform or verify");
+    contest.fail_expected("simplify, deform, verify or stability");
   }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);

@@ -53,7 +53,9 @@ Request parse_request(const std::filesystem::path& path) {
   request.method = field<std::string>(object, "method", where);
   request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
   const bool deforms = request.contest == "deform";
-  request.output = field<std::string>(object, deforms ? "displacement_out" : "mesh_out", where);
+  const bool has_output = request.contest != "stability";
+  if (has_output)
+    request.output = field<std::string>(object, deforms ? "displacement_out" : "mesh_out", where);
   if (deforms) request.problem = field<std::string>(object, "problem_in", where);
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
