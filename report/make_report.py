@@ -19,6 +19,7 @@ import deform_tables
 import equal_count
 import records
 import scaling
+import stability
 import tables
 import targets
 import verdict
@@ -129,6 +130,21 @@ def draw_known_answers(run, rows):
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
+def report_extremes(run):
+    """Tables and summary of a contest of extremes; returns its cases."""
+    cases = stability.read_cases(run)
+    remove_old(run.folder / "tables", stability.write_tables(cases, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(stability.summary_text(cases) if cases else "no records")
+    return cases
+
+
+def draw_extremes(run, cases):
+    import stability_charts  # needs matplotlib
+    return stability_charts.draw_charts(cases, run.folder / "charts")
+
+
 def draw_simplifiers(run, claim):
     import charts  # needs matplotlib
     return charts.draw_charts(run, claim, run.folder / "charts")
@@ -148,6 +164,8 @@ def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
     if run.plan_data.get("contest") == "verify":
         return report_known_answers, draw_known_answers
+    if run.plan_data.get("contest") == "stability":
+        return report_extremes, draw_extremes
     if run.judges_displacements:
         return report_displacements, draw_displacements
     return report_simplifiers, draw_simplifiers

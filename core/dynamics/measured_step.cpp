@@ -165,11 +165,10 @@ MeasuredStep measure_stable_step_from(BodyStepper& stepper, const MotionState& s
     WatchOptions watch;
     watch.step_s = step;
     watch.steps = options.steps;
+    watch.energy_factor = options.energy_factor;
     const WatchedRun run = watch_motion(stepper, start, watch);
     steps += run.steps;
-    if (is_unstable(run.outcome)) return true;
-    const double had = run.energy_start_j - run.energy_least_j;
-    return run.energy_most_j - run.energy_start_j > options.energy_factor * had;
+    return is_unstable(run.outcome);
   };
   return bisect(options.first_step_s, options.most_doublings, options.tolerance, grows);
 }

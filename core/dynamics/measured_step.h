@@ -61,11 +61,10 @@ struct MeasureLargeOptions {
   int most_doublings = 24;
 };
 
-/// The same with the full forces, from a deformed state: a step is too long if watch_motion says so, or if
-/// the energy ever exceeds that of the start by `energy_factor` times what the start has over the least of
-/// the run. Large motions need not tell two steps apart as sharply as a growing mode does: trials of another
-/// number of steps may end a few percent elsewhere. Throws: InputError as measure_stable_step and
-/// watch_motion do.
+/// The same with the full forces, from a deformed state: a step is too long if watch_motion, with the energy
+/// factor, calls the motion unstable. Large motions need not tell two steps apart as sharply as a growing
+/// mode does: trials of another number of steps may end a few percent elsewhere. Throws: InputError as
+/// measure_stable_step and watch_motion do.
 MeasuredStep measure_stable_step_from(BodyStepper& stepper, const MotionState& start,
                                       const MeasureLargeOptions& options);
 

@@ -167,7 +167,7 @@ class WorstVectors {
 
   /// Whether all roots can be had.
   bool is_small() const {
-    constexpr std::size_t kMostVertices = 80;
+    constexpr std::size_t kMostVertices = 120;
     return body_.stiffness.rows() <= kMostVertices && body_.volume_stiffness == 0.0;
   }
 

@@ -37,7 +37,7 @@ struct StableStep {
 /// symplectic Euler (4 h D for velocity Verlet): Lanczos finds the worst vector, whose mode gives the next h,
 /// until h settles. For Runge-Kutta the eight fastest roots of lambda^2 + lambda D + K bind.
 ///
-/// Explicit Euler is stable up to the least -2 Re(lambda) / |lambda|^2 over all roots. Up to 80 vertices all
+/// Explicit Euler is stable up to the least -2 Re(lambda) / |lambda|^2 over all roots. Up to 120 vertices all
 /// are found, and the bound is exact. Beyond, step_s is the least quotient x* D x / x* K x (below every
 /// root's, and exact where K and D share their vectors), and step_at_most_s the least of the eight fastest
 /// roots' bounds and those of the vectors met on the way.
