@@ -263,7 +263,8 @@ void read_engine_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {});
   plan.contestants = read_contestants(fields.need("contestants"), "engine", plan.sweep, registry);
   check_scenes_of_contestants(fields.need("contestants"), plan);
-  if (const auto reference = fields.find("reference")) plan.reference = read_reference(*reference, registry);
+  if (const auto reference = fields.find("reference"))
+    plan.reference = read_reference(*reference, "deform", registry);
 }
 
 void add_availability_notes(Plan& plan, const Registry& registry) {

@@ -136,11 +136,11 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify", "deform", "motion", "verify" or "engine"
-  std::vector<PlanMesh> meshes;             ///< simplify
-  std::vector<PlanScene> scenes;            ///< deform, motion and engine
-  std::vector<PlanKnownCase> known_cases;   ///< verify
-  std::optional<PlanReference> reference;   ///< deform and motion; engine, of the tool's force: may be missing
+  std::string contest;                     ///< "simplify", "deform", "motion", "verify" or "engine"
+  std::vector<PlanMesh> meshes;            ///< simplify
+  std::vector<PlanScene> scenes;           ///< deform, motion and engine
+  std::vector<PlanKnownCase> known_cases;  ///< verify
+  std::optional<PlanReference> reference;  ///< deform and motion; engine, of the tool's force: may be missing
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;

@@ -16,6 +16,7 @@ import contest
 import convergence
 import deform
 import deform_tables
+import engine
 import equal_count
 import records
 import scaling
@@ -144,8 +145,25 @@ def report_simplifiers(run):
     return claim
 
 
+def report_engine(run):
+    """Tables and summary of a contest of the engine; returns its cases."""
+    found = engine.read_cases(run)
+    remove_old(run.folder / "tables", engine.write_tables(found, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(engine.engine_text(found))
+    return found
+
+
+def draw_engine(run, found):
+    import engine_charts  # needs matplotlib
+    return engine_charts.draw_charts(run, found, run.folder / "charts")
+
+
 def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
+    if run.plan_data.get("contest") == "engine":
+        return report_engine, draw_engine
     if run.plan_data.get("contest") == "verify":
         return report_known_answers, draw_known_answers
     if run.judges_displacements:
