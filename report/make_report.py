@@ -18,6 +18,7 @@ import deform
 import deform_tables
 import engine
 import equal_count
+import motion
 import records
 import scaling
 import tables
@@ -130,6 +131,21 @@ def draw_known_answers(run, rows):
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
+def report_motions(run):
+    """Tables and summary of a contest of motions; returns what its charts are drawn from."""
+    sections = motion.read_sections(run)
+    remove_old(run.folder / "tables", motion.write_tables(sections, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(motion.table_text(sections) if sections else "no records")
+    return sections
+
+
+def draw_motions(run, sections):
+    import motion_charts  # needs matplotlib
+    return motion_charts.draw_charts(run, sections, run.folder / "charts")
+
+
 def draw_simplifiers(run, claim):
     import charts  # needs matplotlib
     return charts.draw_charts(run, claim, run.folder / "charts")
@@ -166,6 +182,8 @@ def choose_report(run):
         return report_engine, draw_engine
     if run.plan_data.get("contest") == "verify":
         return report_known_answers, draw_known_answers
+    if run.plan_data.get("contest") == "motion":
+        return report_motions, draw_motions
     if run.judges_displacements:
         return report_displacements, draw_displacements
     return report_simplifiers, draw_simplifiers
