@@ -163,10 +163,12 @@ Response answer_rest(EngineTask task, const Request& request) {
   return response;
 }
 
-/// The only tool of a motion of one phase: its group of loads.
+/// The only tool of a motion whose loads stay: its group of loads.
 std::size_t find_tool(const Scene& placed, const MotionSetup& setup) {
-  if (setup.phases.size() != 1)
-    throw InputError(placed.file.string(), 0, "loads that are there all the time", "some that come or go");
+  for (const SceneLoad& load : placed.loads) {
+    if (load.from_s > 0.0 || load.until_s)
+      throw InputError(load.where, 0, "a load that is there all the time", "one that comes or goes");
+  }
   const std::vector<std::size_t>& loads = setup.phases.front().loads;
   std::vector<std::size_t> tools;
   for (std::size_t k = 0; k < loads.size(); ++k) {

@@ -155,7 +155,7 @@ class EngineContest : public Contest {
   }
 
   json figures_of(const EngineInput& input, const json& report) const {
-    json figures = {{"valid", true}, {"findings", json::array()}};
+    json figures = {{"kind", "engine"}, {"valid", true}, {"findings", json::array()}};
     const std::string outcome = report.at("outcome").get<std::string>();
     if (outcome != "completed") {
       figures["valid"] = false;
@@ -184,7 +184,10 @@ class EngineContest : public Contest {
     record["message"] = force.failure;
     record["judge"] = nullptr;
     if (force.failure.empty()) {
-      record["judge"] = {{"valid", true}, {"findings", json::array()}, {"level_reports", force.levels}};
+      record["judge"] = {{"kind", "pad_force"},
+                         {"valid", true},
+                         {"findings", json::array()},
+                         {"level_reports", force.levels}};
       record["judge"]["force_n"] = {force.force_n.x, force.force_n.y, force.force_n.z};
       record["judge"]["force_change"] = force.change ? json(*force.change) : json();
     }

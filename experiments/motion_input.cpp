@@ -179,7 +179,7 @@ MotionReference solve_motion_reference(const MotionInput& input, const ContestSe
   const PlanReference& plan = *setting.plan.reference;
   const json options = resolve_options(*setting.registry.find(plan.method)->method, plan.set);
   const double step = options.at("time_step_s").get<double>();
-  const int coarse = std::max(plan.levels - 2, 0);
+  const int coarse = plan.levels - 2;
   MotionReference reference;
   fs::path file;
   fs::path ignored;
@@ -189,12 +189,9 @@ MotionReference solve_motion_reference(const MotionInput& input, const ContestSe
   reference.history_file = setting.folder.paths().history(input.id + "/reference");
   create_folder(reference.history_file.parent_path());
   reference::write_history(reference.history_file, reference.truth.history);
-  JudgedMotion coarser = reference.truth;
-  if (plan.levels > 1) {
-    coarser = solve_run(input, {coarse, step}, setting, reference, ignored);
-    if (ended()) return reference;
-    add_errors(compare_motions(input.problem, coarser, reference.truth), 1.0, reference.own_error);
-  }
+  const JudgedMotion coarser = solve_run(input, {coarse, step}, setting, reference, ignored);
+  if (ended()) return reference;
+  add_errors(compare_motions(input.problem, coarser, reference.truth), 1.0, reference.own_error);
   const JudgedMotion slower = solve_run(input, {coarse, 2.0 * step}, setting, reference, ignored);
   if (ended()) return reference;
   add_errors(compare_motions(input.problem, slower, coarser), 1.0 / 3.0, reference.own_error);

@@ -9,6 +9,7 @@ namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+constexpr std::size_t kFittedOscillations = 3;
 using reference::MotionHistory;
 using reference::MotionProblem;
 
@@ -112,23 +113,26 @@ void compare_oscillation(const MotionProblem& problem, const JudgedMotion& found
     path.push_back({(*row)[first], (*row)[first + 1], (*row)[first + 2]});
   const auto direction = judge::main_direction(path);
   if (!direction) return;
-  const auto expected = judge::fit_oscillation(at.time_s, project(at, first, *direction), from, to);
-  if (!expected || !(expected->amplitude > 0.0)) return;
+  const judge::FitWindow window{from, to};
+  const auto expected =
+      judge::fit_oscillations(at.time_s, project(at, first, *direction), window, kFittedOscillations);
+  if (!expected || !(expected->oscillations[0].amplitude > 0.0)) return;
+  const judge::Oscillation& main = expected->oscillations[0];
   const Stretch own(found.history, from * (1.0 - 1e-12) - 1e-300, to * (1.0 + 1e-9));
   const auto measured =
-      judge::fit_oscillation(own.time_s, project(own, first, *direction), from, to, expected->frequency_hz);
-  figures["reference_oscillation"] = {{"frequency_hz", expected->frequency_hz},
-                                      {"amplitude_m", expected->amplitude},
-                                      {"decay_per_s", expected->decay_per_s},
+      judge::fit_oscillations_like(own.time_s, project(own, first, *direction), window, *expected);
+  figures["reference_oscillation"] = {{"frequency_hz", main.frequency_hz},
+                                      {"amplitude_m", main.amplitude},
+                                      {"decay_per_s", main.decay_per_s},
                                       {"unexplained", expected->unexplained}};
   if (!measured) return;
-  const judge::OscillationError error = judge::compare_oscillations(*measured, *expected);
+  const judge::OscillationError error = judge::compare_oscillations(measured->oscillations[0], main);
   figures["amplitude_error"] = error.amplitude;
   figures["phase_error_deg"] = error.phase_deg;
   figures["oscillation_error"] = error.frequency;
   figures["damping_ratio_error"] = error.damping_ratio;
   if (error.decay) figures["decay_error"] = *error.decay;
-  figures["oscillation_hz"] = measured->frequency_hz;
+  figures["oscillation_hz"] = measured->oscillations[0].frequency_hz;
   figures["unexplained"] = measured->unexplained;
 }
 

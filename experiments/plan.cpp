@@ -271,7 +271,7 @@ void read_engine_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   plan.contestants = read_contestants(fields.need("contestants"), "engine", plan.sweep, registry);
   check_scenes_of_contestants(fields.need("contestants"), plan);
   if (const auto reference = fields.find("reference"))
-    plan.reference = read_reference(*reference, plan.contest, registry);
+    plan.reference = read_reference(*reference, "deform", registry);
 }
 
 /// What a contest of extremes is about.

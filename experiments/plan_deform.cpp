@@ -81,7 +81,7 @@ PlanReference read_reference(const YamlValue& value, const std::string& contest,
   if (const auto set = fields.find("set")) reference.set = read_set(*set, *entry.method);
   if (reference.set.count("refine") > 0) value.fail("the option \"refine\" follows from \"levels\"");
   if (const auto levels = fields.find("levels"))
-    reference.levels = static_cast<int>(levels->integer(1, kMostLevels));
+    reference.levels = static_cast<int>(levels->integer(contest == "motion" ? 2 : 1, kMostLevels));
   if (const auto enough = fields.find("enough")) reference.enough = enough->number(1e-12, 1.0);
   if (const auto order = fields.find("stated_order")) reference.stated_order = order->number(1.0, 4.0);
   return reference;

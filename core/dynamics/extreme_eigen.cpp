@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/base/error.h"
 
@@ -130,6 +131,29 @@ FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& dam
   return out;
 }
 
+namespace {
+
+/// The power method, for a symmetric semidefinite matrix of few different eigenvalues.
+ExtremeEigen iterate_powers(const Product& product, double tolerance) {
+  constexpr std::size_t kMostProducts = 1000;
+  const Eigen::Index n = product.rows();
+  Eigen::VectorXd x(n);
+  for (Eigen::Index k = 0; k < n; ++k) x[k] = 1.0 + 0.5 * std::sin(static_cast<double>(k + 1));
+  Eigen::VectorXd y(n);
+  ExtremeEigen out;
+  for (; out.products < kMostProducts && !out.converged; ++out.products) {
+    x.normalize();
+    product.perform_op(x.data(), y.data());
+    out.value = x.dot(y);
+    out.converged = (y - out.value * x).norm() <= tolerance * std::abs(out.value);
+    if (!out.converged) x = y;
+  }
+  for (Eigen::Index k = 0; k < n; k += 3) out.vector.push_back({x[k], x[k + 1], x[k + 2]});
+  return out;
+}
+
+}  // namespace
+
 ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   require(matrix.rows() > 0, "at least one row");
   Product product(matrix, threads);
@@ -137,9 +161,13 @@ ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   constexpr Eigen::Index kRestarts = 100;
   constexpr double kTolerance = 1e-4;
   Spectra::SymEigsSolver<Product> solver(product, 1, std::min(most_vectors, product.rows()));
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
   ExtremeEigen out;
+  try {
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
+  } catch (const std::runtime_error&) {  // Krylov's space ended: a multiple of the identity, say
+    return iterate_powers(product, kTolerance);
+  }
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   if (!out.converged) return out;

@@ -16,8 +16,9 @@ struct ExtremeEigen {
   bool converged = false;
 };
 
-/// By Spectra's restarted Lanczos method, to a residual of 1e-4 of the value. Deterministic for any number of
-/// threads. Requires: at least one row.
+/// By Spectra's restarted Lanczos method, or, where that finds no space to work in (all eigenvalues equal),
+/// by the power method, to a residual of 1e-4 of the value. Deterministic for any number of threads.
+/// Requires: at least one row.
 ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads);
 
 /// The eigenvalues of largest size of lambda^2 x + lambda D x + K x = 0.

@@ -31,25 +31,41 @@ std::optional<double> history_error(std::span<const double> time_s,
 /// covariance with the largest eigenvalue, its largest component positive. Nothing if the path stands still.
 std::optional<Vec3> main_direction(std::span<const Vec3> path);
 
-/// x(t) = offset + amplitude exp(-decay (t - from)) cos(2 pi frequency (t - from) + phase).
+/// amplitude exp(-decay (t - from)) cos(2 pi frequency (t - from) + phase).
 struct Oscillation {
-  double offset = 0.0;
   double amplitude = 0.0;  ///< at the start of the window, >= 0
   double phase_rad = 0.0;
   double frequency_hz = 0.0;
   double decay_per_s = 0.0;
+};
+
+/// A constant and a sum of oscillations, the strongest at the start of the window first.
+struct OscillationFit {
+  double offset = 0.0;
+  std::vector<Oscillation> oscillations;
   double unexplained = 0.0;  ///< sqrt(sum (x - fit)^2 / sum (x - mean)^2) over the window's samples
 };
 
-/// Fits an oscillation to the samples from `from_s` to `to_s` by least squares. For each frequency and decay,
-/// offset, amplitude and phase follow from a linear system; frequency and decay are found by a scan (over all
-/// frequencies that the window and the samples can tell apart, or within half and one and a half times
-/// `near_hz`) and by pattern search from its best.
+/// Where a signal is fitted: the samples with from <= time <= to.
+struct FitWindow {
+  double from_s = 0.0;
+  double to_s = 0.0;
+};
+
+/// Fits at most `most` oscillations to the samples in the window by least squares: each is found by a scan
+/// over all frequencies that window and samples can tell apart, in what the others leave over; all are then
+/// refined together by the method of Levenberg and Marquardt. No more are added once less than 2% of the
+/// signal is unexplained.
 ///
 /// Returns: nothing for fewer than 8 samples in the window, or a signal that doesn't change there.
-std::optional<Oscillation> fit_oscillation(std::span<const double> time_s, std::span<const double> value,
-                                           double from_s, double to_s,
-                                           std::optional<double> near_hz = std::nullopt);
+std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, std::span<const double> value,
+                                               const FitWindow& window, std::size_t most);
+
+/// Fits as many oscillations as `like` has, from where those are: the k-th belongs to the k-th of `like`
+/// afterwards. Starts at frequencies up to a quarter beside them are tried too; the best counts.
+std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time_s,
+                                                    std::span<const double> value, const FitWindow& window,
+                                                    const OscillationFit& like);
 
 /// Errors of an oscillation against that of a reference in the same window.
 struct OscillationError {
