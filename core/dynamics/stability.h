@@ -43,12 +43,13 @@ struct StableStep {
 /// roots' bounds and those of the vectors met on the way.
 ///
 /// The thesis's volume force is not symmetric; the norm of its stiffness is added to that of K. Source:
-/// Spectra's restarted Lanczos and Arnoldi methods.
+/// Spectra's restarted Lanczos and Arnoldi methods. Throws: InputError where stiffness or damping over mass,
+/// or their squares, leave the range of double precision.
 StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads = 1);
 
 /// A step that is stable for certain, from row sums (Gershgorin): each row's sums of absolute values of M^-1
-/// K and M^-1 D are taken as a mode. Never longer than the bound above. Explicit Euler has none (0): row sums
-/// don't bound the damping from below.
+/// K and M^-1 D are taken as a mode. Never longer than the bound above. Throws: as that. Explicit Euler has
+/// none (0): row sums don't bound the damping from below.
 StableStep bound_stable_step(const MotionModel& model, IntegratorKind kind);
 
 /// The predicted bound for small motions about the displacement `u`, with the stiffness and the springs'

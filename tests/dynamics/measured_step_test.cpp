@@ -174,7 +174,7 @@ TEST(MeasuredStep, WhatHasNoBoundAndWhatHasNoStableStepSaySo) {
   EXPECT_GT(implicit.stable_s, 1e5);
   EXPECT_THROW(static_cast<void>(implicit.step_s()), ContractError);
   wanted.kind = IntegratorKind::kExplicitEuler;
-  options.most_doublings = 4;
+  options.most_strides = 4;
   const MeasuredStep none = measure_stable_step(*make_stepper(model, wanted), options);
   EXPECT_FALSE(none.is_found());
   EXPECT_EQ(none.stable_s, 0.0);
@@ -241,6 +241,7 @@ TEST(MeasuredStep, RefusesWhatIsNoSetting) {
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.amplitude_m = bad; }), HasSubstr("amplitude: expected"));
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.tolerance = bad; }), HasSubstr("tolerance: expected"));
   }
+  EXPECT_THAT(with([](MeasureStepOptions& o) { o.stride = 1.0; }), HasSubstr("stride: expected"));
   EXPECT_THAT(with([](MeasureStepOptions& o) { o.horizon_least = 100; }), HasSubstr("at least 512 steps"));
   EXPECT_THAT(with([](MeasureStepOptions& o) { o.horizon_most = 600; }), HasSubstr("1024 and 600"));
   const auto with_map = [&](auto&& change) {
