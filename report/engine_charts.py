@@ -178,13 +178,22 @@ def draw_margins(cases, folder):
     return save(fig, folder, "margins")
 
 
+def setting_of(case):
+    return case.label, str(case.option("precision")), case.option("engine_threads")
+
+
+def setting_text(setting):
+    label, precision, threads = setting
+    return f"{label}, {precision}, {threads} thread{'s' if threads != 1 else ''}"
+
+
 def curves_of_ticks(cases, name):
-    """{(precision, threads): sorted (vertices, value)}."""
+    """{(label, precision, threads): sorted (vertices, value)}."""
     curves = {}
     for case in cases:
         value = case.number(name)
         if value is not None and case.vertices:
-            curves.setdefault((str(case.option("precision")), case.option("engine_threads")), []).append((case.vertices, value))
+            curves.setdefault(setting_of(case), []).append((case.vertices, value))
     return {key: sorted(points) for key, points in curves.items()}
 
 
@@ -193,9 +202,9 @@ def draw_budget(cases, folder):
     fig, grid = plt.subplots(1, 3, figsize=(10.2, 3.8), sharey=True)
     deadline = next((value for case in cases if (value := figure(case.record, "report", "tick_s")) is not None), None)
     for ax, (title, name) in zip(grid, [("median", "tick_p50_s"), ("99.9% of the ticks", "tick_p99_9_s"), ("worst", "tick_worst_s")]):
-        for ((precision, threads), points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
-            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(threads, ":"), color=color, linewidth=1.3,
-                    markersize=4, label=f"{precision}, {threads} thread{'s' if threads != 1 else ''}")
+        for (setting, points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
+            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
+                    markersize=4, label=setting_text(setting))
         if deadline is not None:
             ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
         ax.set_xscale("log")
@@ -212,12 +221,12 @@ def draw_budget(cases, folder):
 def draw_distribution(cases, folder):
     """How many ticks took longer than a time: both axes logarithmic."""
     chosen = [case for case in cases if isinstance(case.told("buckets"), list)]
-    settings = sorted({(str(case.option("precision")), case.option("engine_threads")) for case in chosen})
+    settings = sorted({setting_of(case) for case in chosen})
     if not settings:
         return []
     fig, grid = plt.subplots(1, len(settings), figsize=(max(4.6, 3.4 * len(settings)), 3.8), sharey=True, squeeze=False)
     for ax, setting in zip(grid.flat, settings):
-        own = [case for case in chosen if (str(case.option("precision")), case.option("engine_threads")) == setting]
+        own = [case for case in chosen if setting_of(case) == setting]
         for number, case in enumerate(own):
             counts = np.array(case.told("buckets"), dtype=float)
             longer = counts[::-1].cumsum()[::-1] / counts.sum()
@@ -229,7 +238,7 @@ def draw_distribution(cases, folder):
                 ax.axvline(1000 * deadline, color=INK, linewidth=0.8)
         ax.set_xscale("log")
         ax.set_yscale("log")
-        ax.set_title(f"{setting[0]}, {setting[1]} thread{'s' if setting[1] != 1 else ''}", loc="left", color=INK)
+        ax.set_title(setting_text(setting), loc="left", color=INK)
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
     grid[0][0].set_ylabel("share of ticks that take longer")
