@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_engine.h"
+#include "experiments/plan_stability.h"
 #include "experiments/plan_verify.h"
 
 namespace palpate::experiments {
@@ -184,6 +185,7 @@ class CaseBuilder {
 
 std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
   if (plan.contest == "verify") return build_verify_cases(plan, registry);
+  if (plan.contest == "stability") return build_stability_cases(plan, registry);
   return CaseBuilder(plan, registry).build();
 }
 

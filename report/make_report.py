@@ -21,6 +21,7 @@ import equal_count
 import motion
 import records
 import scaling
+import stability
 import tables
 import targets
 import verdict
@@ -131,6 +132,21 @@ def draw_known_answers(run, rows):
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
+def report_extremes(run):
+    """Tables and summary of a contest of extremes; returns its cases."""
+    cases = stability.read_cases(run)
+    remove_old(run.folder / "tables", stability.write_tables(cases, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(stability.summary_text(cases) if cases else "no records")
+    return cases
+
+
+def draw_extremes(run, cases):
+    import stability_charts  # needs matplotlib
+    return stability_charts.draw_charts(cases, run.folder / "charts")
+
+
 def report_motions(run):
     """Tables and summary of a contest of motions; returns what its charts are drawn from."""
     sections = motion.read_sections(run)
@@ -178,12 +194,14 @@ def draw_engine(run, found):
 
 def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
-    if run.plan_data.get("contest") == "engine":
-        return report_engine, draw_engine
-    if run.plan_data.get("contest") == "verify":
-        return report_known_answers, draw_known_answers
-    if run.plan_data.get("contest") == "motion":
-        return report_motions, draw_motions
+    of_contest = {
+        "engine": (report_engine, draw_engine),
+        "motion": (report_motions, draw_motions),
+        "stability": (report_extremes, draw_extremes),
+        "verify": (report_known_answers, draw_known_answers),
+    }.get(run.plan_data.get("contest"))
+    if of_contest is not None:
+        return of_contest
     if run.judges_displacements:
         return report_displacements, draw_displacements
     return report_simplifiers, draw_simplifiers

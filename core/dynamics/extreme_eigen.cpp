@@ -14,6 +14,7 @@
 #include <stdexcept>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -74,6 +75,52 @@ class RateProduct {
   mutable Eigen::VectorXd work_;
 };
 
+std::vector<Vec3> to_field(const Eigen::VectorXd& x) {
+  std::vector<Vec3> field(static_cast<std::size_t>(x.size() / 3));
+  for (std::size_t v = 0; v < field.size(); ++v) {
+    const auto at = static_cast<Eigen::Index>(3 * v);
+    field[v] = {x[at], x[at + 1], x[at + 2]};
+  }
+  return field;
+}
+
+/// Lanczos's method with full orthogonalisation from a seeded vector. A seeded vector has a part of every
+/// eigenvector, so where the vectors it makes come to an end they hold all different eigenvalues.
+ExtremeEigen find_by_plain_lanczos(const Product& product) {
+  const Eigen::Index n = product.rows();
+  const Eigen::Index most = std::min<Eigen::Index>(n, 100);
+  constexpr double kEnd = 1e-10;
+  Eigen::MatrixXd basis(n, most);
+  Eigen::MatrixXd small = Eigen::MatrixXd::Zero(most, most);
+  SplitMix64 random(1);
+  Eigen::VectorXd next(n);
+  for (Eigen::Index k = 0; k < n; ++k) next[k] = random.uniform() - 0.5;
+  next.normalize();
+  Eigen::Index count = 0;
+  bool is_closed = false;
+  while (count < most && !is_closed) {
+    basis.col(count++) = next;
+    product.perform_op(basis.col(count - 1).data(), next.data());
+    const double size = next.norm();
+    const auto own = basis.leftCols(count);
+    Eigen::VectorXd part = own.transpose() * next;
+    small.col(count - 1).head(count) = part;
+    for (int twice = 0; twice < 2; ++twice, part = own.transpose() * next) next -= own * part;
+    const double left = next.norm();
+    is_closed = left <= kEnd * size;
+    if (!is_closed) next /= left;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      small.topLeftCorner(count, count).selfadjointView<Eigen::Upper>());
+  ExtremeEigen out;
+  out.products = static_cast<std::size_t>(count);
+  out.converged = solver.info() == Eigen::Success && (is_closed || count == n);
+  if (!out.converged) return out;
+  out.value = solver.eigenvalues()[count - 1];
+  out.vector = to_field(basis.leftCols(count) * solver.eigenvectors().col(count - 1));
+  return out;
+}
+
 }  // namespace
 
 FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix& damping,
@@ -86,9 +133,13 @@ FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix&
   constexpr Eigen::Index kRestarts = 200;
   constexpr double kTolerance = 1e-4;
   Spectra::GenEigsSolver<RateProduct> solver(product, wanted, std::min(most_vectors, product.rows()));
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestMagn, kRestarts, kTolerance);
   FastestRates out;
+  try {
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestMagn, kRestarts, kTolerance);
+  } catch (const std::runtime_error&) {
+    return out;  // a breakdown: not converged
+  }
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   const auto values = solver.eigenvalues();
@@ -131,29 +182,6 @@ FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& dam
   return out;
 }
 
-namespace {
-
-/// The power method, for a symmetric semidefinite matrix of few different eigenvalues.
-ExtremeEigen iterate_powers(const Product& product, double tolerance) {
-  constexpr std::size_t kMostProducts = 1000;
-  const Eigen::Index n = product.rows();
-  Eigen::VectorXd x(n);
-  for (Eigen::Index k = 0; k < n; ++k) x[k] = 1.0 + 0.5 * std::sin(static_cast<double>(k + 1));
-  Eigen::VectorXd y(n);
-  ExtremeEigen out;
-  for (; out.products < kMostProducts && !out.converged; ++out.products) {
-    x.normalize();
-    product.perform_op(x.data(), y.data());
-    out.value = x.dot(y);
-    out.converged = (y - out.value * x).norm() <= tolerance * std::abs(out.value);
-    if (!out.converged) x = y;
-  }
-  for (Eigen::Index k = 0; k < n; k += 3) out.vector.push_back({x[k], x[k + 1], x[k + 2]});
-  return out;
-}
-
-}  // namespace
-
 ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   require(matrix.rows() > 0, "at least one row");
   Product product(matrix, threads);
@@ -165,19 +193,14 @@ ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   try {
     solver.init();
     solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
-  } catch (const std::runtime_error&) {  // Krylov's space ended: a multiple of the identity, say
-    return iterate_powers(product, kTolerance);
+  } catch (const std::runtime_error&) {
+    return find_by_plain_lanczos(product);
   }
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   if (!out.converged) return out;
   out.value = solver.eigenvalues()[0];
-  const Eigen::VectorXd vector = solver.eigenvectors().col(0);
-  out.vector.resize(matrix.rows());
-  for (std::size_t v = 0; v < out.vector.size(); ++v) {
-    const auto at = static_cast<Eigen::Index>(3 * v);
-    out.vector[v] = {vector[at], vector[at + 1], vector[at + 2]};
-  }
+  out.vector = to_field(solver.eigenvectors().col(0));
   return out;
 }
 

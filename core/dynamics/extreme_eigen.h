@@ -16,8 +16,9 @@ struct ExtremeEigen {
   bool converged = false;
 };
 
-/// By Spectra's restarted Lanczos method, or, where that finds no space to work in (all eigenvalues equal),
-/// by the power method, to a residual of 1e-4 of the value. Deterministic for any number of threads.
+/// By Spectra's restarted Lanczos method, to a residual of 1e-4 of the value; where that breaks down, as it
+/// does for matrices of few different eigenvalues (a drag that is the same multiple of all masses), by a
+/// plain Lanczos method that takes a breakdown for its end. Deterministic for any number of threads.
 /// Requires: at least one row.
 ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads);
 

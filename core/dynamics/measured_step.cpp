@@ -19,6 +19,7 @@ constexpr std::uint64_t kFirstStretch = 512;
 constexpr double kFast = 1000.0;
 constexpr double kSlow = 1.02;
 constexpr double kGone = 1e-24;  // of the greatest kinetic energy: the motion has died out
+constexpr double kFar = 1e6;     // of the start's energy; bounded motions have some 1e4 times it at the most
 constexpr double kHuge = 1e200;  // J
 
 void check_positive(const char* what, double value) {
@@ -43,16 +44,20 @@ class Trials {
   }
 
   bool grows(double step_s, std::uint64_t& steps) {
-    stepper_.set_state(make_start(step_s));
+    const MotionState start = make_start(step_s);
+    const MotionEnergy energy = measure_energy(stepper_.model(), start);
+    const double far = kFar * (energy.kinetic_j + energy.elastic_j);
+    stepper_.set_state(start);
     greatest_ = 0.0;
     std::uint64_t done = 0;
     double before = run_stretch(step_s, kFirstStretch / 2, done);
     double now = run_stretch(step_s, kFirstStretch / 2, done);
     double last_ratio = 1.0;
     for (;;) {
-      const bool is_over = !(now < kHuge) || now > kFast * before;
+      const bool is_slow_counted = options_.counts_slow_growth;
+      const bool is_over = !(now < kHuge) || now > far || (is_slow_counted && now > kFast * before);
       const bool is_gone = now <= kGone * greatest_;
-      const bool is_slow = now <= kSlow * before;
+      const bool is_slow = !is_slow_counted || now <= kSlow * before;
       if (is_over || is_gone || done >= options_.horizon_most ||
           (is_slow && done >= options_.horizon_least)) {
         steps += done;
@@ -103,8 +108,8 @@ class Trials {
   double greatest_ = 0.0;
 };
 
-/// Doubles or halves the first step until it is bracketed, then halves the bracket.
-MeasuredStep bisect(double first, int most_doublings, double tolerance,
+/// Multiplies or divides the first step by `stride` until it is bracketed, then halves the bracket.
+MeasuredStep bisect(double first, double stride, int most_strides, double tolerance,
                     const std::function<bool(double, std::uint64_t&)>& grows) {
   MeasuredStep out;
   out.unstable_s = std::numeric_limits<double>::infinity();
@@ -116,8 +121,8 @@ MeasuredStep bisect(double first, int most_doublings, double tolerance,
   };
   double step = first;
   const bool first_grows = attempt(step);
-  for (int k = 0; k < most_doublings && !out.is_found(); ++k) {
-    step *= first_grows ? 0.5 : 2.0;
+  for (int k = 0; k < most_strides && !out.is_found(); ++k) {
+    step = first_grows ? step / stride : step * stride;
     if (!(step > 0.0) || !std::isfinite(step)) break;
     attempt(step);
   }
@@ -148,11 +153,13 @@ MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions&
   check_positive("first step", options.first_step_s);
   check_positive("amplitude", options.amplitude_m);
   check_positive("tolerance", options.tolerance);
+  if (!(options.stride > 1.0) || !std::isfinite(options.stride))
+    throw InputError("stride", 0, "a finite number above 1", std::to_string(options.stride));
   if (options.horizon_least < kFirstStretch || options.horizon_most < options.horizon_least)
     throw InputError("horizon", 0, "at least 512 steps, and at most no fewer",
                      std::to_string(options.horizon_least) + " and " + std::to_string(options.horizon_most));
   Trials trials(stepper, options);
-  return bisect(options.first_step_s, options.most_doublings, options.tolerance,
+  return bisect(options.first_step_s, options.stride, options.most_strides, options.tolerance,
                 [&](double step, std::uint64_t& steps) { return trials.grows(step, steps); });
 }
 
@@ -165,13 +172,12 @@ MeasuredStep measure_stable_step_from(BodyStepper& stepper, const MotionState& s
     WatchOptions watch;
     watch.step_s = step;
     watch.steps = options.steps;
+    watch.energy_factor = options.energy_factor;
     const WatchedRun run = watch_motion(stepper, start, watch);
     steps += run.steps;
-    if (is_unstable(run.outcome)) return true;
-    const double had = run.energy_start_j - run.energy_least_j;
-    return run.energy_most_j - run.energy_start_j > options.energy_factor * had;
+    return is_unstable(run.outcome);
   };
-  return bisect(options.first_step_s, options.most_doublings, options.tolerance, grows);
+  return bisect(options.first_step_s, 2.0, options.most_doublings, options.tolerance, grows);
 }
 
 }  // namespace palpate::dynamics

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -16,6 +17,7 @@ constexpr std::array<const char*, 7> kNames{"steady",   "oscillating", "energy_g
                                             "inverted", "non_finite",  "too_slow"};
 constexpr double kGrowth = 1.1;
 constexpr double kSteady = 1e-6;
+constexpr double kVisible = 1e-3;
 constexpr double kMostSpeed = 1e140;  // m/s; beyond, energies are no numbers any more
 
 void check(const WatchOptions& options) {
@@ -25,6 +27,8 @@ void check(const WatchOptions& options) {
   if (options.samples < 8) throw InputError("samples", 0, "at least 8", std::to_string(options.samples));
   if (!(options.escape_ratio > 0.0))
     throw InputError("escape ratio", 0, "a number above zero", std::to_string(options.escape_ratio));
+  if (!(options.energy_factor >= 0.0))
+    throw InputError("energy factor", 0, "a number of at least 0", std::to_string(options.energy_factor));
 }
 
 double size_of(const MotionModel& model) {
@@ -56,6 +60,14 @@ bool is_number(const MotionState& state, std::size_t v) {
 struct Quarter {
   double energy_j = -std::numeric_limits<double>::max();
   double kinetic_j = 0.0;
+};
+
+/// What one look at the body saw.
+struct Sample {
+  std::uint64_t step = 0;
+  double energy_j = 0.0;
+  double kinetic_j = 0.0;
+  Index fastest = kNoIndex;
 };
 
 class Watch {
@@ -139,10 +151,14 @@ class Watch {
     // An energy law without an energy for inverted tets says infinity: such a sample is left out.
     const double total = energy.total_j();
     if (std::isfinite(total)) {
-      if (step == 0) run_.energy_start_j = total;
+      if (step == 0) {
+        run_.energy_start_j = total;
+        own_energy_start_j_ = energy.kinetic_j + energy.elastic_j;
+      }
       quarters_.at(quarter).energy_j = std::max(quarters_.at(quarter).energy_j, total);
       run_.energy_least_j = std::min(run_.energy_least_j, total);
       run_.energy_most_j = std::max(run_.energy_most_j, total);
+      samples_.push_back({step, total, energy.kinetic_j, find_fastest(state)});
     }
     if (options_.give_up && options_.give_up()) {
       end_at(WatchedOutcome::kTooSlow, step, kNoIndex);
@@ -151,6 +167,12 @@ class Watch {
     return true;
   }
 
+  /// What the start had to give: over the least of the run, or as motion and strain.
+  double had_at_start() const {
+    return std::max(run_.energy_start_j - run_.energy_least_j, own_energy_start_j_);
+  }
+
+  /// The greatest energies of the last quarter against those of the others.
   bool is_growing() const {
     double energy = 0.0;
     double kinetic = 0.0;
@@ -158,8 +180,21 @@ class Watch {
       energy = std::max(energy, quarters_.at(q).energy_j - run_.energy_least_j);
       kinetic = std::max(kinetic, quarters_.at(q).kinetic_j);
     }
+    const double seen = std::max(had_at_start(), run_.kinetic_most_j);
     return quarters_[3].energy_j - run_.energy_least_j > kGrowth * energy &&
+           quarters_[3].energy_j - run_.energy_start_j > kVisible * seen &&
            quarters_[3].kinetic_j > kGrowth * kinetic;
+  }
+
+  /// The first look that saw more than `energy_factor` times the start's energy; none: nullptr.
+  const Sample* find_excess(double noise) const {
+    if (options_.energy_factor == 0.0) return nullptr;
+    const double had = had_at_start();
+    const auto found = std::find_if(samples_.begin(), samples_.end(), [&](const Sample& sample) {
+      return sample.energy_j - run_.energy_least_j > options_.energy_factor * had + noise &&
+             sample.kinetic_j > noise;
+    });
+    return found == samples_.end() ? nullptr : &*found;
   }
 
   Index find_fastest(const MotionState& state) const {
@@ -184,7 +219,9 @@ class Watch {
     if (run_.energy_most_j < run_.energy_least_j) run_.energy_most_j = run_.energy_least_j = 0.0;
     const double noise = rounding_energy(stepper_.model(), stepper_.rounding());
     const bool is_still = run_.kinetic_end_j <= std::max(kSteady * run_.kinetic_most_j, noise);
-    if (!is_still && is_growing()) {
+    if (const Sample* excess = find_excess(noise)) {
+      end_at(WatchedOutcome::kEnergyGrowing, excess->step, excess->fastest);
+    } else if (!is_still && is_growing()) {
       end_at(WatchedOutcome::kEnergyGrowing, run_.steps, find_fastest(state));
     } else if (run_.inverted_end > 0) {
       end_at(WatchedOutcome::kInverted, 0, first_inverted_);
@@ -200,6 +237,8 @@ class Watch {
   WatchedRun run_;
   MotionState before_;
   std::array<Quarter, 4> quarters_;
+  std::vector<Sample> samples_;
+  double own_energy_start_j_ = 0.0;
   Index first_inverted_ = kNoIndex;
   double inverted_s_ = 0.0;
 };

@@ -350,6 +350,14 @@ bool PlainEngine<Real>::uses_avx2() const {
 }
 
 template <typename Real>
+std::size_t PlainEngine<Real>::bytes_per_step() const {
+  const auto bytes = [](const auto& list) { return list.size() * sizeof(list[0]); };
+  const Body& body = *body_;
+  return bytes(body.inside) + bytes(body.across) + bytes(body.steady) + bytes(body.inertia) +
+         bytes(body.now) + bytes(body.next);
+}
+
+template <typename Real>
 std::size_t PlainEngine<Real>::springs() const {
   return body_->spring_count;
 }

@@ -72,6 +72,10 @@ class PlainEngine {
   /// Whether springs are computed eight at a time: in single precision, on a processor that can.
   bool uses_avx2() const;
 
+  /// What one step reads and writes at the least: springs, vertices before and after, masses and loads;
+  /// what a write fetches first is not counted.
+  std::size_t bytes_per_step() const;
+
   std::size_t springs() const;
   /// Springs between two blocks, which are computed twice.
   std::size_t springs_across() const;

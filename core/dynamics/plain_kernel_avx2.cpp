@@ -13,14 +13,14 @@
 namespace palpate::dynamics {
 namespace {
 
-/// Differences of positions and velocities of eight springs, coordinate by coordinate.
-struct Differences {
+/// What eight springs need for their forces: d, coordinate by coordinate, r, 1 / r^2 and c (w . d).
+struct Ready {
   __m256 dx;
   __m256 dy;
   __m256 dz;
-  __m256 wx;
-  __m256 wy;
-  __m256 wz;
+  __m256 root;
+  __m256 inverse_sq;
+  __m256 damper;
 };
 
 /// Forces on the first ends of springs 0 and 4, 1 and 5, 2 and 6, 3 and 7.
@@ -50,36 +50,43 @@ PALPATE_AVX2_INLINE __m256 row(const float* particles, std::size_t four_places) 
   return _mm256_load_ps(particles + 2 * four_places);
 }
 
-template <typename Group>
-PALPATE_AVX2_INLINE Differences differences(const Group& group, const float* own, const float* others,
-                                            std::size_t b_times) {
-  const auto d = [&](std::size_t i) __attribute__((target("avx2"), always_inline)) {
-    return _mm256_sub_ps(row(others, b_times * group.b[i]), row(own, group.a[i]));
-  };
-  const Halves low = turn(d(0), d(1), d(2), d(3));
-  const Halves high = turn(d(4), d(5), d(6), d(7));
-  return {_mm256_permute2f128_ps(low.x, high.x, 0x20), _mm256_permute2f128_ps(low.y, high.y, 0x20),
-          _mm256_permute2f128_ps(low.z, high.z, 0x20), _mm256_permute2f128_ps(low.x, high.x, 0x31),
-          _mm256_permute2f128_ps(low.y, high.y, 0x31), _mm256_permute2f128_ps(low.z, high.z, 0x31)};
-}
-
 /// (a0 b0 + a2 b2) + a1 b1, as Lanes::sums has it.
 PALPATE_AVX2_INLINE __m256 dot(__m256 ax, __m256 ay, __m256 az, __m256 bx, __m256 by, __m256 bz) {
   return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(ax, bx), _mm256_mul_ps(az, bz)), _mm256_mul_ps(ay, by));
 }
 
+/// `own` and `others` are the particles that a and b count from; b_times turns b into 4 x place.
 template <typename Group>
-PALPATE_AVX2_INLINE Forces pull(const Group& group, const Differences& at, __m256& least_sq) {
-  const __m256 length_sq = dot(at.dx, at.dy, at.dz, at.dx, at.dy, at.dz);
-  const __m256 approach = dot(at.dx, at.dy, at.dz, at.wx, at.wy, at.wz);
+PALPATE_AVX2_INLINE Ready prepare(const Group& group, const float* own, const float* others,
+                                  std::size_t b_times, __m256& least_sq) {
+  const auto d = [&](std::size_t i) __attribute__((target("avx2"), always_inline)) {
+    return _mm256_sub_ps(row(others, b_times * group.b[i]), row(own, group.a[i]));
+  };
+  const Halves low = turn(d(0), d(1), d(2), d(3));
+  const Halves high = turn(d(4), d(5), d(6), d(7));
+  const __m256 dx = _mm256_permute2f128_ps(low.x, high.x, 0x20);
+  const __m256 dy = _mm256_permute2f128_ps(low.y, high.y, 0x20);
+  const __m256 dz = _mm256_permute2f128_ps(low.z, high.z, 0x20);
+  const __m256 length_sq = dot(dx, dy, dz, dx, dy, dz);
+  const __m256 approach =
+      dot(dx, dy, dz, _mm256_permute2f128_ps(low.x, high.x, 0x31),
+          _mm256_permute2f128_ps(low.y, high.y, 0x31), _mm256_permute2f128_ps(low.z, high.z, 0x31));
   least_sq = _mm256_min_ps(least_sq, length_sq);
   const __m256 safe_sq = _mm256_max_ps(length_sq, _mm256_set1_ps(1e-36F));
-  const __m256 inverse_sq = _mm256_div_ps(_mm256_set1_ps(1.0F), safe_sq);
-  const __m256 inverse = _mm256_mul_ps(_mm256_sqrt_ps(safe_sq), inverse_sq);
+  return {dx,
+          dy,
+          dz,
+          _mm256_sqrt_ps(safe_sq),
+          _mm256_div_ps(_mm256_set1_ps(1.0F), safe_sq),
+          _mm256_mul_ps(_mm256_loadu_ps(group.damping.data()), approach)};
+}
+
+template <typename Group>
+PALPATE_AVX2_INLINE Forces pull(const Group& group, const Ready& at) {
+  const __m256 inverse = _mm256_mul_ps(at.root, at.inverse_sq);
   const __m256 spring = _mm256_sub_ps(_mm256_loadu_ps(group.stiffness.data()),
                                       _mm256_mul_ps(_mm256_loadu_ps(group.pull.data()), inverse));
-  const __m256 damper =
-      _mm256_mul_ps(_mm256_mul_ps(_mm256_loadu_ps(group.damping.data()), approach), inverse_sq);
+  const __m256 damper = _mm256_mul_ps(at.damper, at.inverse_sq);
   const __m256 factor = _mm256_add_ps(spring, damper);
   const __m256 fx = _mm256_mul_ps(factor, at.dx);
   const __m256 fy = _mm256_mul_ps(factor, at.dy);
@@ -125,19 +132,27 @@ PALPATE_AVX2_INLINE void add_across(const AcrossGroup<float>& group, const Force
   add(force + group.a[7], _mm256_extractf128_ps(f.f37, 1));
 }
 
+/// The next group's roots and quotients are on their way while a group's forces are added.
 PALPATE_AVX2 float add_all(const BlockSprings<float>& springs, float* force) {
   const float* all = springs.all->x.data();
   const float* own = all + 8 * springs.first;
   __m256 least_sq = _mm256_set1_ps(1.0F);
   const InsideGroup<float>* inside = springs.inside.data();
-  for (std::size_t g = 0; g < springs.inside.size(); ++g) {
-    fetch_ahead(inside + g + kGroupsAhead);
-    fetch_ahead(reinterpret_cast<const char*>(inside + g + kGroupsAhead) + 64);
-    add_inside(inside[g], pull(inside[g], differences(inside[g], own, own, 1), least_sq), force);
+  if (!springs.inside.empty()) {
+    const std::size_t last = springs.inside.size() - 1;
+    Ready now = prepare(inside[0], own, own, 1, least_sq);
+    for (std::size_t g = 0; g < last; ++g) {
+      fetch_ahead(inside + g + kGroupsAhead);
+      fetch_ahead(reinterpret_cast<const char*>(inside + g + kGroupsAhead) + 64);
+      const Ready next = prepare(inside[g + 1], own, own, 1, least_sq);
+      add_inside(inside[g], pull(inside[g], now), force);
+      now = next;
+    }
+    add_inside(inside[last], pull(inside[last], now), force);
   }
   const AcrossGroup<float>* across = springs.across.data();
   for (std::size_t g = 0; g < springs.across.size(); ++g)
-    add_across(across[g], pull(across[g], differences(across[g], own, all, 4), least_sq), force);
+    add_across(across[g], pull(across[g], prepare(across[g], own, all, 4, least_sq)), force);
   __m128 least = _mm_min_ps(_mm256_castps256_ps128(least_sq), _mm256_extractf128_ps(least_sq, 1));
   least = _mm_min_ps(least, _mm_movehl_ps(least, least));
   return _mm_cvtss_f32(_mm_min_ss(least, _mm_shuffle_ps(least, least, 1)));

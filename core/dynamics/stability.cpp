@@ -94,6 +94,14 @@ ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) 
   add_constant_damping(model, body.damping);
   scale_by_mass(model, forces.held_bits(), body.stiffness);
   scale_by_mass(model, forces.held_bits(), body.damping);
+  for (const BlockMatrix* matrix : {&body.stiffness, &body.damping}) {
+    const bool is_finite = std::all_of(matrix->blocks.begin(), matrix->blocks.end(), [](const Mat3& block) {
+      return std::isfinite(contract(block, block));
+    });
+    if (!is_finite)
+      throw InputError("model", 0, "stiffness and damping over mass that are finite, with their squares",
+                       "numbers beyond the range of double precision");
+  }
   return body;
 }
 
@@ -167,7 +175,7 @@ class WorstVectors {
 
   /// Whether all roots can be had.
   bool is_small() const {
-    constexpr std::size_t kMostVertices = 80;
+    constexpr std::size_t kMostVertices = 120;
     return body_.stiffness.rows() <= kMostVertices && body_.volume_stiffness == 0.0;
   }
 

@@ -37,18 +37,19 @@ struct StableStep {
 /// symplectic Euler (4 h D for velocity Verlet): Lanczos finds the worst vector, whose mode gives the next h,
 /// until h settles. For Runge-Kutta the eight fastest roots of lambda^2 + lambda D + K bind.
 ///
-/// Explicit Euler is stable up to the least -2 Re(lambda) / |lambda|^2 over all roots. Up to 80 vertices all
+/// Explicit Euler is stable up to the least -2 Re(lambda) / |lambda|^2 over all roots. Up to 120 vertices all
 /// are found, and the bound is exact. Beyond, step_s is the least quotient x* D x / x* K x (below every
 /// root's, and exact where K and D share their vectors), and step_at_most_s the least of the eight fastest
 /// roots' bounds and those of the vectors met on the way.
 ///
 /// The thesis's volume force is not symmetric; the norm of its stiffness is added to that of K. Source:
-/// Spectra's restarted Lanczos and Arnoldi methods.
+/// Spectra's restarted Lanczos and Arnoldi methods. Throws: InputError where stiffness or damping over mass,
+/// or their squares, leave the range of double precision.
 StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads = 1);
 
 /// A step that is stable for certain, from row sums (Gershgorin): each row's sums of absolute values of M^-1
-/// K and M^-1 D are taken as a mode. Never longer than the bound above. Explicit Euler has none (0): row sums
-/// don't bound the damping from below.
+/// K and M^-1 D are taken as a mode. Never longer than the bound above. Throws: as that. Explicit Euler has
+/// none (0): row sums don't bound the damping from below.
 StableStep bound_stable_step(const MotionModel& model, IntegratorKind kind);
 
 /// The predicted bound for small motions about the displacement `u`, with the stiffness and the springs'

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/stability.h"
+#include "core/dynamics/step_map.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes.h"
 #include "tests/support/dynamics_cases.h"
@@ -106,6 +107,44 @@ TEST(MeasuredStep, ExplicitEulersIsThePredictedOneWhereThereIsDamping) {
   }
 }
 
+TEST(MeasuredStep, AStepsOwnEigenvaluesTellWhatNoHorizonSees) {
+  const TetMesh mesh = build_kuhn_cube(2, 0.4, 3);
+  const std::size_t n = mesh.points.size();
+  MotionModel model = make_damped(mesh, VolumeModel::kNone)[2];
+  Loads hold{std::vector<Vec3>(n), {}, std::vector<std::uint8_t>(n), std::vector<Vec3>(n)};
+  for (std::size_t v = 0; v < n; ++v) hold.held[v] = mesh.points[v].x == 0.0 ? 7 : 0;
+  model.loads.push_back({hold, {}});
+  for (const double damping : {1.0, 1e-3}) {  // of the latter growth is about 1e-9 a step just over the bound
+    for (double& c : model.spring_damping_n_s_per_m) c *= damping;
+    for (double& c : model.environment_damping_n_s_per_m) c *= damping;
+    for (const IntegratorKind kind : {IntegratorKind::kExplicitEuler, IntegratorKind::kSymplecticEuler}) {
+      SCOPED_TRACE(std::string(integrator_name(kind)) + " damping " + std::to_string(damping));
+      const StableStep predicted = predict_stable_step(model, kind);
+      IntegratorOptions wanted;
+      wanted.kind = kind;
+      const auto stepper = make_stepper(model, wanted);
+      MeasureMapOptions options;
+      options.first_step_s = 0.7 * predicted.step_s;
+      const MeasuredStep measured = measure_stable_step_by_map(*stepper, options);
+      ASSERT_TRUE(measured.is_found());
+      EXPECT_NEAR(measured.step_s() / predicted.step_s, 1.0, 0.005);
+    }
+  }
+}
+
+TEST(MeasuredStep, TheMapOfAModeHasItsEigenvalues) {
+  const double h = 0.3;
+  for (const double damping : {0.0, 0.4}) {
+    MotionModel model = linearise(make_oscillator(1.0, damping));
+    model.loads[0].loads.held[1] = 6;  // moves along the spring alone
+    IntegratorOptions wanted;
+    wanted.kind = IntegratorKind::kExplicitEuler;  // |z|^2 = 1 - h d + h^2
+    EXPECT_NEAR(measure_map_growth(*make_stepper(model, wanted), h), h * h - h * damping, 1e-14);
+    wanted.kind = IntegratorKind::kSymplecticEuler;  // |z|^2 = 1 - h d
+    EXPECT_NEAR(measure_map_growth(*make_stepper(model, wanted), h), -h * damping, 1e-14);
+  }
+}
+
 TEST(MeasuredStep, OfTheQuickEngineInBothPrecisions) {
   MotionModel model = make_free_body(make_small_kidney(), 0.0);
   model.environment_damping_n_s_per_m.assign(model.mass_kg.size(), 0.1 * model.mass_kg[0]);
@@ -135,7 +174,7 @@ TEST(MeasuredStep, WhatHasNoBoundAndWhatHasNoStableStepSaySo) {
   EXPECT_GT(implicit.stable_s, 1e5);
   EXPECT_THROW(static_cast<void>(implicit.step_s()), ContractError);
   wanted.kind = IntegratorKind::kExplicitEuler;
-  options.most_doublings = 4;
+  options.most_strides = 4;
   const MeasuredStep none = measure_stable_step(*make_stepper(model, wanted), options);
   EXPECT_FALSE(none.is_found());
   EXPECT_EQ(none.stable_s, 0.0);
@@ -202,8 +241,19 @@ TEST(MeasuredStep, RefusesWhatIsNoSetting) {
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.amplitude_m = bad; }), HasSubstr("amplitude: expected"));
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.tolerance = bad; }), HasSubstr("tolerance: expected"));
   }
+  EXPECT_THAT(with([](MeasureStepOptions& o) { o.stride = 1.0; }), HasSubstr("stride: expected"));
   EXPECT_THAT(with([](MeasureStepOptions& o) { o.horizon_least = 100; }), HasSubstr("at least 512 steps"));
   EXPECT_THAT(with([](MeasureStepOptions& o) { o.horizon_most = 600; }), HasSubstr("1024 and 600"));
+  const auto with_map = [&](auto&& change) {
+    MeasureMapOptions map;
+    map.first_step_s = 0.1;
+    change(map);
+    return error_of([&] { measure_stable_step_by_map(*stepper, map); });
+  };
+  EXPECT_THAT(with_map([](MeasureMapOptions& o) { o.first_step_s = 0.0; }),
+              HasSubstr("first step: expected"));
+  EXPECT_THAT(with_map([](MeasureMapOptions& o) { o.first_stride = 1.0; }), HasSubstr("stride: expected"));
+  EXPECT_THAT(with_map([](MeasureMapOptions& o) { o.tolerance = -1.0; }), HasSubstr("tolerance: expected"));
   MeasureLargeOptions large;
   EXPECT_THAT(error_of([&] { measure_stable_step_from(*stepper, start_at_rest(model), large); }),
               HasSubstr("first step: expected"));

@@ -166,6 +166,7 @@ TEST(MotionOutcome, NamesAndBadInput) {
   EXPECT_THAT(error_with([](WatchOptions& w) { w.steps = 0; }), HasSubstr("steps: expected at least one"));
   EXPECT_THAT(error_with([](WatchOptions& w) { w.samples = 2; }), HasSubstr("samples: expected at least 8"));
   EXPECT_THAT(error_with([](WatchOptions& w) { w.escape_ratio = std::nan(""); }), HasSubstr("escape ratio"));
+  EXPECT_THAT(error_with([](WatchOptions& w) { w.energy_factor = -1.0; }), HasSubstr("energy factor"));
 }
 
 }  // namespace
