@@ -82,7 +82,7 @@ TickTimes describe_ticks(std::vector<double> seconds, double deadline_s) {
   const auto bucket = [](double s) { return static_cast<int>(std::floor(kBucketsADecade * std::log10(s))); };
   const int first = bucket(std::max(seconds.front(), 1e-9));
   const int last = bucket(std::max(seconds.back(), 1e-9));
-  out.buckets.resize(static_cast<std::size_t>(last - first + 1));
+  out.buckets.resize(static_cast<std::size_t>(last - first) + 1);
   for (int k = first; k <= last; ++k) out.bucket_ends_s.push_back(std::pow(10.0, (k + 1) / kBucketsADecade));
   for (const double s : seconds) ++out.buckets[static_cast<std::size_t>(bucket(std::max(s, 1e-9)) - first)];
   return out;

@@ -61,7 +61,8 @@ def read_cases(run):
             continue
         note = "" if set(group.outcomes()) == {"accepted"} else first_reason(group)
         lists[group.contestant].append(Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note))
-    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.option("precision")), case.option("engine_threads") or 0, case.vertices or 0))
+    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.option("precision")), case.option("engine_threads") or 0,
+                                       case.vertices or 0))
     return found
 
 
@@ -186,7 +187,8 @@ def write_tables(found, folder):
     write_atomically(folder / "engine.txt", engine_text(found) + "\n")
     names = {"engine.txt"}
     if found.replays:
-        names |= {write_table(folder, "replays.csv", replay_lines(found.replays)), write_table(folder, "returns.csv", return_lines(found.replays))}
+        names |= {write_table(folder, "replays.csv", replay_lines(found.replays)),
+                  write_table(folder, "returns.csv", return_lines(found.replays))}
     if found.rests:
         names.add(write_table(folder, "rest.csv", rest_lines(found.rests)))
     if found.ticks:

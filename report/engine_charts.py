@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 
 from chart_style import FAINT, INK, STYLE, file_name, save
 from cut_away import LIGHT, choose_view, inside
-from engine import returns_of
+from engine import HOLDS, largest_meshes, returns_of
 from mesh_file import outer_faces, read_mesh
 from records import BadRun, figure
 
@@ -242,9 +242,56 @@ def draw_distribution(cases, folder):
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
     grid[0][0].set_ylabel("share of ticks that take longer")
-    grid[0][-1].legend(fontsize=7, title="vertices")
+    grid[0][-1].legend(fontsize=7, title="vertices", loc="upper left", bbox_to_anchor=(1.0, 1.0))
     fig.tight_layout()
     return save(fig, folder, "tick_times")
+
+
+def draw_largest(cases, folder):
+    """The largest mesh that holds the deadline, setting by setting; what holds on none is zero."""
+    largest = largest_meshes(cases)
+    fig, ax = plt.subplots(figsize=(max(5.0, 1.5 * len(largest) + 1.5), 3.6))
+    width = 0.8 / len(HOLDS)
+    for number, (how, _) in enumerate(HOLDS):
+        heights = [row[how] or 0 for row in largest.values()]
+        places = [place + (number - (len(HOLDS) - 1) / 2) * width for place in range(len(heights))]
+        ax.bar(places, heights, width, color=COLORS[number], label=how)
+        for place, height in zip(places, heights):
+            ax.annotate(f"{height:,.0f}" if height else "none", (place, height), xytext=(0, 2), textcoords="offset points", ha="center",
+                        fontsize=6.5, color=FAINT, rotation=90 if len(largest) > 3 else 0)
+    ax.set_xticks(range(len(largest)), [f"{label}, {precision}\n{threads} thread{'s' if threads != 1 else ''}"
+                                        for _, label, precision, threads in largest], fontsize=8)
+    ax.set_ylabel("vertices")
+    ax.margins(y=0.2)
+    ax.grid(axis="y")
+    ax.set_title("The largest mesh whose ticks are in time", loc="left", color=INK)
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.tight_layout()
+    return save(fig, folder, "largest")
+
+
+def draw_force(cases, folder):
+    """The held force by the engine and by finite elements, and their difference."""
+    points = sorted({(case.vertices, case.number("held_force_size_n"), case.number("reference_force_size_n"), case.number("force_error"))
+                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None})
+    if len(points) < 2:
+        return []
+    size, own, other, error = (np.array(values) for values in zip(*points))
+    fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
+    grid[0].plot(size, own, "o-", color=COLORS[0], linewidth=1.3, markersize=4, label="engine")
+    grid[0].plot(size, other, "s--", color=COLORS[1], linewidth=1.3, markersize=4, label="finite elements, same mesh")
+    grid[0].set_ylabel("force of the pad in N")
+    grid[0].set_ylim(bottom=0)
+    grid[0].legend(fontsize=8)
+    grid[1].plot(size, 100 * error, "o-", color=COLORS[0], linewidth=1.3, markersize=4)
+    grid[1].set_ylabel("difference in %")
+    grid[1].set_ylim(bottom=0)
+    for ax in grid:
+        ax.set_xscale("log")
+        ax.set_xlabel("vertices")
+        ax.grid(axis="both")
+    fig.tight_layout()
+    return save(fig, folder, "force")
 
 
 def draw_charts(run, found, folder):
@@ -258,4 +305,5 @@ def draw_charts(run, found, folder):
         drawn += draw_margins(found.rests, folder)
         if found.ticks:
             drawn += draw_budget(found.ticks, folder) + draw_distribution(found.ticks, folder)
+            drawn += draw_largest(found.ticks, folder) + draw_force(found.ticks, folder)
     return drawn
