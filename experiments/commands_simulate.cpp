@@ -34,13 +34,30 @@ struct SimulateArguments {
   bool as_json = false;
 };
 
-/// Makes the folder, before any work is done for it.
-void prepare_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    throw InputError(folder.string(), 0, "a folder that can be written", error ? error.message() : "a file");
-}
+/// The folder for what is written, made before any work is done for it. If nothing is written, what was made
+/// for it is taken away again.
+class ResultFolder {
+ public:
+  explicit ResultFolder(const fs::path& folder) {
+    std::error_code error;
+    for (fs::path part = fs::absolute(folder); !fs::exists(part, error) && part.has_relative_path();
+         part = part.parent_path())
+      made_.push_back(part);
+    fs::create_directories(folder, error);
+    if (error || !fs::is_directory(folder))
+      throw InputError(folder.string(), 0, "a folder that can be written",
+                       error ? error.message() : "a file");
+  }
+  ~ResultFolder() {
+    std::error_code ignored;
+    for (const fs::path& part : made_) fs::remove(part, ignored);  // leaves what is not empty
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+ private:
+  std::vector<fs::path> made_;
+};
 
 double largest(const std::vector<Vec3>& field) {
   double most = 0.0;
@@ -98,6 +115,8 @@ void print_motion(const json& report) {
   TextTable table({"measure", "value"}, "lr");
   table.add({"method", report.at("method").get<std::string>()});
   table.add({"integrator", report.at("integrator").get<std::string>()});
+  table.add({"engine", report.at("engine").get<std::string>() + ", " +
+                           report.at("precision").get<std::string>() + " precision"});
   table.add({"outcome", report.at("outcome").get<std::string>()});
   table.add({"vertices", report.at("vertices").dump()});
   table.add({"springs", report.at("springs").dump()});
@@ -120,7 +139,7 @@ void print_motion(const json& report) {
 }
 
 int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
-  prepare_folder(arguments.out);
+  const ResultFolder folder(arguments.out);
   SimulateMotionOptions options;
   options.out = arguments.out;
   options.threads = arguments.threads;
@@ -144,7 +163,7 @@ int simulate(const SimulateArguments& arguments) {
   task.options = resolve_options(*task.method.method, scene.model->set);
   const std::string why = task.method.contestant->unavailable();
   if (!why.empty()) throw UnavailableError(scene.model->method + " is unavailable: " + why);
-  prepare_folder(arguments.out);
+  const ResultFolder folder(arguments.out);
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
   const BoundaryProblem problem = build_problem(place_scene(scene, made.mesh), made.mesh);

@@ -18,7 +18,7 @@ namespace palpate::experiments {
 struct ContestantTask {
   MethodEntry method;
   std::filesystem::path mesh_in;
-  std::filesystem::path problem_in;  ///< contest deform alone (reference/deform_problem.h)
+  std::filesystem::path problem_in;  ///< contests deform and motion (reference/PROTOCOL.md)
   std::filesystem::path scratch;     ///< an empty folder of its own; request, answer and output go there
   Stop stop;                         ///< contest simplify alone; resolved: not kTetsOf
   nlohmann::json options;
@@ -43,8 +43,8 @@ struct ContestantAnswer {
   nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
   bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
-  /// Mesh or displacement, there only if "ok"; in the contest deform only if the report's outcome is
-  /// "converged" as well; in the contest stability there is none.
+  /// Mesh, displacement or history (reference/contest_files.h), there only if "ok" and, where the contest's
+  /// files ask for one, with the report's outcome that comes with it.
   std::filesystem::path output;
 };
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/dynamics/plain_engine.h"
 #include "core/mesh/geometry.h"
 #include "experiments/scene_problem.h"
 #include "experiments/terminal.h"
@@ -193,6 +194,26 @@ void choose_step(const Scene& scene, MotionSetup& setup) {
   setup.steps = static_cast<std::uint64_t>(steps);
 }
 
+/// Takes the plain engine where the scene allows and the body has no more than it takes.
+void choose_engine(const Scene& scene, MotionSetup& setup) {
+  const SceneDynamic& wanted = scene.dynamic;
+  if (setup.integrator.kind != IntegratorKind::kSymplecticEuler)
+    setup.why_general = dynamics::integrator_name(setup.integrator.kind);
+  for (const MotionPhase& phase : setup.phases) {
+    if (setup.why_general.empty()) setup.why_general = dynamics::find_more_than_plain(phase.model);
+  }
+  if (wanted.engine == EngineChoice::kPlain && !setup.why_general.empty())
+    throw InputError(scene.analysis_where +
+                     ": engine: the plain engine takes springs with axial damping at large strain, and "
+                     "symplectic_euler; this scene has " +
+                     setup.why_general);
+  setup.is_plain = wanted.engine != EngineChoice::kGeneral && setup.why_general.empty();
+  if (wanted.single_precision && !setup.is_plain)
+    throw InputError(scene.analysis_where + ": precision: single is the plain engine's alone; this scene " +
+                     (setup.why_general.empty() ? "asks for the general one" : "has " + setup.why_general));
+  setup.single_precision = wanted.single_precision;
+}
+
 }  // namespace
 
 MotionSetup build_motion(const Scene& placed, const TetMesh& mesh, const Registry& registry, int threads) {
@@ -221,6 +242,7 @@ MotionSetup build_motion(const Scene& placed, const TetMesh& mesh, const Registr
       throw InputError(placed.file.string() + ": from " + short_number(times[k]) + " s: " + error.what());
     }
   }
+  choose_engine(placed, setup);
   find_bound(setup.phases, mesh.points.size(), threads, setup);
   choose_step(placed, setup);
   for (std::size_t k = 0; k < setup.phases.size(); ++k) {

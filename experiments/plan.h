@@ -62,6 +62,7 @@ struct PlanContestant {
   std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
   std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
+  std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code
 };
 
@@ -145,12 +146,12 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify", "deform", "verify" or "stability"
-  std::vector<PlanMesh> meshes;             ///< simplify and stability
-  std::vector<PlanScene> scenes;            ///< deform
-  std::vector<PlanKnownCase> known_cases;   ///< verify
-  std::vector<PlanExtreme> extremes;        ///< stability
-  std::optional<PlanReference> reference;   ///< deform
+  std::string contest;            ///< "simplify", "deform", "motion", "verify", "engine" or "stability"
+  std::vector<PlanMesh> meshes;   ///< simplify and stability
+  std::vector<PlanScene> scenes;  ///< deform, motion and engine
+  std::vector<PlanKnownCase> known_cases;  ///< verify
+  std::vector<PlanExtreme> extremes;       ///< stability
+  std::optional<PlanReference> reference;  ///< deform and motion; engine, of the tool's force: may be missing
   std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; stability: for
                                             ///< the extremes that name them; may be empty
   std::vector<PlanContestant> contestants;

@@ -30,6 +30,19 @@ dynamics::IntegratorKind read_integrator(const YamlValue& value) {
   value.fail("unknown integrator \"" + value.text() + "\"" + nearest_hint(value.text(), known));
 }
 
+EngineChoice read_engine(const YamlValue& value) {
+  const std::vector<std::string> known{"auto", "general", "plain"};
+  if (value.text() == known[0]) return EngineChoice::kAuto;
+  if (value.text() == known[1]) return EngineChoice::kGeneral;
+  if (value.text() == known[2]) return EngineChoice::kPlain;
+  value.fail("unknown engine \"" + value.text() + "\"" + nearest_hint(value.text(), known));
+}
+
+bool is_single(const YamlValue& value) {
+  if (value.text() != "single" && value.text() != "double") value.fail_expected("single or double");
+  return value.text() == "single";
+}
+
 void read_damping(const YamlValue& value, SceneDynamic& out) {
   const YamlFields fields =
       value.fields({"stiffness_s", "mass_per_s", "spring_n_s_per_m", "vertex_n_s_per_m", "springs"});
@@ -86,9 +99,9 @@ std::vector<double> read_numbers(const YamlValue& value) {
 
 SceneDynamic read_dynamic(const YamlValue& value) {
   constexpr std::int64_t kMostFrames = 1'000'000'000;
-  const YamlFields fields = value.fields({"integrator", "time_step_s", "safety", "duration_s",
-                                          "allow_unstable", "mass_per_vertex_kg", "damping",
-                                          "speed_limit_m_s", "frames", "samples", "probes_m", "preset"});
+  const YamlFields fields = value.fields(
+      {"integrator", "time_step_s", "safety", "duration_s", "allow_unstable", "mass_per_vertex_kg", "damping",
+       "speed_limit_m_s", "frames", "samples", "probes_m", "preset", "engine", "precision"});
   SceneDynamic out;
   if (const auto damping = fields.find("damping")) read_damping(*damping, out);
   if (const auto preset = fields.find("preset")) {
@@ -101,6 +114,8 @@ SceneDynamic read_dynamic(const YamlValue& value) {
   if (const auto safety = fields.find("safety")) out.safety = safety->number(1e-6, 1.0);
   out.duration_s = read_above_zero(fields.need("duration_s"));
   if (const auto allow = fields.find("allow_unstable")) out.allow_unstable = allow->boolean();
+  if (const auto engine = fields.find("engine")) out.engine = read_engine(*engine);
+  if (const auto precision = fields.find("precision")) out.single_precision = is_single(*precision);
   if (const auto mass = fields.find("mass_per_vertex_kg")) out.mass_per_vertex_kg = read_above_zero(*mass);
   if (const auto limit = fields.find("speed_limit_m_s")) out.speed_limit_m_s = read_above_zero(*limit);
   if (const auto frames = fields.find("frames"))

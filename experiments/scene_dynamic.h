@@ -12,11 +12,17 @@
 
 namespace palpate::experiments {
 
+/// What steps a body: kPlain is core/dynamics/plain_engine.h, for springs, loads and symplectic Euler alone;
+/// kAuto takes it where it can.
+enum class EngineChoice { kAuto, kGeneral, kPlain };
+
 /// `analysis: {dynamic: ...}`.
 struct SceneDynamic {
   dynamics::IntegratorKind integrator = dynamics::IntegratorKind::kSymplecticEuler;
   std::optional<double> time_step_s;  ///< nothing: `auto`, the predicted bound times `safety`
   double safety = 0.9;
+  EngineChoice engine = EngineChoice::kAuto;
+  bool single_precision = false;  ///< of the plain engine
   double duration_s = 0.0;
   bool allow_unstable = false;  ///< take a step over the predicted bound all the same
 

@@ -5,10 +5,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/dynamics/motion_run.h"
+#include "core/dynamics/plain_run.h"
 #include "experiments/commands.h"
 #include "experiments/scene_problem.h"
 #include "experiments/terminal.h"
@@ -122,12 +123,19 @@ class MotionRunner {
  private:
   void run_phase(const MotionPhase& phase) {
     const bool is_first = report_.steps == 0;
-    dynamics::Integrator integrator(phase.model, setup_.integrator);
-    integrator.forces().impose(state_.time_s, state_.displacement_m, state_.velocity_m_s);
+    std::optional<dynamics::Integrator> integrator;
+    std::optional<dynamics::MotionForces> own_forces;
+    if (setup_.is_plain) {
+      own_forces.emplace(phase.model, setup_.integrator.threads);
+    } else {
+      integrator.emplace(phase.model, setup_.integrator);
+    }
+    dynamics::MotionForces& forces = integrator ? integrator->forces() : *own_forces;
+    forces.impose(state_.time_s, state_.displacement_m, state_.velocity_m_s);
     const std::uint64_t done = report_.steps;
     const auto observe = [&](std::uint64_t step, const MotionState& state) {
       const Stopwatch watching;
-      if (step > 0 || is_first) output_.add_row(phase, integrator.forces(), state);
+      if (step > 0 || is_first) output_.add_row(phase, forces, state);
       const bool is_due = strides_.frame > 0 && done + step >= next_frame_;
       if (is_due || (strides_.frame > 0 && done + step == setup_.steps)) {
         output_.add_frame(state);
@@ -142,7 +150,15 @@ class MotionRunner {
     options.step_s = setup_.step_s;
     options.steps = phase.last_step - done;
     options.observe_every = strides_.row;
-    merge(run_motion(integrator, state_, options, observe), report_);
+    if (integrator) {
+      merge(run_motion(*integrator, state_, options, observe), report_);
+    } else {
+      merge(run_plain_motion(phase.model, state_,
+                             {options, setup_.integrator.threads, setup_.integrator.speed_limit_m_s,
+                              setup_.single_precision},
+                             observe),
+            report_);
+    }
   }
 
   const MotionSetup& setup_;
@@ -159,6 +175,32 @@ class MotionRunner {
 
 }  // namespace
 
+json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup, double timeout_s,
+                      MotionOutput& output) {
+  MotionRunner runner(setup, placed.dynamic, output, timeout_s);
+  runner.run();
+  json summary = runner.report();
+  summary["schema"] = "palpate/motion/1";
+  summary["method"] = setup.method;
+  summary["integrator"] = dynamics::integrator_name(setup.integrator.kind);
+  summary["engine"] = setup.is_plain ? "plain" : "general";
+  summary["precision"] = setup.single_precision ? "single" : "double";
+  summary["why_general"] = setup.why_general.empty() ? json(nullptr) : json(setup.why_general);
+  summary["preset"] = placed.dynamic.preset.empty() ? json(nullptr) : json(placed.dynamic.preset);
+  summary["time_step_s"] = setup.step_s;
+  summary["stable_step_s"] = number_or_null(setup.stable.step_s);
+  summary["stable_by"] = setup.stable_by;
+  summary["stability_margin"] = number_or_null(setup.stable.step_s / setup.step_s);
+  summary["speed_limit_m_s"] =
+      setup.integrator.speed_limit_m_s > 0.0 ? json(setup.integrator.speed_limit_m_s) : json(nullptr);
+  summary["threads"] = setup.integrator.threads;
+  summary["vertices"] = mesh.points.size();
+  summary["tets"] = mesh.tets.size();
+  summary["springs"] = setup.phases.front().model.elastic.springs.springs.size();
+  summary["model"] = setup.report;
+  return summary;
+}
+
 json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
@@ -172,24 +214,7 @@ json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
                estimate_output_bytes(made.mesh, frames, setup.steps / strides.row + 2 + setup.phases.size(),
                                      output.columns()),
                options.most_output_bytes);
-  MotionRunner runner(setup, placed.dynamic, output, options.timeout_s);
-  runner.run();
-  json summary = runner.report();
-  summary["schema"] = "palpate/motion/1";
-  summary["method"] = setup.method;
-  summary["integrator"] = dynamics::integrator_name(setup.integrator.kind);
-  summary["preset"] = placed.dynamic.preset.empty() ? json(nullptr) : json(placed.dynamic.preset);
-  summary["time_step_s"] = setup.step_s;
-  summary["stable_step_s"] = number_or_null(setup.stable.step_s);
-  summary["stable_by"] = setup.stable_by;
-  summary["stability_margin"] = number_or_null(setup.stable.step_s / setup.step_s);
-  summary["speed_limit_m_s"] =
-      setup.integrator.speed_limit_m_s > 0.0 ? json(setup.integrator.speed_limit_m_s) : json(nullptr);
-  summary["threads"] = options.threads;
-  summary["vertices"] = made.mesh.points.size();
-  summary["tets"] = made.mesh.tets.size();
-  summary["springs"] = setup.phases.front().model.elastic.springs.springs.size();
-  summary["model"] = setup.report;
+  json summary = run_motion_setup(placed, made.mesh, setup, options.timeout_s, output);
   summary["files"] = output.finish();
   summary["files"].push_back((options.out / "summary.json").string());
   write_file_atomically(options.out / "summary.json", summary.dump(2) + "\n");

@@ -56,9 +56,10 @@ struct Integrator::Work {
   void cut_speeds(std::vector<Vec3>& velocity, StepReport& report) const {
     const double limit = options.speed_limit_m_s;
     if (limit == 0.0) return;
-    for (Vec3& v : velocity) {
+    for (std::size_t i = 0; i < velocity.size(); ++i) {
+      Vec3& v = velocity[i];
       const double speed_sq = length_sq(v);
-      if (!(speed_sq > limit * limit)) continue;
+      if (!(speed_sq > limit * limit) || forces.held_bits()[i] == 7) continue;
       v = (limit / std::sqrt(speed_sq)) * v;
       ++report.speeds_cut;
     }

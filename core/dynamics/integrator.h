@@ -50,10 +50,11 @@ const char* integrator_name(IntegratorKind kind);
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kSymplecticEuler;
   int threads = 1;
-  double speed_limit_m_s = 0.0;  ///< longer velocities are cut to this length; 0: no limit
-  LinearOptions linear;          ///< kImplicitEuler
-  std::size_t iterations = 10;   ///< kPrefactored: at most so many a step
-  double tolerance = 1e-10;      ///< kPrefactored: of the forces out of balance over the first ones
+  double speed_limit_m_s =
+      0.0;               ///< longer velocities are cut to this, but those of held vertices; 0: no limit
+  LinearOptions linear;  ///< kImplicitEuler
+  std::size_t iterations = 10;  ///< kPrefactored: at most so many a step
+  double tolerance = 1e-10;     ///< kPrefactored: of the forces out of balance over the first ones
 };
 
 /// What happened in one step.

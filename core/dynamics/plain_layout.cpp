@@ -19,13 +19,13 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | (x << 2U)) & 0x1249249249249249ULL;
 }
 
-/// Puts item i n / 4 + k, i < 4, at place 4 k + i.
+/// Puts item i n / 8 + k, i < 8, at place 8 k + i.
 void deal_out(std::vector<Index>& list) {
-  const std::size_t rows = (list.size() + 3) / 4;
+  const std::size_t rows = (list.size() + 7) / 8;
   std::vector<Index> out;
   out.reserve(list.size());
   for (std::size_t k = 0; k < rows; ++k) {
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < 8; ++i) {
       if (i * rows + k < list.size()) out.push_back(list[i * rows + k]);
     }
   }

@@ -21,7 +21,7 @@ std::vector<Index> order_along_morton_curve(std::span<const Vec3> points);
 ///
 /// Shape:  inside[b] and across[b] hold springs of block b by their number; `across` is for the vertex that
 ///         lies in b. Within each list springs are sorted by their vertices in curve order, then dealt out so
-///         that four that follow each other come from four quarters of the list and rarely share a vertex.
+///         that eight that follow each other come from eight parts of the list and rarely share a vertex.
 struct SpringBlocks {
   std::size_t block_vertices = 0;
   std::vector<std::vector<Index>> inside;

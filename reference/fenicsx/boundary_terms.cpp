@@ -79,7 +79,8 @@ double face_load(int node_count, std::size_t i) {
   return i < 3 ? 0.0 : 1.0 / 3.0;
 }
 
-BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body) {
+BoundaryTerms::BoundaryTerms(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body)
+    : owned_nodes_(body.owned_nodes()) {
   find_held(mesh, problem, body);
   is_moved_ = sum_over_processes(is_moved_ ? 1.0 : 0.0) > 0.0;
   find_faces(mesh, problem, body);
@@ -187,6 +188,29 @@ double BoundaryTerms::support_energy(const Vector& u, double factor) const {
     });
   }
   return sum_over_processes(energy);
+}
+
+Vec3 BoundaryTerms::total_support_force(const Vector& u, double factor) const {
+  std::array<double, 3> sum{};  // the shape functions of a face add up to 1
+  const LocalEntries at(u.get());
+  for (const FaceTerm& term : supports_) {
+    const std::array<double, 3> by = scaled(term.vector, factor);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(term.face.node_count); ++i) {
+      const std::size_t entry = 3 * static_cast<std::size_t>(term.face.nodes[i]);
+      const double share = term.scale * face_load(term.face.node_count, i);
+      for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] -= share * (at[entry + axis] - by[axis]);
+    }
+  }
+  return {sum_over_processes(sum[0]), sum_over_processes(sum[1]), sum_over_processes(sum[2])};
+}
+
+Vec3 BoundaryTerms::total_at_held(const Vector& force) const {
+  std::array<double, 3> sum{};
+  const LocalEntries at(force.get());
+  for (const Held& held : held_) {
+    if (held.entry < 3 * owned_nodes_) sum[held.entry % 3] += at[held.entry];
+  }
+  return {sum_over_processes(sum[0]), sum_over_processes(sum[1]), sum_over_processes(sum[2])};
 }
 
 void BoundaryTerms::add_loads(const Vector& force) const {

@@ -29,6 +29,10 @@ class BoundaryTerms {
   void add_support_force(const Vector& u, double factor, const Vector& force) const;
   /// 1/2 k |u - factor by|^2 over the supports, in J, of all processes together.
   double support_energy(const Vector& u, double factor) const;
+  /// The sum of that pull, in N, of all processes together.
+  Vec3 total_support_force(const Vector& u, double factor) const;
+  /// The sum of the held entries of `force` by axis, of all processes together.
+  Vec3 total_at_held(const Vector& force) const;
   /// Adds tractions, pressures and nodal forces.
   void add_loads(const Vector& force) const;
 
@@ -48,6 +52,7 @@ class BoundaryTerms {
 
   std::vector<Held> held_;
   std::vector<PetscInt> held_rows_;
+  std::size_t owned_nodes_ = 0;
   bool is_moved_ = false;
   std::vector<FaceTerm> supports_;
   std::vector<FaceTerm> loads_;

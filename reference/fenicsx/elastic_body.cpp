@@ -269,6 +269,15 @@ void ElasticBody::add_tangent(const Vector& u, const Matrix& tangent) {
                        {});
 }
 
+void ElasticBody::add_mass(const Matrix& mass) const {
+  const Form form = fem::create_form<PetscScalar>(
+      *(parts_->degree == 1 ? form_elasticity_mass1 : form_elasticity_mass2), {parts_->space, parts_->space},
+      std::map<std::string, std::shared_ptr<const fem::Function<PetscScalar>>>{},
+      {{"density_kg_m3", std::make_shared<fem::Constant<PetscScalar>>(parts_->material.density_kg_m3)}}, {},
+      parts_->mesh);
+  fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(mass.get(), ADD_VALUES), form, {});
+}
+
 void ElasticBody::add_internal_force(const Vector& u, const Vector& force) {
   parts_->set_displacement(u);
   const LocalEntries entries(force.get());

@@ -49,6 +49,8 @@ class ElasticBody {
 
   /// Adds the second derivative of the stored energy at `u`, without assembling the matrix at the end.
   void add_tangent(const Vector& u, const Matrix& tangent);
+  /// Adds the consistent mass matrix, in kg, without assembling the matrix at the end.
+  void add_mass(const Matrix& mass) const;
   /// Adds the derivative of the stored energy at `u` to owned and ghost entries.
   void add_internal_force(const Vector& u, const Vector& force);
   /// Adds a force a unit of volume, in N/m^3.

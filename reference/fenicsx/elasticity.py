@@ -5,11 +5,12 @@ from ufl import (Coefficient, Constant, Identity, TestFunction, TrialFunction, V
 first_lame_pa = Constant(tetrahedron)
 shear_modulus_pa = Constant(tetrahedron)
 body_force = Constant(tetrahedron, shape=(3,))
+density_kg_m3 = Constant(tetrahedron)
 force_field = Coefficient(VectorElement("Lagrange", tetrahedron, 2))
 
 
 def of_degree(degree):
-    """Small and large strain: stored energy, its first and second derivative; and the body force."""
+    """Small and large strain: stored energy, its first and second derivative; body forces; consistent mass."""
     element = VectorElement("Lagrange", tetrahedron, degree)
     u = Coefficient(element)
     v, du = TestFunction(element), TrialFunction(element)
@@ -25,12 +26,13 @@ def of_degree(degree):
     for energy in (linear, neo_hookean):
         force = derivative(energy, u, v)
         forms_of += [energy, force, derivative(force, u, du)]
-    return u, forms_of, [dot(body_force, v) * dx(degree=degree), dot(force_field, v) * dx(degree=degree + 2)]
+    return u, forms_of, [dot(body_force, v) * dx(degree=degree), dot(force_field, v) * dx(degree=degree + 2),
+                         density_kg_m3 * dot(du, v) * dx(degree=2 * degree)]
 
 
 u1, (small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1), \
-    (load1, field_load1) = of_degree(1)
+    (load1, field_load1, mass1) = of_degree(1)
 u2, (small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2), \
-    (load2, field_load2) = of_degree(2)
-forms = [small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1, load1, field_load1,
-         small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2, load2, field_load2]
+    (load2, field_load2, mass2) = of_degree(2)
+forms = [small_energy1, small_force1, small_tangent1, large_energy1, large_force1, large_tangent1, load1, field_load1, mass1,
+         small_energy2, small_force2, small_tangent2, large_energy2, large_force2, large_tangent2, load2, field_load2, mass2]

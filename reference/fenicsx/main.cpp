@@ -1,4 +1,6 @@
-// Adapter of fem.p1 and fem.p2: linear and neo-Hookean elasticity by FEniCSx (dolfinx).
+// Adapter of fem.p1 and fem.p2: linear and neo-Hookean elasticity by FEniCSx (dolfinx). It answers for
+// moving_fem.p1 and moving_fem.p2 too.
+#include <slepcsys.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +17,7 @@
 #include "core/mesh/topology.h"
 #include "reference/deform_problem.h"
 #include "reference/fenicsx/equilibrium.h"
+#include "reference/fenicsx/motion_answer.h"
 #include "reference/fenicsx/rigid_motions.h"
 #include "reference/fusion_options.h"
 
@@ -112,6 +115,7 @@ void together(const Work& work) {
 }
 
 Response answer(const Request& request) {
+  if (request.contest == "motion") return answer_motion(request);
   const Options options = read_options(request);
   const DeformTask task = read_deform_task(request);
   require_no_free_motion(task.mesh, task.problem);
@@ -211,7 +215,7 @@ int run(int argc, char** argv) {
   prepare_mpi();
   try {
     start_mpirun(argc, argv);
-    check(PetscInitialize(nullptr, nullptr, nullptr, nullptr), "PetscInitialize");
+    check(SlepcInitialize(nullptr, nullptr, nullptr, nullptr), "SlepcInitialize");
   } catch (const std::exception& error) {
     const std::string message = error.what();
     return run_adapter(argc, argv, [&](const Request&) -> Response { throw UnavailableError(message); });
@@ -219,7 +223,7 @@ int run(int argc, char** argv) {
   PetscPopSignalHandler();                                  // a crash is a crash
   PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // check() tells
   const int code = run_on_all(argc, argv);
-  PetscFinalize();
+  SlepcFinalize();
   return code;
 }
 

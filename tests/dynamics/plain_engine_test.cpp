@@ -11,6 +11,7 @@
 #include "core/dynamics/integrator.h"
 #include "core/dynamics/lanes.h"
 #include "core/dynamics/plain_layout.h"
+#include "core/dynamics/plain_run.h"
 #include "core/mesh/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"
@@ -20,7 +21,7 @@ namespace {
 
 using namespace testing_support;
 
-/// A cube of 2744 vertices, three blocks, held below, heavy, damped and shaken.
+/// A cube of 2744 vertices, two blocks, held below, heavy, damped and shaken.
 struct Shaken {
   MotionModel model;
   MotionState start;
@@ -102,12 +103,154 @@ TEST(PlainEngine, ASpringWithoutLengthIsNoticedAndGivesNoForce) {
   EXPECT_EQ(report.steps_with_zero_length, 0U);
 }
 
+/// A cube on an elastic support, under gravity that swells, with an elastic pad that goes down and a tool
+/// that moves along two axes; all blocks have some of it.
+MotionModel make_palpated_body() {
+  const TetMesh mesh = build_kuhn_cube(13, 0.2, 5);
+  MotionModel model = make_pressed_body(mesh, 0.2);
+  model.loads.front().loads = {std::vector<Vec3>(mesh.points.size()),
+                               {},
+                               std::vector<std::uint8_t>(mesh.points.size()),
+                               std::vector<Vec3>(mesh.points.size())};
+  BoundaryProblem still;
+  const auto patch = [&](int axis, double at) {
+    FacePatch out{find_faces_at(mesh, axis, at), {}};
+    for (std::size_t k = 0; k < out.faces.size(); ++k) out.weight.push_back(k % 3 == 0 ? 0.25 : 1.0);
+    return out;
+  };
+  still.supports.push_back({patch(2, 0.0), 5e3, {}});
+  BoundaryProblem pad;
+  pad.supports.push_back({patch(0, 1.0), 2e4, {-0.05, 0.01, 0.0}});
+  pad.nodal_forces.push_back({7, {0.0, 0.5, 0.0}});
+  BoundaryProblem weight;
+  weight.material.density_kg_m3 = 1000.0;
+  weight.gravity_m_s2 = {0.0, 0.3, -0.5};
+  model.loads.push_back({build_loads(mesh, still), {}});
+  model.loads.push_back({build_loads(mesh, pad), {{0.0, 0.15}, {0.0, 1.0}, true}});
+  model.loads.push_back({build_loads(mesh, weight), {{0.0, 0.05, 0.1}, {0.0, 1.0, 0.5}, false}});
+  return model;
+}
+
+/// Steps both engines side by side and holds states and forces of the loads against each other.
+template <typename Real>
+void compare_with_integrator(const MotionModel& model, const PlainOptions& options, double tolerance) {
+  constexpr double kStep = 1e-3;
+  IntegratorOptions general;
+  general.speed_limit_m_s = options.speed_limit_m_s;
+  Integrator integrator(model, general);
+  MotionState expected = start_at_rest(model);
+  PlainEngine<Real> engine(model, options);
+  double error = 0.0;
+  double size = 0.0;
+  engine.step(kStep, 200, [&](std::uint64_t) {
+    const std::vector<Vec3> told = integrator.forces().group_forces(expected);
+    for (std::size_t g = 0; g < told.size(); ++g) {
+      error = std::max(error, length(engine.group_forces()[g] - told[g]));
+      size = std::max(size, length(told[g]));
+    }
+    integrator.step(expected, kStep);
+  });
+  EXPECT_GT(size, 1.0);
+  EXPECT_LT(error, tolerance * size);
+  const MotionState got = engine.state();
+  EXPECT_EQ(got.time_s, expected.time_s);
+  EXPECT_LT(field_distance(got.displacement_m, expected.displacement_m),
+            tolerance * field_norm(expected.displacement_m));
+  EXPECT_LT(field_distance(got.velocity_m_s, expected.velocity_m_s),
+            tolerance * field_norm(expected.velocity_m_s));
+}
+
+TEST(PlainLoads, SupportsPadsToolsAndProfilesAreThoseOfTheIntegrator) {
+  const MotionModel model = make_palpated_body();
+  compare_with_integrator<double>(model, {}, 1e-11);
+  compare_with_integrator<double>(model, {2, 0.3}, 1e-11);
+  // Positions of size 1 are rounded to 6e-8, forces to some millionths of the largest spring's.
+  compare_with_integrator<float>(model, {}, 1e-3);
+  compare_with_integrator<double>(make_pressed_body(build_kuhn_cube(4, 0.2, 5), 0.2), {}, 1e-11);
+}
+
+TEST(PlainLoads, ForcesAreTheSameBitsOnAnyNumberOfThreads) {
+  const MotionModel model = make_palpated_body();
+  PlainEngine<float> one(model, {1});
+  PlainEngine<float> three(model, {3});
+  one.step(1e-3, 50);
+  three.step(1e-3, 50);
+  EXPECT_EQ(hash_state(one.state()), hash_state(three.state()));
+  ASSERT_EQ(one.group_forces().size(), model.loads.size());
+  EXPECT_EQ(one.group_forces(), three.group_forces());
+  EXPECT_GT(length(one.group_forces().back()), 0.0);
+}
+
+TEST(PlainEngine, AWatchedRunReportsThePeakSpeedAndStopsWhereItEscapes) {
+  Shaken body = make_shaken();
+  PlainOptions watched;
+  watched.escape_m = 100.0;
+  PlainReport report;
+  const MotionState end = run_plain<double>(body, watched, 1e-3, 1, &report);
+  double fastest = 0.0;
+  for (const Vec3& v : end.velocity_m_s) fastest = std::max(fastest, length(v));
+  EXPECT_DOUBLE_EQ(report.peak_speed_m_s, fastest);
+  EXPECT_FALSE(report.diverged);
+  EXPECT_EQ(report.steps, 1U);
+  for (const int threads : {1, 2}) {
+    watched.threads = threads;
+    const MotionState escaped = run_plain<double>(body, watched, 1.0, 500, &report);
+    EXPECT_TRUE(report.diverged);
+    EXPECT_LT(report.steps, 500U);
+    EXPECT_DOUBLE_EQ(escaped.time_s, static_cast<double>(report.steps));
+  }
+}
+
+/// The same run on both engines, from rest.
+struct TwoRuns {
+  MotionReport general;
+  MotionReport plain;
+  MotionState general_end;
+  MotionState plain_end;
+  std::vector<std::uint64_t> general_seen;
+  std::vector<std::uint64_t> plain_seen;
+};
+
+TwoRuns run_both(const MotionModel& model, const MotionRunOptions& options, double speed_limit) {
+  TwoRuns out;
+  IntegratorOptions general;
+  general.speed_limit_m_s = speed_limit;
+  Integrator integrator(model, general);
+  out.general_end = out.plain_end = start_at_rest(model);
+  out.general = run_motion(integrator, out.general_end, options,
+                           [&](std::uint64_t step, const MotionState&) { out.general_seen.push_back(step); });
+  out.plain =
+      run_plain_motion(model, out.plain_end, {options, 2, speed_limit, false},
+                       [&](std::uint64_t step, const MotionState&) { out.plain_seen.push_back(step); });
+  EXPECT_EQ(out.plain.outcome, out.general.outcome);
+  EXPECT_EQ(out.plain.steps, out.general.steps);
+  EXPECT_EQ(out.plain.is_finite, out.general.is_finite);
+  EXPECT_EQ(out.plain.state_hash, hash_state(out.plain_end));
+  EXPECT_EQ(out.plain_seen, out.general_seen);
+  return out;
+}
+
+TEST(PlainRun, ReportsWhatTheGeneralLoopReports) {
+  const MotionModel model = make_palpated_body();
+  const TwoRuns same = run_both(model, {1e-3, 100, 1000.0, 30}, 0.2);
+  EXPECT_EQ(same.plain_seen, (std::vector<std::uint64_t>{0, 30, 60, 90, 100}));
+  EXPECT_GT(same.general.speeds_cut, 0U);
+  EXPECT_EQ(same.plain.speeds_cut, same.general.speeds_cut);
+  EXPECT_EQ(same.plain.steps_with_cuts, same.general.steps_with_cuts);
+  EXPECT_NEAR(same.plain.peak_speed_m_s, same.general.peak_speed_m_s, 1e-9);
+  EXPECT_EQ(same.plain.inverted_tets, same.general.inverted_tets);
+  const TwoRuns wild = run_both(model, {0.5, 400, 1000.0, 1000}, 0.0);
+  EXPECT_EQ(wild.plain.outcome, MotionOutcome::kDiverged);
+  EXPECT_NE(wild.plain.first_bad_vertex, kNoIndex);
+  MotionState state = start_at_rest(model);
+  EXPECT_THROW(run_plain_motion(model, state, {{0.0, 1, 1000.0, 0}}), InputError);
+}
+
 TEST(PlainEngine, RefusesWhatItCannotDo) {
   EXPECT_THROW(PlainEngine<double>(make_shaken(SpringDamping::kIsotropic).model, {}), InputError);
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 1);
   EXPECT_THROW(PlainEngine<float>(make_free_body(mesh, 0.0, VolumeModel::kNodeAverage), {}), InputError);
   EXPECT_THROW(PlainEngine<float>(make_free_body(mesh, 0.0, VolumeModel::kThesis), {}), InputError);
-  EXPECT_THROW(PlainEngine<float>(make_pressed_body(mesh, 1.0), {}), InputError);
   MotionModel linear = make_free_body(mesh, 0.0);
   linear.elastic.springs_are_linear = true;
   EXPECT_THROW(PlainEngine<float>(linear, {}), InputError);

@@ -144,6 +144,19 @@ TEST(Stability, PredictedBoundsOfBodiesAreMeasuredWithinTwoPercent) {
   }
 }
 
+// Damping by mass alone is a multiple of the identity: one eigenvalue, where Krylov's space has one
+// dimension.
+TEST(Stability, DampingByMassAlone) {
+  MotionModel model = make_free_body(build_kuhn_cube(2, 0.25, 5), 0.0);
+  const StableStep undamped = predict_stable_step(model, IntegratorKind::kSymplecticEuler);
+  for (const double mass : model.mass_kg) model.environment_damping_n_s_per_m.push_back(60.0 * mass);
+  const StableStep damped = predict_stable_step(model, IntegratorKind::kSymplecticEuler);
+  EXPECT_TRUE(damped.converged);
+  EXPECT_NEAR(damped.damping_max_per_s, 60.0, 1e-6);
+  const double expected = stable_step_of_mode(IntegratorKind::kSymplecticEuler, 2.0 / undamped.step_s, 60.0);
+  EXPECT_NEAR(damped.step_s, expected, 1e-3 * expected);
+}
+
 TEST(Stability, ExplicitEulerOfABodyNeedsDampingEverywhere) {
   const TetMesh mesh = build_kuhn_cube(2, 0.25, 5);
   MotionModel model = make_free_body(mesh, 0.2);

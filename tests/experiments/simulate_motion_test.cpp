@@ -93,9 +93,12 @@ TEST_F(SimulateMotion, APressedBlockIsLetGoAndLeavesFramesAndHistory) {
   EXPECT_TRUE(std::filesystem::exists(folder / "frame_00004.vtu"));
 
   const auto rows = read_csv(folder / "history.csv");
-  ASSERT_EQ(rows.front().size(), 14U);
+  ASSERT_EQ(rows.front().size(), 16U);
   EXPECT_EQ(rows.front()[10], "tool_1_fz_n");
   EXPECT_EQ(rows.front()[13], "probe_1_uz_m");
+  EXPECT_EQ(rows.front()[14], "largest_displacement_m");
+  EXPECT_NEAR(std::stod(rows.back()[14]), report.at("end_displacement_m").get<double>(), 1e-15);
+  EXPECT_LT(std::stod(rows.back()[15]), std::stod(rows.back()[14]));
   double deepest = 0.0;
   double strongest = 0.0;
   for (std::size_t k = 1; k < rows.size(); ++k) {
@@ -174,6 +177,74 @@ TEST_F(SimulateMotion, WhatMakesNoSenseIsRefusedWithItsPlace) {
               HasSubstr("mass_per_s: expected"));
 }
 
+TEST_F(SimulateMotion, BadInputThatIsFoundLateLeavesNoFolder) {
+  error_of("integrator: symplectic_euler, time_step_s: 0.02, duration_s: 10");
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "out"));
+  const auto deep = fixture_.folder() / "deep" / "er" / "out";
+  const auto result =
+      run_program({"simulate", scene(pressed("integrator: explicit_euler, time_step_s: auto, duration_s: 1")),
+                   "-o", deep.string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "deep"));
+  std::filesystem::create_directories(deep);  // what was there before stays
+  run_program({"simulate", scene(pressed("integrator: explicit_euler, time_step_s: auto, duration_s: 1")),
+               "-o", deep.string()});
+  EXPECT_TRUE(std::filesystem::exists(deep));
+}
+
+TEST_F(SimulateMotion, AToolThatLeavesTheOrganIsRefused) {
+  SceneText text = pressed(kGood);
+  text.load =
+      "[{displace: {sphere: {center_m: [0.05, 0.05, 0.15], radius_m: 0.01}, by_m: [0, 0, -0.01]}, profile: "
+      "{times_s: [0, 0.05], shares: [0, 1]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("scene.yaml"));
+  text.load = "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -30}, by_m: [0, 0, -0.01]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("scene.yaml"));
+}
+
+TEST_F(SimulateMotion, ThePlainEngineStepsWhatItCanAndGivesTheSameMotion) {
+  const json plain = simulate(pressed(kGood), "plain");
+  EXPECT_EQ(plain.at("engine"), "plain");
+  EXPECT_EQ(plain.at("precision"), "double");
+  EXPECT_TRUE(plain.at("why_general").is_null());
+  const json general = simulate(pressed(kGood + ", engine: general"), "general");
+  EXPECT_EQ(general.at("engine"), "general");
+  EXPECT_NE(general.at("state_hash"), plain.at("state_hash"));
+  for (const char* key : {"outcome", "steps", "time_step_s", "inverted_tets_most", "speeds_cut"})
+    EXPECT_EQ(general.at(key), plain.at(key)) << key;
+  for (const char* key : {"max_displacement_m", "end_displacement_m", "peak_speed_m_s"})
+    EXPECT_NEAR(general.at(key).get<double>(), plain.at(key).get<double>(), 1e-12) << key;
+  const auto one = read_csv(fixture_.folder() / "plain" / "history.csv");
+  const auto other = read_csv(fixture_.folder() / "general" / "history.csv");
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t k = 1; k < one.size(); ++k)
+    EXPECT_NEAR(std::stod(one[k][10]), std::stod(other[k][10]), 1e-8) << one[k][0];
+  const json single = simulate(pressed(kGood + ", precision: single"), "single");
+  EXPECT_EQ(single.at("precision"), "single");
+  EXPECT_NEAR(single.at("max_displacement_m").get<double>(), 0.01, 1e-4);
+}
+
+TEST_F(SimulateMotion, AnEngineThatCannotIsRefusedWithWhat) {
+  EXPECT_THAT(error_of(kGood + ", engine: plane"),
+              HasSubstr("unknown engine \"plane\"; did you mean \"plain\""));
+  EXPECT_THAT(error_of(kGood + ", precision: half"), HasSubstr("single or double"));
+  EXPECT_THAT(error_of(kGood + ", engine: general, precision: single"),
+              HasSubstr("asks for the general one"));
+  EXPECT_THAT(error_of("engine: plain, integrator: velocity_verlet, time_step_s: auto, duration_s: 0.1"),
+              HasSubstr("scene.yaml:6: engine: the plain engine takes springs"));
+  SceneText text = pressed(kGood + ", engine: plain");
+  text.rest = "strain: large\nmodel: {springs: van_gelder, volume: node_average}\n";
+  text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.4, density_kg_m3: 1000}";
+  EXPECT_THAT(error_of(text), HasSubstr("this scene has strain energies"));
+  text.rest = "model: {springs: van_gelder}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("this scene has linearised springs"));
+  text = pressed("preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true");
+  text.rest = "";
+  const json preset = simulate(text, "preset");
+  EXPECT_EQ(preset.at("engine"), "general");
+  EXPECT_EQ(preset.at("why_general"), "a volume force");
+}
+
 TEST_F(SimulateMotion, LoadsWithTimesAreChecked) {
   SceneText text = pressed(kGood);
   text.load = "[{gravity_m_s2: [0, 0, -1], from_s: 0.05, until_s: 0.01}]";
@@ -197,7 +268,7 @@ TEST_F(SimulateMotion, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {
   const std::string error = error_of(text);
   EXPECT_THAT(error,
               HasSubstr("GB, more than 2 GB: ask for fewer frames, or allow more with --max-output-gb"));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(fixture_.folder() / "out"), {}), 0);
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "out"));
   const auto result = run_program(
       {"simulate", scene(text), "-o", (fixture_.folder() / "out").string(), "--max-output-gb", "1e8"});
   EXPECT_EQ(result.exit_code, 2);
@@ -210,7 +281,7 @@ TEST_F(SimulateMotion, TheEstimateOfTheOutputIsFromAboveAndNotWild) {
   double bytes = 0.0;
   for (const json& file : report.at("files"))
     bytes += static_cast<double>(std::filesystem::file_size(file.get<std::string>()));
-  const double estimate = estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 11);
+  const double estimate = estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
   EXPECT_GT(estimate, bytes);
   EXPECT_LT(estimate, 10.0 * bytes);
 }

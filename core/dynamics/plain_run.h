@@ -1,0 +1,23 @@
+// The time loop of the plain engine: the same report as run_motion.
+#pragma once
+
+#include "core/dynamics/motion_run.h"
+#include "core/dynamics/plain_engine.h"
+
+namespace palpate::dynamics {
+
+struct PlainRunOptions {
+  MotionRunOptions run;
+  int threads = 1;
+  double speed_limit_m_s = 0.0;
+  bool single_precision = false;
+};
+
+/// As run_motion with symplectic Euler, on the plain engine. A displacement counts as an escape where a
+/// vertex is farther than escape_ratio times the longest side from the rest shape's centre. Of zero-length
+/// springs, the steps are counted that have some.
+/// Throws: as PlainEngine; InputError for a step that is not a finite number above zero.
+MotionReport run_plain_motion(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
+                              const MotionObserver& observer = {});
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,187 @@
+"""Runs the benchmark of a step and holds it against its targets.
+
+    speed_table.py BENCH [--large] [--repetitions N] [--json FILE] [--clock wall|cpu]
+    speed_table.py --read FILE [--clock wall|cpu]
+
+BENCH is build/release/bin/palpate_bench. --large adds 1M vertices (some minutes). All rows come from one process, in
+random order, N times (default 5); a figure is the median over the repetitions, its spread (largest - smallest) / median.
+--clock cpu takes the time that the thread ran instead of the wall clock's for what runs on one thread: for a machine
+that others use too. --json keeps the raw rows, --read reads such a file.
+"""
+
+import argparse
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+CELLS = {10: "1.3k", 21: "10k", 46: "100k", 100: "1M"}
+NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/|$)")
+OURS = "bench_plain<float>"
+
+
+def run_bench(bench, large, repetitions, path):
+    environment = dict(os.environ)
+    environment.pop("PALPATE_BENCH_LARGE", None)
+    if large:
+        environment["PALPATE_BENCH_LARGE"] = "1"
+    names = "bench_(plain|portable|every_force|pointers|pointers_shuffled|bullet_step|bullet_links|triad)[</]"
+    subprocess.run([bench, f"--benchmark_filter={names}", f"--benchmark_repetitions={repetitions}",
+                    "--benchmark_enable_random_interleaving=true", f"--benchmark_out={path}", "--benchmark_out_format=json"],
+                   check=True, env=environment, stdout=subprocess.DEVNULL)
+
+
+def read_rows(data):
+    """(name, first argument, threads) -> list of rows, one a repetition."""
+    rows = {}
+    for row in data["benchmarks"]:
+        match = NAME.match(row["name"])
+        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
+            rows.setdefault((match[1], int(match[2]), int(match[3])), []).append(row)
+    return rows
+
+
+class Figures:
+    def __init__(self, rows, clock):
+        self.rows, self.clock = rows, clock
+
+    def has(self, name, size, threads=1):
+        return (name, size, threads) in self.rows
+
+    def values(self, name, size, threads=1, counter="ns_per_spring"):
+        if self.clock == "cpu" and threads == 1 and counter in ("ns_per_spring", "gb_per_s"):
+            counter = "cpu_" + counter
+        return [row[counter] for row in self.rows[name, size, threads]]
+
+    def median(self, *what, **which):
+        return statistics.median(self.values(*what, **which))
+
+    def spread(self, *what):
+        values = self.values(*what)
+        return (max(values) - min(values)) / statistics.median(values)
+
+    def roofline(self, size, threads=1):
+        """The least ns a spring: the layout's bytes over the triad's bytes a second."""
+        return (self.median(OURS, size, threads, counter="bytes_per_spring")
+                / self.median("bench_triad", 100, threads, counter="gb_per_s"))
+
+    def ratio(self, name, size):
+        return self.median(name, size) / self.median(OURS, size)
+
+
+def targets(figures):
+    """(what, bound, measured or None, whether it is met or None)"""
+    out = []
+
+    def at_most(what, bound, known, value):
+        out.append((what, f"<= {bound}", value() if known else None, value() <= bound if known else None))
+
+    def at_least(what, bound, known, value):
+        out.append((what, f">= {bound}", value() if known else None, value() >= bound if known else None))
+
+    for size, bound in ((10, 2.0), (21, 2.0), (46, 3.0), (100, 4.5)):
+        at_most(f"ns a spring, {CELLS[size]}", bound, figures.has(OURS, size), lambda s=size: figures.median(OURS, s))
+    for size in (46, 100):
+        # Always by the wall: that is what a second thread is for.
+        wall = Figures(figures.rows, "wall")
+        at_least(f"two threads over one, {CELLS[size]}", 1.8, figures.has(OURS, size, 2),
+                 lambda s=size: wall.median(OURS, s) / wall.median(OURS, s, 2))
+    at_least("pointers over ours, 1.3k", 2.0, figures.has("bench_pointers", 10), lambda: figures.ratio("bench_pointers", 10))
+    at_least("shuffled pointers over ours, 1M", 8.0, figures.has("bench_pointers_shuffled", 100),
+             lambda: figures.ratio("bench_pointers_shuffled", 100))
+    for size in CELLS:
+        at_least(f"Bullet's step over ours, {CELLS[size]}", 8.0, figures.has("bench_bullet_step", size),
+                 lambda s=size: figures.ratio("bench_bullet_step", s))
+    at_most("ours over the roofline, 1M", 2.0, figures.has(OURS, 100) and figures.has("bench_triad", 100),
+            lambda: figures.median(OURS, 100) / figures.roofline(100))
+    return out
+
+
+def hashes(rows):
+    """size -> the set of hashes of single precision, over threads, repetitions and instruction sets."""
+    found = {}
+    for (name, size, _), repeated in rows.items():
+        if name in (OURS, "bench_portable"):
+            found.setdefault(size, set()).update(row["label"].split()[0] for row in repeated)
+    return found
+
+
+def align(table):
+    widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
+    lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in table]
+    lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
+    return "\n".join(lines)
+
+
+def render(data, clock):
+    rows = read_rows(data)
+    figures = Figures(rows, clock)
+    context = data.get("context", {})
+    load = ", ".join(f"{value:.2f}" for value in context.get("load_avg", []))
+    repetitions = max((len(repeated) for repeated in rows.values()), default=0)
+    lines = [f"{context.get('num_cpus', '?')} processors of {context.get('mhz_per_cpu', '?')} MHz, load {load} at the start, "
+             f"medians of {repetitions} repetitions, {clock} clock", ""]
+    table = [["ns a spring and step", *CELLS.values(), "spread"]]
+    springs = sorted({(name, threads) for name, _, threads in rows if name != "bench_triad"})
+    for name, threads in springs:
+        sizes = [size for size in CELLS if figures.has(name, size, threads)]
+        cells = [f"{figures.median(name, size, threads):.2f}" if size in sizes else "-" for size in CELLS]
+        spread = max(figures.spread(name, size, threads) for size in sizes)
+        label = name.removeprefix("bench_") + (", 2 threads" if threads == 2 else "")
+        table.append([label, *cells, f"{100 * spread:.0f}%"])
+    for threads in (1, 2):
+        if figures.has("bench_triad", 100, threads):
+            cells = [f"{figures.roofline(size, threads):.2f}" if figures.has(OURS, size, threads) else "-" for size in CELLS]
+            rate = figures.median("bench_triad", 100, threads, counter="gb_per_s")
+            name = f"roofline{', 2 threads' if threads == 2 else ''} ({rate:.1f} GB/s)"
+            table.append([name, *cells, f"{100 * figures_spread_of_triad(figures, threads):.0f}%"])
+    lines += [align(table), ""]
+    table = [["target", "bound", "measured", ""]]
+    for what, bound, value, is_met in targets(figures):
+        table.append([what, bound, "-" if value is None else f"{value:.2f}",
+                      "not measured" if is_met is None else "met" if is_met else "missed"])
+    lines += [align(table), ""]
+    for size, found in sorted(hashes(rows).items()):
+        lines.append(f"hash of the state after 100 steps, {CELLS[size]}: "
+                     + (f"{next(iter(found))} in all rows" if len(found) == 1 else "DIFFERS: " + ", ".join(sorted(found))))
+    for size in CELLS:
+        if figures.has(OURS, size):
+            row = rows[OURS, size, 1][0]
+            lines.append(f"single against double precision, {CELLS[size]}: {row['error_m']:.1e} m at the most, "
+                         f"{row['error_relative']:.1e} of the displacement; {row['bytes_per_spring']:.1f} bytes a spring, "
+                         f"{100 * row['across']:.0f}% of the springs across blocks")
+    return "\n".join(lines)
+
+
+def figures_spread_of_triad(figures, threads):
+    values = figures.values("bench_triad", 100, threads, counter="gb_per_s")
+    return (max(values) - min(values)) / statistics.median(values)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bench", nargs="?")
+    parser.add_argument("--read")
+    parser.add_argument("--json")
+    parser.add_argument("--large", action="store_true")
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
+    given = parser.parse_args()
+    if (given.bench is None) == (given.read is None):
+        parser.error("give the benchmark program, or --read FILE")
+    with tempfile.TemporaryDirectory() as folder:
+        path = given.read or given.json or os.path.join(folder, "rows.json")
+        if given.read is None:
+            run_bench(given.bench, given.large, given.repetitions, path)
+        with open(path, encoding="utf-8") as file:
+            data = json.load(file)
+    print(render(data, given.clock))
+    differs = any(len(found) > 1 for found in hashes(read_rows(data)).values())
+    return 1 if differs else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,68 @@
+"""The table of speeds: medians, ratios, verdicts and differing hashes, from rows that are made up."""
+
+import pathlib
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+import speed_table  # noqa: E402
+
+
+def row(name, ns, **more):
+    return {"name": f"{name}/iterations:5/manual_time", "run_type": "iteration", "ns_per_spring": ns, "cpu_ns_per_spring": ns / 2,
+            **more}
+
+
+def plain(size, threads, ns, label="aa avx2"):
+    return row(f"bench_plain<float>/{size}/{threads}", ns, label=label, bytes_per_spring=30.0, error_m=1e-7,
+               error_relative=1e-4, across=0.1)
+
+
+def data(*rows):
+    return {"context": {"num_cpus": 2, "mhz_per_cpu": 2600, "load_avg": [0.1, 0.2, 0.3]}, "benchmarks": list(rows)}
+
+
+def verdicts(rows, clock="wall"):
+    figures = speed_table.Figures(speed_table.read_rows(data(*rows)), clock)
+    return {what: (value, is_met) for what, _, value, is_met in speed_table.targets(figures)}
+
+
+class SpeedTable(unittest.TestCase):
+    def test_medians_and_ratios(self):
+        rows = [plain(10, 1, ns) for ns in (9.0, 1.0, 1.5)] + [row("bench_pointers/10/1", 3.0)]
+        found = verdicts(rows)
+        self.assertEqual(found["ns a spring, 1.3k"], (1.5, True))
+        self.assertEqual(found["pointers over ours, 1.3k"], (2.0, True))
+        self.assertEqual(found["ns a spring, 1M"], (None, None))
+
+    def test_a_missed_target_says_so(self):
+        rows = [plain(46, 1, 3.5), plain(46, 2, 3.0)]
+        found = verdicts(rows)
+        self.assertEqual(found["ns a spring, 100k"], (3.5, False))
+        self.assertFalse(found["two threads over one, 100k"][1])
+        self.assertIn("missed", speed_table.render(data(*rows), "wall"))
+
+    def test_the_roofline_is_bytes_over_bandwidth(self):
+        rows = [plain(100, 1, 3.0),
+                {"name": "bench_triad/100/1/iterations:9/manual_time", "gb_per_s": 20.0, "cpu_gb_per_s": 30.0}]
+        self.assertEqual(verdicts(rows)["ours over the roofline, 1M"], (2.0, True))
+
+    def test_the_clock_of_the_thread_is_for_one_thread_alone(self):
+        rows = [plain(46, 1, 4.0), plain(46, 2, 2.0)]
+        found = verdicts(rows, "cpu")
+        self.assertEqual(found["ns a spring, 100k"], (2.0, True))
+        self.assertEqual(found["two threads over one, 100k"], (2.0, True))
+
+    def test_hashes_that_differ_are_shown(self):
+        same = [plain(10, 1, 1.0), plain(10, 2, 1.0), row("bench_portable/10/1", 2.0, label="aa portable")]
+        self.assertIn("aa in all rows", speed_table.render(data(*same), "wall"))
+        other = same + [plain(10, 2, 1.0, label="bb avx2")]
+        self.assertIn("DIFFERS: aa, bb", speed_table.render(data(*other), "wall"))
+
+    def test_aggregates_and_failures_are_left_out(self):
+        rows = [plain(10, 1, 1.0), {**plain(10, 1, 7.0), "run_type": "aggregate"}, {**plain(10, 1, 7.0), "error_message": "x"}]
+        self.assertEqual(verdicts(rows)["ns a spring, 1.3k"][0], 1.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

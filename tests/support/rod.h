@@ -1,0 +1,30 @@
+// A rod between smooth walls: it can move along x alone, so that all of it is known in closed form.
+#pragma once
+
+#include "core/mesh/tet_mesh.h"
+#include "reference/motion_problem.h"
+
+namespace palpate::test {
+
+/// [0, length] x [0, width]^2 of `cells` x 2 x 2 cells. All of the sides is held along y and z.
+struct Rod {
+  static constexpr double kLengthM = 0.1;
+  static constexpr double kWidthM = 0.0125;
+  static constexpr double kAreaM2 = kWidthM * kWidthM;
+
+  TetMesh mesh;
+  reference::MotionProblem problem;  ///< E = 10 kPa, nu = 0.25, 1000 kg/m^3; no loads; probe: x = length
+
+  explicit Rod(int cells);
+
+  std::vector<Triangle> left() const;
+  std::vector<Triangle> right() const;
+  void hold_left();                                                ///< along x too
+  reference::MotionLoad empty_load() const;                        ///< of the same material
+  reference::MotionLoad pad(double stiffness, double by_m) const;  ///< on the right end, along x
+  reference::MotionLoad sine_force(double force_n_m3) const;       ///< force x sin(pi x / (2 length)) along x
+  double modulus_pa() const;  ///< lambda + 2 mu: Young's modulus without sideways strain
+  double wave_speed_m_s() const;
+};
+
+}  // namespace palpate::test
