@@ -5,6 +5,8 @@
 
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
+#include "experiments/plan_engine.h"
+#include "experiments/plan_stability.h"
 #include "experiments/plan_verify.h"
 
 namespace palpate::experiments {
@@ -146,6 +148,7 @@ class CaseBuilder {
 
   void add_cases(const std::string& subject, std::size_t contestant) {
     const PlanContestant& c = plan_.contestants[contestant];
+    if (!runs_on(c, subject)) return;
     const MethodSpec& method = *registry_.find(c.method)->method;
     for (const Point& point : points_of(contestant)) {
       Case base;
@@ -182,6 +185,7 @@ class CaseBuilder {
 
 std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
   if (plan.contest == "verify") return build_verify_cases(plan, registry);
+  if (plan.contest == "stability") return build_stability_cases(plan, registry);
   return CaseBuilder(plan, registry).build();
 }
 

@@ -13,8 +13,9 @@ namespace palpate::experiments {
 
 /// One thing to run, some times over.
 struct Case {
-  std::string id;           ///< "kidney/sequential_random/tets_removed_ratio=0.1/seed=3"
-  std::size_t subject = 0;  ///< index into Plan::meshes, Plan::scenes (deform) or Plan::known_cases (verify)
+  std::string id;              ///< "kidney/sequential_random/tets_removed_ratio=0.1/seed=3"
+  std::size_t subject = 0;     ///< index into Plan::meshes (simplify, stability), Plan::scenes (deform) or
+                               ///< Plan::known_cases (verify)
   std::size_t contestant = 0;  ///< index into Plan::contestants
   Stop stop;
   nlohmann::json options;  ///< every option, typed

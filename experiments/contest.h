@@ -58,6 +58,9 @@ class Contest {
 std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting);
 std::unique_ptr<Contest> make_deform_contest(const ContestSetting& setting);
 std::unique_ptr<Contest> make_verify_contest(const ContestSetting& setting);
+std::unique_ptr<Contest> make_motion_contest(const ContestSetting& setting);
+std::unique_ptr<Contest> make_engine_contest(const ContestSetting& setting);
+std::unique_ptr<Contest> make_stability_contest(const ContestSetting& setting);
 
 /// The contest that the plan names.
 std::unique_ptr<Contest> make_contest(const ContestSetting& setting);

@@ -8,6 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/process.h"
+#include "reference/contest_files.h"
 
 namespace palpate::experiments {
 namespace {
@@ -39,17 +40,8 @@ std::string one_line(const std::string& text) {
   return line;
 }
 
-bool deforms(const ContestantTask& task) {
-  return task.method.contestant->contest == "deform";
-}
-
-bool moves(const ContestantTask& task) {
-  return task.method.contestant->contest == "motion";
-}
-
-/// The file that a contestant writes, by its contest.
-const char* output_name(const ContestantTask& task) {
-  return deforms(task) ? "displacement.csv" : (moves(task) ? "history.csv" : "out.mesh");
+reference::ContestFiles files_of(const ContestantTask& task) {
+  return reference::contest_files(task.method.contestant->contest);
 }
 
 json build_request(const ContestantTask& task, const std::filesystem::path& output) {
@@ -59,13 +51,10 @@ json build_request(const ContestantTask& task, const std::filesystem::path& outp
                   {"mesh_in", task.mesh_in.string()},
                   {"options", task.options},
                   {"threads", task.threads}};
-  if (deforms(task) || moves(task)) {
-    request["problem_in"] = task.problem_in.string();
-    request[deforms(task) ? "displacement_out" : "history_out"] = output.string();
-  } else {
-    request["mesh_out"] = output.string();
-    request["stop"] = stop_request(task.stop);
-  }
+  const reference::ContestFiles files = files_of(task);
+  if (files.has_problem) request["problem_in"] = task.problem_in.string();
+  if (*files.output_key != 0) request[files.output_key] = output.string();
+  if (files.output_key == std::string_view("mesh_out")) request["stop"] = stop_request(task.stop);
   if (!task.tuned.empty()) request["tuned"] = task.tuned;
   if (!task.keep.empty()) request["keep"] = task.keep;
   return request;
@@ -130,11 +119,13 @@ std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
   std::error_code error;
   const bool is_there = std::filesystem::is_regular_file(output, error);
-  if (!deforms(task) && !moves(task)) return is_there ? "" : "it wrote no mesh";
+  const reference::ContestFiles files = files_of(task);
+  if (!files.has_problem && *files.output_key != 0) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
-  if (moves(task)) return outcome != "completed" || is_there ? "" : "it completed and wrote no history";
-  return outcome != "converged" || is_there ? "" : "it converged and wrote no displacement";
+  if (*files.output_key == 0) return "";
+  if (outcome != files.output_outcome || is_there) return "";
+  return "it " + outcome.get<std::string>() + " and wrote no " + files.output_word;
 }
 
 ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
@@ -185,7 +176,7 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   const auto request_file = task.scratch / "request.json";
   const auto response_file = task.scratch / "response.json";
   const auto error_file = task.scratch / "stderr.txt";
-  answer.output = task.scratch / output_name(task);
+  if (const char* name = files_of(task).output_file; *name != 0) answer.output = task.scratch / name;
   write_file_atomically(request_file, build_request(task, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;

@@ -43,8 +43,8 @@ struct ContestantAnswer {
   nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
   bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
-  /// Mesh, displacement or history, there only if "ok"; in the contest deform only if the report's outcome is
-  /// "converged" as well, in the contest motion only if it is "completed".
+  /// Mesh, displacement or history (reference/contest_files.h), there only if "ok" and, where the contest's
+  /// files ask for one, with the report's outcome that comes with it.
   std::filesystem::path output;
 };
 

@@ -78,6 +78,7 @@ MotionOutput::MotionOutput(fs::path folder, const Scene& scene, const TetMesh& m
     for (const char* axis : {"x", "y", "z"})
       names.push_back("probe_" + std::to_string(k + 1) + "_u" + axis + "_m");
   }
+  names.insert(names.end(), {"largest_displacement_m", "rms_displacement_m"});
   columns_ = names.size();
   for (const std::string& name : names) history_ += (history_.empty() ? "" : ",") + name;
   history_ += '\n';
@@ -89,7 +90,15 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
   const dynamics::VolumeCount volume = count_volume(phase.model, state);
   double speed = 0.0;
   for (const Vec3& v : state.velocity_m_s) speed = std::max(speed, length(v));
-  for (const Vec3& u : state.displacement_m) max_displacement_m_ = std::max(max_displacement_m_, length(u));
+  MotionLevel level{state.time_s, 0.0, 0.0};
+  double squares = 0.0;
+  for (const Vec3& u : state.displacement_m) {
+    level.largest_m = std::max(level.largest_m, length(u));
+    squares += length_sq(u);
+  }
+  level.rms_m = std::sqrt(squares / static_cast<double>(state.displacement_m.size()));
+  max_displacement_m_ = std::max(max_displacement_m_, level.largest_m);
+  levels_.push_back(level);
   for (const double value : {state.time_s, energy.kinetic_j, energy.elastic_j, energy.load_j,
                              energy.total_j(), volume.volume_m3, static_cast<double>(volume.inverted), speed})
     append_cell(history_, value);
@@ -103,16 +112,24 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
     }
   }
   for (const Index probe : probes_) append_cells(history_, state.displacement_m[probe]);
+  append_cell(history_, level.largest_m);
+  append_cell(history_, level.rms_m);
   history_ += '\n';
 }
 
 void MotionOutput::add_frame(const dynamics::MotionState& state) {
   if (!frame_times_.empty() && frame_times_.back() == state.time_s) return;
+  if (folder_.empty()) {
+    frames_.push_back({state.time_s, state.displacement_m});
+    frame_times_.push_back(state.time_s);
+    return;
+  }
   write_displacement_vtu(folder_ / frame_name(frame_times_.size()), *mesh_, state.displacement_m);
   frame_times_.push_back(state.time_s);
 }
 
 std::vector<std::string> MotionOutput::finish() {
+  if (folder_.empty()) return {};
   std::vector<std::string> files{(folder_ / "history.csv").string()};
   write_file_atomically(files.back(), history_);
   if (frame_times_.empty()) return files;

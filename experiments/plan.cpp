@@ -10,7 +10,9 @@
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
 #include "experiments/plan_deform.h"
+#include "experiments/plan_engine.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_stability.h"
 #include "experiments/plan_targets.h"
 #include "experiments/plan_verify.h"
 
@@ -189,18 +191,34 @@ std::vector<std::string> subject_names(const Plan& plan) {
 
 namespace {
 
-void refuse_keys(const YamlFields& fields, const std::vector<const char*>& keys, const std::string& owner,
-                 const std::string& contest) {
-  for (const char* key : keys) {
-    if (const auto extra = fields.find(key))
-      extra->fail("\"" + std::string(key) + "\" belongs to the contest " + owner + ", not to " + contest);
+/// Refuses keys that belong to other contests alone.
+void refuse_keys_of_others(const YamlFields& fields, const std::string& contest) {
+  struct Owned {
+    const char* key;
+    std::vector<std::string> contests;
+  };
+  static const std::vector<Owned> all_owned{
+      {"meshes", {"simplify", "stability"}},
+      {"region", {"simplify"}},
+      {"equal_count", {"simplify"}},
+      {"scenes", {"deform", "motion", "engine"}},
+      {"reference", {"deform", "motion", "engine"}},
+      {"simplify", {"deform", "stability"}},
+      {"scene_sets", {"deform"}},
+      {"targets", {"deform"}},
+      {"cases", {"verify"}},
+      {"extremes", {"stability"}},
+  };
+  for (const auto& [key, contests] : all_owned) {
+    const auto extra = fields.find(key);
+    if (!extra || std::find(contests.begin(), contests.end(), contest) != contests.end()) continue;
+    extra->fail("\"" + std::string(key) + "\" belongs to the contest " + contests.front() + ", not to " +
+                contest);
   }
 }
 
 /// What a contest of simplifiers is about.
 void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "simplify");
-  refuse_keys(fields, {"cases"}, "verify", "simplify");
   plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
@@ -211,9 +229,7 @@ void read_simplify_parts(const YamlFields& fields, Plan& plan, const Registry& r
 
 /// What a contest of displacements is about.
 void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "deform");
-  refuse_keys(fields, {"cases"}, "verify", "deform");
-  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path());
+  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), plan.contest);
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
   read_simplifiers(fields, plan, registry);
@@ -223,21 +239,49 @@ void read_deform_parts(const YamlFields& fields, Plan& plan, const Registry& reg
   }
   plan.contestants = read_contestants(fields.need("contestants"), "deform", own, registry);
   check_reserved_labels(fields.need("contestants"), plan);
-  plan.reference = read_reference(fields.need("reference"), registry);
+  plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
   check_vertices_sweep(fields, plan);
   check_targets(fields, plan);
 }
 
+/// What a contest of motions is about.
+void read_motion_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  plan.scenes = read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), plan.contest);
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices"});
+  plan.contestants = read_contestants(fields.need("contestants"), "motion", plan.sweep, registry);
+  check_reserved_labels(fields.need("contestants"), plan);
+  plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
+  check_vertices_sweep(fields, plan);
+}
+
 /// What a contest with known answers is about.
 void read_verify_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  refuse_keys(fields, {"meshes", "region", "equal_count"}, "simplify", "verify");
-  refuse_keys(fields, {"scenes", "reference", "simplify", "scene_sets", "targets"}, "deform", "verify");
   if (const auto sweep = fields.find("sweep"))
     sweep->fail("the contest verify sweeps the cells of its cases");
   if (const auto accept = fields.find("accept"))
     accept->fail("the contest verify has its bounds in \"expect\"");
   plan.contestants = read_contestants(fields.need("contestants"), "deform", {}, registry);
   plan.known_cases = read_known_cases(fields.need("cases"), plan.contestants);
+}
+
+/// What a contest of the engine is about.
+void read_engine_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  plan.scenes = read_dynamic_scenes(fields.need("scenes"), plan.file.parent_path());
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {});
+  plan.contestants = read_contestants(fields.need("contestants"), "engine", plan.sweep, registry);
+  check_scenes_of_contestants(fields.need("contestants"), plan);
+  if (const auto reference = fields.find("reference"))
+    plan.reference = read_reference(*reference, "deform", registry);
+}
+
+/// What a contest of extremes is about.
+void read_stability_parts(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  if (const auto sweep = fields.find("sweep")) sweep->fail("the contest stability sweeps in its extremes");
+  plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
+  if (const auto simplify = fields.find("simplify"))
+    plan.simplifiers = read_contestants(*simplify, "simplify", {}, registry);
+  plan.contestants = read_contestants(fields.need("contestants"), "stability", {}, registry);
+  plan.extremes = read_extremes(fields.need("extremes"), plan, registry);
 }
 
 void add_availability_notes(Plan& plan, const Registry& registry) {
@@ -259,7 +303,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlFields fields =
       root.fields({"schema",   "question",    "contest",     "meshes", "scenes",     "cases",   "reference",
                    "simplify", "contestants", "sweep",       "region", "run",        "measure", "accept",
-                   "claim",    "equal_count", "comparisons", "charts", "scene_sets", "targets"});
+                   "claim",    "equal_count", "comparisons", "charts", "scene_sets", "targets", "extremes"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
@@ -269,14 +313,21 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (plan.question.empty()) fields.need("question").fail_expected("a question");
   const YamlValue contest = fields.need("contest");
   plan.contest = contest.text();
+  refuse_keys_of_others(fields, plan.contest);
   if (plan.contest == "simplify") {
     read_simplify_parts(fields, plan, registry);
   } else if (plan.contest == "deform") {
     read_deform_parts(fields, plan, registry);
+  } else if (plan.contest == "motion") {
+    read_motion_parts(fields, plan, registry);
   } else if (plan.contest == "verify") {
     read_verify_parts(fields, plan, registry);
+  } else if (plan.contest == "engine") {
+    read_engine_parts(fields, plan, registry);
+  } else if (plan.contest == "stability") {
+    read_stability_parts(fields, plan, registry);
   } else {
-    contest.fail_expected("simplify, deform or verify");
+    contest.fail_expected("simplify, deform, motion, verify, engine or stability");
   }
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);

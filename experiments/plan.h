@@ -62,6 +62,7 @@ struct PlanContestant {
   std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
   std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
+  std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code
 };
 
@@ -108,6 +109,16 @@ struct PlanKnownCase {
   std::vector<KnownCaseExpectation> expect;
 };
 
+/// Settings of the contest stability that are swept together.
+struct PlanExtreme {
+  std::string name;
+  std::vector<std::size_t> meshes;        ///< indices into Plan::meshes
+  std::vector<std::size_t> contestants;   ///< and into Plan::contestants
+  std::optional<std::size_t> simplifier;  ///< and into Plan::simplifiers
+  std::map<std::string, GivenOption> set;
+  std::vector<SweepAxis> sweep;  ///< of options, by their plain names
+};
+
 /// A published claim, and what would decide it.
 struct Claim {
   std::string text;
@@ -135,12 +146,14 @@ struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;                      ///< "simplify", "deform" or "verify"
-  std::vector<PlanMesh> meshes;             ///< simplify
-  std::vector<PlanScene> scenes;            ///< deform
-  std::vector<PlanKnownCase> known_cases;   ///< verify
-  std::optional<PlanReference> reference;   ///< deform
-  std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; may be empty
+  std::string contest;            ///< "simplify", "deform", "motion", "verify", "engine" or "stability"
+  std::vector<PlanMesh> meshes;   ///< simplify and stability
+  std::vector<PlanScene> scenes;  ///< deform, motion and engine
+  std::vector<PlanKnownCase> known_cases;  ///< verify
+  std::vector<PlanExtreme> extremes;       ///< stability
+  std::optional<PlanReference> reference;  ///< deform and motion; engine, of the tool's force: may be missing
+  std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; stability: for
+                                            ///< the extremes that name them; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
   std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself

@@ -84,7 +84,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     return entry;
   }
   const YamlFields fields =
-      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required"});
+      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -94,6 +94,12 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   if (entry.stop_at && contest != "simplify")
     entry.stop_at->fail("stops belong to the contest simplify, not to " + contest);
   if (entry.stop_at) contestant.stop = read_stop(*entry.stop_at);
+  if (const auto scenes = fields.find("scenes")) {
+    if (contest != "engine")
+      scenes->fail("scenes of one contestant belong to the contest engine, not to " + contest);
+    for (const YamlValue& item : scenes->items()) contestant.scenes.push_back(item.identifier());
+    if (contestant.scenes.empty()) scenes->fail_expected("at least one scene");
+  }
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
   if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
   if (const auto train = fields.find("train")) contestant.train = read_train(*train, entry);

@@ -20,7 +20,8 @@ std::filesystem::path find_scene(const YamlValue& item) {
   return path;
 }
 
-PlanScene read_plan_scene(const YamlValue& item, const std::filesystem::path& folder) {
+PlanScene read_plan_scene(const YamlValue& item, const std::filesystem::path& folder,
+                          const std::string& contest) {
   PlanScene scene;
   if (item.is_text()) {
     scene.name = item.identifier();
@@ -31,8 +32,10 @@ PlanScene read_plan_scene(const YamlValue& item, const std::filesystem::path& fo
     const YamlValue file = fields.need("file");
     scene.scene = read_scene(folder / file.text());
   }
-  if (scene.scene.is_dynamic)
+  if (scene.scene.is_dynamic && contest == "deform")
     item.fail("the scene " + scene.name + " is dynamic; the contest deform takes static ones");
+  if (!scene.scene.is_dynamic && contest == "motion")
+    item.fail("the scene " + scene.name + " is static; the contest motion takes dynamic ones");
   return scene;
 }
 
@@ -46,30 +49,37 @@ const SweepAxis* stop_axis(const Plan& plan) {
 
 }  // namespace
 
-std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::filesystem::path& folder) {
+std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::filesystem::path& folder,
+                                        const std::string& contest) {
   std::vector<PlanScene> scenes;
   std::set<std::string> names;
   for (const YamlValue& item : value.items()) {
-    scenes.push_back(read_plan_scene(item, folder));
+    scenes.push_back(read_plan_scene(item, folder, contest));
     if (!names.insert(scenes.back().name).second) item.fail("scene \"" + scenes.back().name + "\" twice");
   }
   if (scenes.empty()) value.fail("scenes: expected at least one");
   return scenes;
 }
 
-PlanReference read_reference(const YamlValue& value, const Registry& registry) {
+PlanReference read_reference(const YamlValue& value, const std::string& contest, const Registry& registry) {
   const YamlFields fields = value.fields({"method", "levels", "enough", "stated_order", "set"});
+  if (contest == "motion") {
+    if (const auto extra = fields.find("enough"))
+      extra->fail("\"enough\" belongs to the contest deform, not to motion");
+  }
   PlanReference reference;
   const YamlValue method = fields.need("method");
   reference.method = method.text();
-  const MethodEntry entry = find_method(method, reference.method, "deform", registry);
+  const MethodEntry entry = find_method(method, reference.method, contest, registry);
   const OptionSpec* refine = entry.method->find_option("refine");
   if (refine == nullptr || refine->type != OptionType::kInteger)
     method.fail("method " + reference.method + " has no integer option \"refine\", as a reference needs");
+  if (contest == "motion" && entry.method->find_option("time_step_s") == nullptr)
+    method.fail("method " + reference.method + " has no option \"time_step_s\", as a reference needs");
   if (const auto set = fields.find("set")) reference.set = read_set(*set, *entry.method);
   if (reference.set.count("refine") > 0) value.fail("the option \"refine\" follows from \"levels\"");
   if (const auto levels = fields.find("levels"))
-    reference.levels = static_cast<int>(levels->integer(1, kMostLevels));
+    reference.levels = static_cast<int>(levels->integer(contest == "motion" ? 2 : 1, kMostLevels));
   if (const auto enough = fields.find("enough")) reference.enough = enough->number(1e-12, 1.0);
   if (const auto order = fields.find("stated_order")) reference.stated_order = order->number(1.0, 4.0);
   return reference;

@@ -10,6 +10,7 @@ namespace {
 const std::vector<std::string> kCharts{"histograms",   "overview", "timing",
                                        "quality_time", "scaling",  "cut_away"};
 const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "convergence", "simplified_error"};
+const std::vector<std::string> kMotionCharts{"motion_errors", "motion_histories"};
 
 std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
@@ -108,7 +109,8 @@ std::vector<Comparison> read_comparisons(const YamlValue& value,
 }
 
 std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest) {
-  const std::vector<std::string>& known = contest == "deform" ? kDeformCharts : kCharts;
+  const std::vector<std::string>& known =
+      contest == "deform" ? kDeformCharts : (contest == "motion" ? kMotionCharts : kCharts);
   std::vector<std::string> charts;
   for (const YamlValue& item : value.items()) {
     const std::string name = item.text();

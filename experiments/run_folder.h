@@ -31,7 +31,17 @@ struct RunPaths {
     return folder / "displacements" / (case_id + ".csv");
   }
 
-  /// The folder of a problem of the contest deform: in.mesh (metres) and problem.json.
+  /// The history of a case of the contest motion.
+  std::filesystem::path history(const std::string& case_id) const {
+    return folder / "histories" / (case_id + ".csv");
+  }
+
+  /// What a case of the contest engine leaves of its motion.
+  std::filesystem::path motion(const std::string& case_id) const {
+    return folder / "motions" / (case_id + ".json");
+  }
+
+  /// The folder of a problem of the contests deform and motion: in.mesh (metres) and problem.json.
   std::filesystem::path problem(const std::string& id) const { return folder / "problems" / id; }
 };
 

@@ -118,6 +118,9 @@ std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting) {
 std::unique_ptr<Contest> make_contest(const ContestSetting& setting) {
   if (setting.plan.contest == "simplify") return make_simplify_contest(setting);
   if (setting.plan.contest == "verify") return make_verify_contest(setting);
+  if (setting.plan.contest == "motion") return make_motion_contest(setting);
+  if (setting.plan.contest == "engine") return make_engine_contest(setting);
+  if (setting.plan.contest == "stability") return make_stability_contest(setting);
   require(setting.plan.contest == "deform", "make_contest: unknown contest");
   return make_deform_contest(setting);
 }

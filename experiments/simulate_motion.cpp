@@ -175,20 +175,9 @@ class MotionRunner {
 
 }  // namespace
 
-json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
-  const MadeMesh made = build_scene_mesh(scene.mesh);
-  for (const std::string& note : made.notes) print_note(note);
-  const Scene placed = place_scene(scene, made.mesh);
-  const MotionSetup setup = build_motion(placed, made.mesh, load_registry(), options.threads);
-  for (const std::string& note : setup.notes) print_note(note);
-  MotionOutput output(options.out, placed, made.mesh);
-  const Strides strides(placed.dynamic, setup.steps);
-  const std::uint64_t frames = strides.frame == 0 ? 0 : setup.steps / strides.frame + 2;
-  require_room(options.out,
-               estimate_output_bytes(made.mesh, frames, setup.steps / strides.row + 2 + setup.phases.size(),
-                                     output.columns()),
-               options.most_output_bytes);
-  MotionRunner runner(setup, placed.dynamic, output, options.timeout_s);
+json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup, double timeout_s,
+                      MotionOutput& output) {
+  MotionRunner runner(setup, placed.dynamic, output, timeout_s);
   runner.run();
   json summary = runner.report();
   summary["schema"] = "palpate/motion/1";
@@ -204,11 +193,28 @@ json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
   summary["stability_margin"] = number_or_null(setup.stable.step_s / setup.step_s);
   summary["speed_limit_m_s"] =
       setup.integrator.speed_limit_m_s > 0.0 ? json(setup.integrator.speed_limit_m_s) : json(nullptr);
-  summary["threads"] = options.threads;
-  summary["vertices"] = made.mesh.points.size();
-  summary["tets"] = made.mesh.tets.size();
+  summary["threads"] = setup.integrator.threads;
+  summary["vertices"] = mesh.points.size();
+  summary["tets"] = mesh.tets.size();
   summary["springs"] = setup.phases.front().model.elastic.springs.springs.size();
   summary["model"] = setup.report;
+  return summary;
+}
+
+json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  for (const std::string& note : made.notes) print_note(note);
+  const Scene placed = place_scene(scene, made.mesh);
+  const MotionSetup setup = build_motion(placed, made.mesh, load_registry(), options.threads);
+  for (const std::string& note : setup.notes) print_note(note);
+  MotionOutput output(options.out, placed, made.mesh);
+  const Strides strides(placed.dynamic, setup.steps);
+  const std::uint64_t frames = strides.frame == 0 ? 0 : setup.steps / strides.frame + 2;
+  require_room(options.out,
+               estimate_output_bytes(made.mesh, frames, setup.steps / strides.row + 2 + setup.phases.size(),
+                                     output.columns()),
+               options.most_output_bytes);
+  json summary = run_motion_setup(placed, made.mesh, setup, options.timeout_s, output);
   summary["files"] = output.finish();
   summary["files"].push_back((options.out / "summary.json").string());
   write_file_atomically(options.out / "summary.json", summary.dump(2) + "\n");

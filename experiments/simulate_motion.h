@@ -26,4 +26,9 @@ struct SimulateMotionOptions {
 /// timeout_s.
 nlohmann::json simulate_motion(const Scene& scene, const SimulateMotionOptions& options);
 
+/// Runs what is set up, of a placed scene on its mesh, and gives the same summary, without files; `output`
+/// takes rows and frames. Throws: UnavailableError after timeout_s.
+nlohmann::json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup,
+                                double timeout_s, MotionOutput& output);
+
 }  // namespace palpate::experiments

@@ -9,6 +9,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "reference/contest_files.h"
 
 namespace palpate::reference {
 namespace {
@@ -52,11 +53,9 @@ Request parse_request(const std::filesystem::path& path) {
   request.contest = field<std::string>(object, "contest", where);
   request.method = field<std::string>(object, "method", where);
   request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
-  const bool deforms = request.contest == "deform";
-  const bool moves = request.contest == "motion";
-  const char* const output = deforms ? "displacement_out" : (moves ? "history_out" : "mesh_out");
-  request.output = field<std::string>(object, output, where);
-  if (deforms || moves) request.problem = field<std::string>(object, "problem_in", where);
+  const ContestFiles files = contest_files(request.contest);
+  if (*files.output_key != 0) request.output = field<std::string>(object, files.output_key, where);
+  if (files.has_problem) request.problem = field<std::string>(object, "problem_in", where);
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
   request.threads = object.value("threads", 1);

@@ -17,15 +17,15 @@ namespace palpate::reference {
 ///    "keep": ["sphere 0 0 5 2"]}
 ///
 /// In the contest deform there is "problem_in" beside the mesh, "displacement_out" in place of "mesh_out",
-/// and no stop (reference/deform_problem.h); the contest motion has "history_out" there
-/// (reference/motion_problem.h). "tuned" is there only if an earlier repeat's search found
-/// something, "keep" only if the plan or the command line asks for it.
+/// and no stop (reference/deform_problem.h); the contests motion and engine have "history_out" there
+/// (reference/motion_problem.h), stability has no output (reference/contest_files.h). "tuned" is there only
+/// if an earlier repeat's search found something, "keep" only if the plan or the command line asks for it.
 struct Request {
   std::string contest;
   std::string method;
   std::filesystem::path input;    ///< "mesh_in" (or "surface_in" for meshers)
-  std::filesystem::path output;   ///< "mesh_out"; "displacement_out", "history_out" in deform, motion
-  std::filesystem::path problem;  ///< "problem_in", in the contests deform and motion
+  std::filesystem::path output;   ///< "mesh_out", or what the contest has in its place
+  std::filesystem::path problem;  ///< "problem_in", where the contest has one
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;

@@ -16,9 +16,12 @@ import contest
 import convergence
 import deform
 import deform_tables
+import engine
 import equal_count
+import motion
 import records
 import scaling
+import stability
 import tables
 import targets
 import verdict
@@ -129,6 +132,36 @@ def draw_known_answers(run, rows):
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
+def report_extremes(run):
+    """Tables and summary of a contest of extremes; returns its cases."""
+    cases = stability.read_cases(run)
+    remove_old(run.folder / "tables", stability.write_tables(cases, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(stability.summary_text(cases) if cases else "no records")
+    return cases
+
+
+def draw_extremes(run, cases):
+    import stability_charts  # needs matplotlib
+    return stability_charts.draw_charts(cases, run.folder / "charts")
+
+
+def report_motions(run):
+    """Tables and summary of a contest of motions; returns what its charts are drawn from."""
+    sections = motion.read_sections(run)
+    remove_old(run.folder / "tables", motion.write_tables(sections, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(motion.table_text(sections) if sections else "no records")
+    return sections
+
+
+def draw_motions(run, sections):
+    import motion_charts  # needs matplotlib
+    return motion_charts.draw_charts(run, sections, run.folder / "charts")
+
+
 def draw_simplifiers(run, claim):
     import charts  # needs matplotlib
     return charts.draw_charts(run, claim, run.folder / "charts")
@@ -144,10 +177,31 @@ def report_simplifiers(run):
     return claim
 
 
+def report_engine(run):
+    """Tables and summary of a contest of the engine; returns its cases."""
+    found = engine.read_cases(run)
+    remove_old(run.folder / "tables", engine.write_tables(found, run.folder / "tables"))
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(engine.engine_text(found))
+    return found
+
+
+def draw_engine(run, found):
+    import engine_charts  # needs matplotlib
+    return engine_charts.draw_charts(run, found, run.folder / "charts")
+
+
 def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
-    if run.plan_data.get("contest") == "verify":
-        return report_known_answers, draw_known_answers
+    of_contest = {
+        "engine": (report_engine, draw_engine),
+        "motion": (report_motions, draw_motions),
+        "stability": (report_extremes, draw_extremes),
+        "verify": (report_known_answers, draw_known_answers),
+    }.get(run.plan_data.get("contest"))
+    if of_contest is not None:
+        return of_contest
     if run.judges_displacements:
         return report_displacements, draw_displacements
     return report_simplifiers, draw_simplifiers

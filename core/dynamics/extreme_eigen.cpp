@@ -7,11 +7,14 @@
 
 #include <Spectra/GenEigsSolver.h>
 #include <Spectra/SymEigsSolver.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -72,6 +75,52 @@ class RateProduct {
   mutable Eigen::VectorXd work_;
 };
 
+std::vector<Vec3> to_field(const Eigen::VectorXd& x) {
+  std::vector<Vec3> field(static_cast<std::size_t>(x.size() / 3));
+  for (std::size_t v = 0; v < field.size(); ++v) {
+    const auto at = static_cast<Eigen::Index>(3 * v);
+    field[v] = {x[at], x[at + 1], x[at + 2]};
+  }
+  return field;
+}
+
+/// Lanczos's method with full orthogonalisation from a seeded vector. A seeded vector has a part of every
+/// eigenvector, so where the vectors it makes come to an end they hold all different eigenvalues.
+ExtremeEigen find_by_plain_lanczos(const Product& product) {
+  const Eigen::Index n = product.rows();
+  const Eigen::Index most = std::min<Eigen::Index>(n, 100);
+  constexpr double kEnd = 1e-10;
+  Eigen::MatrixXd basis(n, most);
+  Eigen::MatrixXd small = Eigen::MatrixXd::Zero(most, most);
+  SplitMix64 random(1);
+  Eigen::VectorXd next(n);
+  for (Eigen::Index k = 0; k < n; ++k) next[k] = random.uniform() - 0.5;
+  next.normalize();
+  Eigen::Index count = 0;
+  bool is_closed = false;
+  while (count < most && !is_closed) {
+    basis.col(count++) = next;
+    product.perform_op(basis.col(count - 1).data(), next.data());
+    const double size = next.norm();
+    const auto own = basis.leftCols(count);
+    Eigen::VectorXd part = own.transpose() * next;
+    small.col(count - 1).head(count) = part;
+    for (int twice = 0; twice < 2; ++twice, part = own.transpose() * next) next -= own * part;
+    const double left = next.norm();
+    is_closed = left <= kEnd * size;
+    if (!is_closed) next /= left;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      small.topLeftCorner(count, count).selfadjointView<Eigen::Upper>());
+  ExtremeEigen out;
+  out.products = static_cast<std::size_t>(count);
+  out.converged = solver.info() == Eigen::Success && (is_closed || count == n);
+  if (!out.converged) return out;
+  out.value = solver.eigenvalues()[count - 1];
+  out.vector = to_field(basis.leftCols(count) * solver.eigenvectors().col(count - 1));
+  return out;
+}
+
 }  // namespace
 
 FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix& damping,
@@ -84,13 +133,52 @@ FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix&
   constexpr Eigen::Index kRestarts = 200;
   constexpr double kTolerance = 1e-4;
   Spectra::GenEigsSolver<RateProduct> solver(product, wanted, std::min(most_vectors, product.rows()));
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestMagn, kRestarts, kTolerance);
   FastestRates out;
+  try {
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestMagn, kRestarts, kTolerance);
+  } catch (const std::runtime_error&) {
+    return out;  // a breakdown: not converged
+  }
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   const auto values = solver.eigenvalues();
   for (Eigen::Index k = 0; k < values.size(); ++k) out.lambda.push_back(values[k]);
+  return out;
+}
+
+FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& damping) {
+  require(stiffness.rows() > 0 && damping.columns == stiffness.columns, "two matrices of one pattern");
+  std::vector<Eigen::Index> number(3 * stiffness.rows(), -1);
+  Eigen::Index count = 0;
+  const auto for_each = [&](const auto& visit) {
+    for (std::size_t v = 0; v < stiffness.rows(); ++v) {
+      for (std::size_t k = stiffness.offsets[v]; k < stiffness.offsets[v + 1]; ++k) {
+        for (std::size_t i = 0; i < 9; ++i)
+          visit(3 * v + i / 3, 3 * std::size_t{stiffness.columns[k]} + i % 3,
+                stiffness.blocks[k](i / 3, i % 3), damping.blocks[k](i / 3, i % 3));
+      }
+    }
+  };
+  double scale = 0.0;
+  for_each([&](std::size_t row, std::size_t, double k, double d) {
+    if ((k != 0.0 || d != 0.0) && number[row] < 0) number[row] = count++;
+    scale = std::max({scale, std::sqrt(std::abs(k)), std::abs(d)});
+  });
+  FastestRates out;
+  out.converged = true;
+  if (count == 0) return out;
+  Eigen::MatrixXd rates = Eigen::MatrixXd::Zero(2 * count, 2 * count);
+  for (Eigen::Index k = 0; k < count; ++k) rates(k, count + k) = 1.0;
+  for_each([&](std::size_t row, std::size_t column, double k, double d) {
+    if (number[row] < 0 || number[column] < 0) return;
+    rates(count + number[row], number[column]) = -k / (scale * scale);
+    rates(count + number[row], count + number[column]) = -d / scale;
+  });
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(rates, false);
+  out.converged = solver.info() == Eigen::Success;
+  const auto& values = solver.eigenvalues();
+  for (Eigen::Index k = 0; out.converged && k < values.size(); ++k) out.lambda.push_back(scale * values[k]);
   return out;
 }
 
@@ -101,19 +189,18 @@ ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   constexpr Eigen::Index kRestarts = 100;
   constexpr double kTolerance = 1e-4;
   Spectra::SymEigsSolver<Product> solver(product, 1, std::min(most_vectors, product.rows()));
-  solver.init();
-  solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
   ExtremeEigen out;
+  try {
+    solver.init();
+    solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
+  } catch (const std::runtime_error&) {
+    return find_by_plain_lanczos(product);
+  }
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   if (!out.converged) return out;
   out.value = solver.eigenvalues()[0];
-  const Eigen::VectorXd vector = solver.eigenvectors().col(0);
-  out.vector.resize(matrix.rows());
-  for (std::size_t v = 0; v < out.vector.size(); ++v) {
-    const auto at = static_cast<Eigen::Index>(3 * v);
-    out.vector[v] = {vector[at], vector[at + 1], vector[at + 2]};
-  }
+  out.vector = to_field(solver.eigenvectors().col(0));
   return out;
 }
 

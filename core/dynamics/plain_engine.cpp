@@ -305,9 +305,9 @@ struct PlainEngine<Real>::Body {
   LargeVector<Inertia<Real>> inertia;
   LargeVector<Particle<Real>> now;
   LargeVector<Particle<Real>> next;
-  bool use_avx2 = false;
   std::optional<PlainLoads> loads;
   std::vector<Watched> watched;
+  bool use_avx2 = false;
   double time_s = 0.0;
   std::size_t spring_count = 0;
   std::size_t across_count = 0;

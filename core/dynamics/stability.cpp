@@ -72,30 +72,36 @@ void scale_by_mass(const MotionModel& model, const std::vector<std::uint8_t>& he
   }
 }
 
-double norm_of_volume_force(const MotionModel& model) {
+double norm_of_volume_force(const MotionModel& model, std::span<const Vec3> u) {
   if (!model.elastic.volume_force) return 0.0;
-  const std::vector<Vec3> still(model.elastic.rest.size());
   const VolumeForceTangent tangent =
-      differentiate_volume_force(*model.elastic.volume_force, model.elastic.rest, still);
+      differentiate_volume_force(*model.elastic.volume_force, model.elastic.rest, u);
   double directions = 0.0;
   double gradients = 0.0;
-  for (std::size_t v = 0; v < still.size(); ++v) {
+  for (std::size_t v = 0; v < u.size(); ++v) {
     directions += length_sq(tangent.direction[v]) / model.mass_kg[v];
     gradients += length_sq(tangent.volume_gradient[v]) / model.mass_kg[v];
   }
   return model.elastic.volume_force->stiffness_n_per_m3 * std::sqrt(directions * gradients);
 }
 
-ScaledBody build_scaled_body(const MotionModel& model) {
+ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) {
   const MotionForces forces(model, 1);
-  ScaledBody body{build_motion_pattern(model), {}, norm_of_volume_force(model)};
+  ScaledBody body{build_motion_pattern(model), {}, norm_of_volume_force(model, u)};
   body.damping = body.stiffness;
-  const std::vector<Vec3> still(model.elastic.rest.size());
-  add_motion_stiffness(model, still, TangentKind::kExact, body.stiffness);
-  add_spring_damping(model, still, body.damping);
+  add_motion_stiffness(model, u, TangentKind::kExact, body.stiffness);
+  add_spring_damping(model, u, body.damping);
   add_constant_damping(model, body.damping);
   scale_by_mass(model, forces.held_bits(), body.stiffness);
   scale_by_mass(model, forces.held_bits(), body.damping);
+  for (const BlockMatrix* matrix : {&body.stiffness, &body.damping}) {
+    const bool is_finite = std::all_of(matrix->blocks.begin(), matrix->blocks.end(), [](const Mat3& block) {
+      return std::isfinite(contract(block, block));
+    });
+    if (!is_finite)
+      throw InputError("model", 0, "stiffness and damping over mass that are finite, with their squares",
+                       "numbers beyond the range of double precision");
+  }
   return body;
 }
 
@@ -148,6 +154,31 @@ class WorstVectors {
     return step;
   }
 
+  /// The least bound of explicit Euler over all roots, or over the fastest of a larger body; infinity if
+  /// none were found.
+  double try_roots_of_explicit_euler() {
+    const FastestRates rates = is_small() ? find_all_rates(body_.stiffness, body_.damping)
+                                          : find_fastest_rates(body_.stiffness, body_.damping,
+                                                               found_.stiffness_max_per_s2, threads_);
+    found_.products += rates.products;
+    if (!rates.converged) return kNoBound;
+    constexpr double kNoRate = 1e-6;  // of the fastest: a body's free motions, of rate 0
+    double fastest = 0.0;
+    for (const std::complex<double>& lambda : rates.lambda) fastest = std::max(fastest, std::abs(lambda));
+    double step = kNoBound;
+    for (const std::complex<double>& lambda : rates.lambda) {
+      if (std::abs(lambda) > kNoRate * fastest)
+        step = std::min(step, std::max(0.0, -2.0 * lambda.real() / std::norm(lambda)));
+    }
+    return step;
+  }
+
+  /// Whether all roots can be had.
+  bool is_small() const {
+    constexpr std::size_t kMostVertices = 120;
+    return body_.stiffness.rows() <= kMostVertices && body_.volume_stiffness == 0.0;
+  }
+
   const StableStep& found() const { return found_; }
 
  private:
@@ -193,30 +224,40 @@ double stable_step_of_mode(IntegratorKind kind, double omega_per_s, double dampi
   throw ContractError("stable_step_of_mode: unknown integrator");
 }
 
-StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads) {
-  const ScaledBody body = build_scaled_body(model);
+StableStep predict_stable_step_at(const MotionModel& model, IntegratorKind kind, std::span<const Vec3> u,
+                                  int threads) {
+  require(u.size() == model.elastic.rest.size(), "one displacement a vertex");
+  const ScaledBody body = build_scaled_body(model, u);
   WorstVectors worst(body, kind, threads);
   const bool has_damping = !is_zero(body.damping);
   const bool has_stiffness = !is_zero(body.stiffness);
   double step = kNoBound;
   if (has_stiffness) step = worst.try_worst(1.0, 0.0);
   if (has_damping) step = std::min(step, worst.try_worst(0.0, 1.0));
+  double at_most = step;
   if (std::isfinite(step) && has_damping && has_stiffness) {
     if (kind == IntegratorKind::kRungeKutta4) {
       const double by_rates = worst.try_fastest_rates();
-      step = std::isfinite(by_rates) ? by_rates : step;
+      step = at_most = std::isfinite(by_rates) ? by_rates : step;
+    } else if (kind == IntegratorKind::kExplicitEuler) {
+      at_most = worst.try_roots_of_explicit_euler();
+      step = worst.is_small() ? at_most : worst.settle(worst.settle(step, 1.0, 2.0), 1.0, -1.0);
     } else {
-      step = worst.settle(step, 1.0, kind == IntegratorKind::kVelocityVerlet ? 4.0 : 2.0);
+      step = at_most = worst.settle(step, 1.0, kind == IntegratorKind::kVelocityVerlet ? 4.0 : 2.0);
     }
-    if (kind == IntegratorKind::kExplicitEuler) step = worst.settle(step, 1.0, -1.0);
   }
   StableStep out = worst.found();
-  out.step_s = step;
+  out.step_s = std::min(step, at_most);
+  out.step_at_most_s = at_most;
   return out;
 }
 
+StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads) {
+  return predict_stable_step_at(model, kind, std::vector<Vec3>(model.elastic.rest.size()), threads);
+}
+
 StableStep bound_stable_step(const MotionModel& model, IntegratorKind kind) {
-  const ScaledBody body = build_scaled_body(model);
+  const ScaledBody body = build_scaled_body(model, std::vector<Vec3>(model.elastic.rest.size()));
   StableStep out;
   out.step_s = kNoBound;
   const auto row_sum = [](const BlockMatrix& matrix, std::size_t v, std::size_t i) {
@@ -246,6 +287,7 @@ StableStep bound_stable_step(const MotionModel& model, IntegratorKind kind) {
                std::hypot(out.damping_max_per_s, 2.0 * std::sqrt(out.stiffness_max_per_s2)));
     out.step_s = radius > 0.0 ? kHalfDisc / radius : kNoBound;
   }
+  out.step_at_most_s = kNoBound;
   return out;
 }
 

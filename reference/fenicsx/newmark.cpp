@@ -12,7 +12,7 @@ constexpr double kBeta = 0.25;
 constexpr double kGamma = 0.5;
 constexpr int kMostIterations = 5000;
 // Where a solution with given factors takes as long as one by conjugate gradients.
-constexpr std::size_t kMostNodesForMumps = 20000;
+constexpr std::size_t kMostNodesForMumps = 40000;
 constexpr double kMostSteps = 1e8;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {

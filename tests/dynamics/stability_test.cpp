@@ -81,6 +81,33 @@ TEST(Stability, LargestEigenvalueOfALatticeOfSprings) {
   EXPECT_NEAR(found.value, 6.0 * (1.0 - std::cos(std::numbers::pi * (kCount - 1.0) / kCount)), 1e-6);
 }
 
+TEST(Stability, AMatrixOfFewDifferentEigenvaluesHasItsLargest) {
+  // A drag that is the same multiple of all masses, with some vertices held: eigenvalues 0 and 7 alone.
+  ElasticModel points;
+  for (Index v = 0; v < 30; ++v) points.rest.push_back({static_cast<double>(v), 0.0, 0.0});
+  BlockMatrix matrix = build_tangent_pattern(points, {});
+  for (std::size_t v = 0; v < 20; ++v) {
+    for (std::size_t i = 0; i < 3; ++i) matrix.blocks[matrix.offsets[v]](i, i) = 7.0;
+  }
+  const ExtremeEigen found = find_largest_eigenvalue(matrix, 1);
+  ASSERT_TRUE(found.converged);
+  EXPECT_NEAR(found.value, 7.0, 1e-9);
+}
+
+TEST(Stability, ADragOfAllMassesAlikeHasItsBound) {
+  MotionModel model = make_free_body(build_kuhn_cube(2, 0.25, 5), 0.0);
+  const double rate = 3.0 / predict_stable_step(model, IntegratorKind::kSymplecticEuler).step_s;
+  for (const double m : model.mass_kg) model.environment_damping_n_s_per_m.push_back(rate * m);
+  const double omega = 2.0 * rate / 3.0;
+  for (const IntegratorKind kind : kExplicit) {
+    const StableStep predicted = predict_stable_step(model, kind);
+    EXPECT_TRUE(predicted.converged) << integrator_name(kind);
+    const double fastest = stable_step_of_mode(kind, omega, rate);
+    const double free = stable_step_of_mode(kind, 0.0, rate);  // the body's free motions have the drag alone
+    EXPECT_NEAR(predicted.step_s / std::min(fastest, free), 1.0, 2e-3) << integrator_name(kind);
+  }
+}
+
 /// Bodies with no damping, Rayleigh damping, and damping that shares no vectors with the stiffness.
 std::vector<MotionModel> make_bodies() {
   const TetMesh mesh = build_kuhn_cube(2, 0.25, 5);
@@ -115,6 +142,19 @@ TEST(Stability, PredictedBoundsOfBodiesAreMeasuredWithinTwoPercent) {
       EXPECT_TRUE(grows(model, kind, start, 1.02 * predicted.step_s, 3000, 100.0));
     }
   }
+}
+
+// Damping by mass alone is a multiple of the identity: one eigenvalue, where Krylov's space has one
+// dimension.
+TEST(Stability, DampingByMassAlone) {
+  MotionModel model = make_free_body(build_kuhn_cube(2, 0.25, 5), 0.0);
+  const StableStep undamped = predict_stable_step(model, IntegratorKind::kSymplecticEuler);
+  for (const double mass : model.mass_kg) model.environment_damping_n_s_per_m.push_back(60.0 * mass);
+  const StableStep damped = predict_stable_step(model, IntegratorKind::kSymplecticEuler);
+  EXPECT_TRUE(damped.converged);
+  EXPECT_NEAR(damped.damping_max_per_s, 60.0, 1e-6);
+  const double expected = stable_step_of_mode(IntegratorKind::kSymplecticEuler, 2.0 / undamped.step_s, 60.0);
+  EXPECT_NEAR(damped.step_s, expected, 1e-3 * expected);
 }
 
 TEST(Stability, ExplicitEulerOfABodyNeedsDampingEverywhere) {

@@ -101,6 +101,37 @@ TEST(Schema, RecordsOfAContestOfDisplacements) {
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
+TEST(Schema, RecordsOfTheEngine) {
+  const test::ExperimentFixture fixture;
+  test::SceneText text;
+  text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+  text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e6}]";
+  text.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.002], "
+      "elastic_pa_per_m: "
+      "5.0e6}}]";
+  text.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.05, engine: auto, "
+      "precision: "
+      "single, damping: {stiffness_s: 0.002}}}";
+  const auto scene = fixture.folder().add("held.yaml", text.yaml());
+  EXPECT_EQ(validate("scene.schema.json", json::array({read_yaml(scene).json()})), "");
+  const auto plan = fixture.folder().add(
+      "plan.yaml",
+      "schema: palpate/plan/1\nquestion: q\ncontest: engine\nscenes: [{name: held, file: held.yaml}]\n"
+      "reference: {method: test.field}\ncontestants: [engine.replay, engine.rest, {method: engine.ticks, "
+      "scenes: "
+      "[held], set: {ticks: 100}}]\n");
+  EXPECT_EQ(validate("plan.schema.json", json::array({read_yaml(plan).json()})), "");
+  const auto folder = fixture.folder() / "run";
+  test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report"});
+  json records = read_records(folder / "records.jsonl");
+  ASSERT_EQ(records.size(), 4U);
+  EXPECT_EQ(validate("record.schema.json", records), "");
+  records[3]["judge"]["tick_p50_s"] = "fast";
+  EXPECT_NE(validate("record.schema.json", records), "");
+}
+
 TEST(Schema, RecordsOfARun) {
   const test::ExperimentFixture fixture;
   std::string contestants;

@@ -79,6 +79,17 @@ class Sources(unittest.TestCase):
         code, said = self.hold("tidy")
         self.assertEqual(code, 0, said)
 
+    def test_tests_are_held_to_the_style_but_not_searched_for_paths(self):
+        slip = '#include "core/base/good.h"\n\nint half(int* at) {\n  at = nullptr;\n  return *at;\n}\n'
+        self.write("core/base/good.cpp", slip)
+        self.assertIn("clang-analyzer-core.NullDereference", self.hold("tidy")[1])
+        self.write("gtest/gtest.h", "#pragma once\n")
+        self.write("core/base/good.h", "#pragma once\n#include <gtest/gtest.h>\n")
+        code, said = self.hold("tidy")
+        self.assertEqual(code, 0, said)
+        self.write("core/base/good.cpp", slip.replace("half", "HalfOf"))
+        self.assertIn("readability-identifier-naming", self.hold("tidy")[1])
+
 
 if __name__ == "__main__":
     unittest.main()

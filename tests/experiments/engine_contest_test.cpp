@@ -1,0 +1,232 @@
+// The contest engine: plans, the three methods behind the door, the reference of the tool's force.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <map>
+
+#include "core/base/error.h"
+#include "core/mesh/refinement.h"
+#include "core/mesh/shapes.h"
+#include "core/mesh/topology.h"
+#include "experiments/case_list.h"
+#include "experiments/pad_force.h"
+#include "experiments/record_file.h"
+#include "experiments/runner.h"
+#include "experiments/scene_problem.h"
+#include "tests/support/experiment_fixture.h"
+#include "tests/support/scene_text.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using test::SceneText;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// Plans over "held" (a pad that stays) and "released" (a tool that lets go) on the fixture's cube of 0.1 m.
+class EngineContest : public testing::Test {
+ protected:
+  EngineContest() {
+    ::setenv("PALPATE_CACHE", (fixture_.folder() / "cache").c_str(), 1);
+    SceneText text;
+    text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+    text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e6}]";
+    text.load = pad("elastic_pa_per_m: 5.0e6", "");
+    text.analysis = "{dynamic: " + dynamic("0.1") + "}";
+    fixture_.folder().add("held.yaml", text.yaml());
+    text.load = pad("elastic_pa_per_m: 5.0e6", ", until_s: 0.03");
+    text.analysis = "{dynamic: " + dynamic("0.3") + "}";
+    fixture_.folder().add("released.yaml", text.yaml());
+  }
+  ~EngineContest() override { ::unsetenv("PALPATE_CACHE"); }
+
+  static std::string pad(const std::string& how, const std::string& rest) {
+    return "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.002]" +
+           (how.empty() ? "" : ", " + how) +
+           "}, profile: {times_s: [0, 0.02], shares: [0, 1], smooth: true}" + rest + "}]";
+  }
+  static std::string dynamic(const std::string& duration) {
+    return "{integrator: symplectic_euler, time_step_s: auto, duration_s: " + duration +
+           ", frames: 3, damping: {stiffness_s: 0.002, mass_per_s: 50}}";
+  }
+
+  std::filesystem::path add_plan(
+      const std::string& contestants, const std::string& rest = "",
+      const std::string& scenes =
+          "[{name: held, file: held.yaml}, {name: released, file: released.yaml}]") const {
+    return fixture_.folder().add(
+        "plan.yaml", "schema: palpate/plan/1\nquestion: Does it come back?\ncontest: engine\nscenes: " +
+                         scenes + "\ncontestants: " + contestants + "\n" + rest);
+  }
+
+  RunResult run(const std::filesystem::path& plan, bool resume = false) const {
+    RunOptions options;
+    options.folder = fixture_.folder() / "run";
+    options.resume = resume;
+    Progress progress(true);
+    return run_plan(read_plan(plan, fixture_.registry()), fixture_.registry(), options, progress);
+  }
+
+  std::map<std::string, json> records() const {
+    std::map<std::string, json> all;
+    for (const json& record : read_records(fixture_.folder() / "run" / "records.jsonl"))
+      all[record.at("case").get<std::string>()] = record;
+    return all;
+  }
+
+  std::string error_of(const std::filesystem::path& plan) const {
+    try {
+      read_plan(plan, fixture_.registry());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  test::ExperimentFixture fixture_;
+};
+
+TEST_F(EngineContest, ScenesAreReplayedMeasuredAtRestAndTicked) {
+  const auto plan = add_plan(
+      "\n  - {method: engine.replay, label: replay, scenes: [released]}"
+      "\n  - {method: engine.rest, label: rest}"
+      "\n  - {method: engine.ticks, label: ticks, scenes: [held], set: {ticks: 100, precision: double}}",
+      "sweep: {option.engine_threads: [1, 2]}\nrun: {repeats: 2}\n");
+  const RunResult result = run(plan);
+  EXPECT_FALSE(result.required_rejected);
+  EXPECT_FALSE(result.required_failed);
+  const auto all = records();
+  ASSERT_EQ(all.size(), 5U);
+  for (const auto& [id, record] : all) EXPECT_EQ(record.at("outcome"), "accepted") << id << record.dump();
+
+  const json& replay = all.at("released/replay");
+  const json& judged = replay.at("judge");
+  EXPECT_GT(judged.at("return_error").get<double>(), 0.0);
+  EXPECT_LT(judged.at("return_error").get<double>(), 0.05);
+  EXPECT_GT(judged.at("twentieth_return_s").get<double>(), judged.at("half_return_s").get<double>());
+  EXPECT_NEAR(judged.at("tick_real_time_factor").get<double>(),
+              replay.at("report").at("time_step_s").get<double>() / 5e-3, 1e-12);
+  const json motion =
+      json::parse(test::bytes_of(fixture_.folder() / "run" / replay.at("mesh_file").get<std::string>()));
+  EXPECT_EQ(motion.at("columns").size(), motion.at("rows").at(5).size());
+  EXPECT_EQ(motion.at("frames").size(), 4U);
+  EXPECT_EQ(motion.at("frames").at(0).at("displacement_m").size(),
+            3 * replay.at("mesh").at("vertices").get<std::size_t>());
+
+  const json& rest = all.at("released/rest").at("judge");
+  EXPECT_NEAR(rest.at("stability_margin").get<double>(), 1.0 / 0.9, 0.02);
+  EXPECT_GT(rest.at("slowest_decay_s").get<double>(), 0.0);
+
+  const json& one = all.at("held/ticks/option.engine_threads=1");
+  const json& two = all.at("held/ticks/option.engine_threads=2");
+  EXPECT_EQ(one.at("output_hash"), two.at("output_hash"));
+  EXPECT_EQ(one.at("judge").at("ticks"), 100);
+  EXPECT_LE(one.at("judge").at("tick_p50_s").get<double>(), one.at("judge").at("tick_worst_s").get<double>());
+  // E A / l of the cube, and both pads in series, times the depth: half of it is 3.2 N.
+  EXPECT_GT(one.at("judge").at("held_force_size_n").get<double>(), 0.5);
+  EXPECT_LT(one.at("judge").at("held_force_size_n").get<double>(), 3.0);
+  EXPECT_FALSE(one.at("judge").contains("force_error"));
+  EXPECT_EQ(run(plan, true).records_added, 0U);
+}
+
+TEST_F(EngineContest, OptionsOfOneContestantSweepItAlone) {
+  const Plan plan = read_plan(
+      add_plan("\n  - {method: engine.rest, label: a}\n  - {method: engine.replay, label: b, scenes: [held]}"
+               "\n  - {method: engine.rest, label: c, set: {spring_damping: axial}, scenes: [released]}",
+               "sweep: {option.spring_damping: [axial, isotropic]}\n"),
+      fixture_.registry());
+  std::vector<std::string> ids;
+  for (const Case& each : build_cases(plan, fixture_.registry())) ids.push_back(each.id);
+  EXPECT_THAT(ids, ElementsAre("held/a/option.spring_damping=axial", "held/a/option.spring_damping=isotropic",
+                               "held/b", "released/a/option.spring_damping=axial",
+                               "released/a/option.spring_damping=isotropic", "released/c"));
+}
+
+TEST_F(EngineContest, PlansThatMakeNoSenseAreRefusedWithTheirPlace) {
+  const std::string good = "[engine.replay]";
+  EXPECT_THAT(error_of(add_plan("[{method: engine.replay, scenes: [helt]}]")),
+              HasSubstr("unknown scene \"helt\"; did you mean \"held\"?"));
+  EXPECT_THAT(error_of(add_plan("[{method: engine.rest, set: {vertices: 100}}]")),
+              HasSubstr("has its mesh from a file"));
+  EXPECT_THAT(error_of(add_plan("[springs.uniform]")), HasSubstr("is in the contest deform"));
+  EXPECT_THAT(error_of(add_plan(good, "simplify: [none]\n")), HasSubstr("belongs to the contest deform"));
+  EXPECT_THAT(error_of(add_plan(good, "sweep: {vertices: [100]}\n")), HasSubstr("unknown sweep"));
+  fixture_.folder().add("still.yaml", SceneText().yaml());
+  EXPECT_THAT(error_of(add_plan(good, "", "[{name: still, file: still.yaml}]")),
+              HasSubstr("is static; the contest engine takes dynamic ones"));
+  EXPECT_THAT(error_of(add_plan(good, "", "[kidney_palpatio]")),
+              HasSubstr("unknown scene \"kidney_palpatio\""));
+  EXPECT_THAT(error_of(add_plan(good, "", "[]")), HasSubstr("at least one"));
+  EXPECT_THAT(error_of(add_plan(good, "", "[{name: a, file: held.yaml}, {name: a, file: held.yaml}]")),
+              HasSubstr("twice"));
+}
+
+TEST_F(EngineContest, WhatAMethodCannotDoIsBadInputInTheRecord) {
+  run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}}]"));
+  const auto all = records();
+  EXPECT_EQ(all.at("held/ticks").at("outcome"), "accepted");
+  EXPECT_EQ(all.at("released/ticks").at("outcome"), "bad_input");
+  EXPECT_THAT(all.at("released/ticks").at("message").get<std::string>(), HasSubstr("there all the time"));
+}
+
+TEST_F(EngineContest, AForceOfTheReferenceStandsBesideTheEngines) {
+  const RunResult result =
+      run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}, scenes: [held]}]",
+                   "reference: {method: test.field}\n"));
+  EXPECT_FALSE(result.required_failed);
+  const auto all = records();
+  // The test's deformer answers without midpoints, so there is no force of it: that is said, and nothing else
+  // is lost.
+  EXPECT_EQ(all.at("held/reference").at("outcome"), "bad_answer");
+  EXPECT_EQ(all.at("held/ticks").at("outcome"), "accepted");
+  EXPECT_FALSE(all.at("held/ticks").at("judge").contains("force_error"));
+}
+
+TEST(PadForce, IsExactForQuadraticFields) {
+  const TetMesh mesh = build_kuhn_cube(2, 0.2, 3);
+  ElasticSupport pad;
+  pad.stiffness_pa_per_m = 100.0;
+  pad.by_m = {0.0, 0.0, 2.0};
+  for (const Face& face : build_faces(mesh)) {
+    const auto [a, b, c] = face.vertices;
+    const bool is_top = mesh.points[a].z == 1.0 && mesh.points[b].z == 1.0 && mesh.points[c].z == 1.0;
+    if (face.tets[1] == kNoIndex && is_top) {
+      pad.patch.faces.push_back(face.vertices);
+      pad.patch.weight.push_back(0.5);
+    }
+  }
+  const EdgeNumbers edges = build_edge_numbers(mesh);
+  std::vector<Vec3> field;
+  const auto at = [](const Vec3& x) { return Vec3{x.x * x.x, x.x * x.y, x.z}; };
+  for (const Vec3& x : mesh.points) field.push_back(at(x));
+  for (const auto& [a, b] : edges.edges) field.push_back(at(0.5 * (mesh.points[a] + mesh.points[b])));
+  const Vec3 force = measure_pad_force(mesh, pad, field);
+  EXPECT_NEAR(force.x, -50.0 / 3.0, 1e-12);
+  EXPECT_NEAR(force.y, -50.0 / 4.0, 1e-12);
+  EXPECT_NEAR(force.z, 50.0, 1e-12);
+}
+
+TEST_F(EngineContest, TheHeldProblemIsWhatTheProfilesLeave) {
+  const auto held = [&](const std::string& load) {
+    SceneText text;
+    text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+    text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e6}]";
+    text.load = load;
+    text.analysis = "{dynamic: " + dynamic("0.1") + "}";
+    const Scene scene = read_scene(fixture_.folder().add("scene.yaml", text.yaml()));
+    const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
+    return build_held_problem(place_scene(scene, mesh), mesh);
+  };
+  const BoundaryProblem problem = held(pad("elastic_pa_per_m: 5.0e6", ""));
+  ASSERT_EQ(problem.supports.size(), 2U);
+  EXPECT_EQ(problem.supports.back().stiffness_pa_per_m, 5e6);
+  EXPECT_EQ(problem.supports.back().by_m, (Vec3{0.0, 0.0, -0.002}));
+  EXPECT_THROW(held(pad("", "")), InputError);
+  EXPECT_THROW(held(pad("elastic_pa_per_m: 5.0e6", ", until_s: 0.03")), InputError);
+  EXPECT_THROW(held("[{gravity_m_s2: [0, 0, -9.81]}]"), InputError);
+}
+
+}  // namespace
+}  // namespace palpate::experiments

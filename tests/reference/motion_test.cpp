@@ -1,0 +1,247 @@
+// motion.* of the contest stability: bodies driven to extremes, and what is reported of them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/judge/tet_shape.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/shapes.h"
+#include "reference/motion/extreme_body.h"
+#include "reference/motion/extreme_mesh.h"
+#include "reference/motion/extreme_run.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+TetMesh make_bar() {
+  TetMesh mesh = build_bar(2);
+  for (Vec3& p : mesh.points) p = {p.y, p.x, p.z};  // its length along y, in a mirror
+  for (Tet& t : mesh.tets) std::swap(t[0], t[1]);
+  return mesh;
+}
+
+Vec3 size_of(const TetMesh& mesh) {
+  const BoundingBox box = bounding_box(mesh.points);
+  return box.high - box.low;
+}
+
+TEST(ExtremeMesh, IsScaledWithItsLengthAlongX) {
+  const DrivenMesh driven = drive_mesh(make_bar(), {});
+  EXPECT_NEAR(size_of(driven.mesh).x, 0.1, 1e-15);
+  EXPECT_NEAR(total_volume(driven.mesh), 0.1 * 0.025 * 0.025, 1e-12);
+  EXPECT_EQ(driven.flattened, 0U);
+  EXPECT_NEAR(driven.min_dihedral_deg, 45.0, 1e-9);
+}
+
+TEST(ExtremeMesh, SliversHaveTheAngleThatWasWantedAndNoTetIsTurned) {
+  for (const double wanted : {1.0, 1e-3}) {
+    ExtremeMesh options;
+    options.sliver_deg = wanted;
+    const DrivenMesh driven = drive_mesh(make_bar(), options);
+    EXPECT_GE(driven.flattened, 3U);
+    EXPECT_NEAR(driven.min_dihedral_deg / wanted, 1.0, 0.5);
+    for (const Tet& t : driven.mesh.tets) {
+      const auto& p = driven.mesh.points;
+      EXPECT_TRUE(judge::measure_tet(p[t[0]], p[t[1]], p[t[2]], p[t[3]]).is_positive);
+    }
+    const DrivenMesh again = drive_mesh(make_bar(), options);
+    EXPECT_EQ(again.mesh, driven.mesh);
+  }
+}
+
+TEST(ExtremeMesh, AGradedMeshHasElementsOfAllSizesAndKeepsTheirShapes) {
+  ExtremeMesh options;
+  options.size_ratio = 1e4;
+  const DrivenMesh driven = drive_mesh(build_bar(4), options);
+  double least = 1.0;
+  double most = 0.0;
+  for (const Tet& t : driven.mesh.tets) {
+    const auto& p = driven.mesh.points;
+    const double volume = signed_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+    ASSERT_GT(volume, 0.0);
+    least = std::min(least, volume);
+    most = std::max(most, volume);
+  }
+  EXPECT_GT(std::cbrt(most / least), 1e3);  // from the middle of the first layer to that of the last
+  EXPECT_GT(driven.min_dihedral_deg, 3.0);
+  const Vec3 size = size_of(driven.mesh);
+  EXPECT_NEAR(std::max({size.x, size.y, size.z}), 0.1, 1e-12);
+}
+
+TEST(ExtremeMesh, CoordinatesAreScaledThenShifted) {
+  ExtremeMesh options;
+  options.coordinate_scale = 1e-6;
+  options.coordinate_shift_m = 3.0;
+  const DrivenMesh driven = drive_mesh(make_bar(), options);
+  EXPECT_EQ(bounding_box(driven.mesh.points).low.x, 3.0);
+  EXPECT_NEAR(size_of(driven.mesh).x, 1e-7, 1e-15);
+}
+
+TEST(ExtremeMesh, RefusesWhatIsNoNumber) {
+  const auto error_with = [](auto&& change) -> std::string {
+    ExtremeMesh options;
+    change(options);
+    try {
+      drive_mesh(build_bar(1), options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.size_m = std::nan(""); }), HasSubstr("size_m: expected"));
+  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.size_ratio = 0.5; }), HasSubstr("size_ratio: expected"));
+  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.coordinate_scale = 0.0; }), HasSubstr("coordinate_scale"));
+  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.coordinate_shift_m = INFINITY; }),
+              HasSubstr("coordinate_shift_m"));
+}
+
+TEST(ExtremeBody, FactorsAndDampingAreThoseThatWereAskedFor) {
+  const TetMesh mesh = make_bar();
+  ExtremeBody plain;
+  plain.damping = ExtremeDamping::kNone;
+  const BuiltBody nominal = build_extreme_body(mesh, plain);
+  const double rate = nominal.report.at("rate_per_s").get<double>();
+  ExtremeBody wanted;
+  wanted.stiffness_factor = 1e3;
+  wanted.mass_factor = 1e-3;
+  wanted.damping = ExtremeDamping::kStiffness;
+  wanted.damping_ratio = 0.5;
+  const BuiltBody built = build_extreme_body(mesh, wanted);
+  const auto& springs = built.model.elastic.springs;
+  for (std::size_t s = 0; s < springs.springs.size(); ++s) {
+    const double k = nominal.model.elastic.springs.stiffness_n_per_m[s];
+    EXPECT_DOUBLE_EQ(springs.stiffness_n_per_m[s], 1e3 * k);
+    EXPECT_DOUBLE_EQ(built.model.spring_damping_n_s_per_m[s], k / rate);  // damping knows no factors
+  }
+  EXPECT_DOUBLE_EQ(built.model.mass_kg[3], 1e-3 * nominal.model.mass_kg[3]);
+  wanted = {};
+  wanted.mass_ratio = 1e6;
+  const double spread = build_extreme_body(mesh, wanted).report.at("mass_ratio").get<double>();
+  EXPECT_GT(spread, 1e5);
+  EXPECT_LT(spread, 1e8);  // vertices differ by themselves too
+}
+
+/// A request's report, with what a request needs filled in.
+class ExtremeRunTest : public testing::Test {
+ protected:
+  ExtremeRunTest() { write_medit(folder_ / "in.mesh", build_kuhn_cube(2, 0.2, 3)); }
+
+  json report(const std::string& method, const json& options) const {
+    Request request;
+    request.contest = "stability";
+    request.method = method;
+    request.input = folder_ / "in.mesh";
+    request.options = options;
+    return run_extreme(request).report;
+  }
+
+  std::string error(const std::string& method, const json& options) const {
+    try {
+      report(method, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  json ending(const std::string& method, json options) const {
+    options["task"] = "run";
+    const json out = report(method, options);
+    EXPECT_EQ(out.at("runs").size(), 1U);
+    EXPECT_EQ(out.at("outcome"), out.at("runs")[0].at("outcome"));
+    return out.at("outcome");
+  }
+
+  test::ScratchFolder folder_;
+};
+
+TEST_F(ExtremeRunTest, MeasuresWhatIsPredictedAndFailsBeyond) {
+  for (const char* method : {"motion.explicit_euler", "motion.symplectic_euler", "motion.velocity_verlet",
+                             "motion.runge_kutta_4", "motion.plain_double", "motion.plain_float"}) {
+    const json out = report(method, {{"steps", 500}, {"damping_ratio", 0.2}});
+    EXPECT_NEAR(out.at("measured_over_predicted").get<double>(), 1.0, 0.02) << method;
+    ASSERT_EQ(out.at("runs").size(), 4U);
+    const auto& first = out.at("runs")[0].at("outcome");
+    EXPECT_TRUE(first == "steady" || first == "oscillating") << method << ": " << first;
+    EXPECT_EQ(out.at("runs")[3].at("outcome"), "diverged") << method;
+    EXPECT_TRUE(out.at("runs")[3].at("vertex").is_number());
+    EXPECT_GT(out.at("runs")[3].at("time_s").get<double>(), 0.0);
+    // No number that is none becomes null without a reason: what is there is finite or null.
+    EXPECT_THAT(out.dump(), testing::Not(HasSubstr("nan")));
+  }
+}
+
+TEST_F(ExtremeRunTest, ImplicitOnesHaveNoBound) {
+  for (const char* method : {"motion.implicit_euler", "motion.prefactored"}) {
+    const json out = report(method, {{"steps", 100}});
+    EXPECT_TRUE(out.at("predicted_step_s").is_null());
+    EXPECT_TRUE(out.at("measured_step_s").is_null());
+    EXPECT_TRUE(out.at("measured_unstable_s").is_null());
+    EXPECT_GT(out.at("measured_stable_s").get<double>(),
+              10.0 * out.at("symplectic_row_sum_step_s").get<double>());
+    for (const json& run : out.at("runs")) EXPECT_NE(run.at("outcome"), "diverged");
+  }
+}
+
+TEST_F(ExtremeRunTest, EveryEndingCanBeReached) {
+  const std::string euler = "motion.symplectic_euler";
+  EXPECT_EQ(ending(euler, {{"strain", 0.0}}), "steady");
+  EXPECT_EQ(ending(euler, {{"damping", "none"}}), "oscillating");
+  EXPECT_EQ(ending("motion.explicit_euler", {{"damping", "none"}, {"step_factor", 0.1}}), "energy_growing");
+  EXPECT_EQ(ending(euler, {{"step_factor", 3.0}}), "diverged");
+  EXPECT_EQ(ending(euler, {{"start", "invert"}, {"strain", 1.0}, {"step_factor", 0.2}}), "inverted");
+  EXPECT_EQ(ending(euler, {{"step_factor", 1e250}}), "non_finite");
+  EXPECT_EQ(ending(euler, {{"time_limit_s", 0.0}}), "too_slow");
+}
+
+TEST_F(ExtremeRunTest, ExtremesLeaveNumbersOrNull) {
+  const std::vector<json> settings{{{"stiffness_factor", 0.0}},   {{"mass_factor", 1e-100}},
+                                   {{"mass_factor", 1e100}},      {{"damping_ratio", 1e100}},
+                                   {{"strain", 1e100}},           {{"start", "stretch"}, {"strain", -1.0}},
+                                   {{"coordinate_scale", 1e-30}}, {{"coordinate_scale", 1e30}},
+                                   {{"size_ratio", 1e4}},         {{"held", "none"}}};
+  for (json options : settings) {
+    options["task"] = "run";
+    options["steps"] = 50;
+    for (const char* method :
+         {"motion.symplectic_euler", "motion.runge_kutta_4", "motion.implicit_euler", "motion.plain_float"}) {
+      const json out = report(method, options);
+      EXPECT_TRUE(out.at("outcome").is_string()) << method << " " << options.dump();
+      EXPECT_TRUE(json::parse(out.dump()) == out) << method << " " << options.dump();  // nothing became null
+    }
+  }
+}
+
+TEST_F(ExtremeRunTest, LargeDeformationsAreMeasuredFromTheirStart) {
+  const json out = report(
+      "motion.symplectic_euler",
+      {{"regime", "large"}, {"start", "stretch"}, {"strain", 1.0}, {"steps", 400}, {"damping", "none"}});
+  EXPECT_EQ(out.at("measured_by"), "runs");
+  EXPECT_LT(out.at("measured_over_predicted").get<double>(), 1.0);
+  EXPECT_LT(out.at("predicted_at_start_s").get<double>(), out.at("predicted_step_s").get<double>());
+}
+
+TEST_F(ExtremeRunTest, BadRequestsNameWhatIsWrong) {
+  EXPECT_THAT(error("motion.leapfrog", {}), HasSubstr("symplectic_euler"));
+  EXPECT_THAT(error("springs.uniform", {}), HasSubstr("motion.INTEGRATOR"));
+  EXPECT_THAT(error("motion.plain_float", {{"volume", "tet"}, {"poisson_ratio", 0.4}}), HasSubstr("strain"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", 0.0}}), HasSubstr("mass_factor: expected"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", -1.0}}), HasSubstr("mass_factor"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"step_factor", 0.0}}), HasSubstr("step_factor: expected"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"step_factor", nullptr}}), HasSubstr("step_factor"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", 1e-303}}), HasSubstr("over mass"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"steps", 0}}), HasSubstr("steps"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"springs", "rubber"}}), HasSubstr("isotropy_patch"));
+  EXPECT_THAT(error("motion.runge_kutta_4", {{"colour", 1}}), HasSubstr("colour"));
+}
+
+}  // namespace
+}  // namespace palpate::reference

@@ -1,0 +1,183 @@
+// moving_springs.* and moving_smoothed.* as the runner starts them, on rods and cubes that are known.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "core/judge/motion_error.h"
+#include "core/mesh/medit.h"
+#include "experiments/contestant_run.h"
+#include "reference/motion_problem.h"
+#include "tests/support/rod.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using reference::MotionHistory;
+using reference::MotionLoad;
+using reference::MotionProblem;
+using test::Rod;
+using testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+
+class MovingSprings : public testing::Test {
+ protected:
+  ContestantAnswer run(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
+                       const json& options = json::object()) {
+    const auto folder = scratch_ / std::to_string(++asked_);
+    std::filesystem::create_directory(folder);
+    ContestantTask task;
+    task.method = *registry_.find(method);
+    task.mesh_in = folder / "in.mesh";
+    task.problem_in = folder / "problem.json";
+    write_medit(task.mesh_in, mesh);
+    std::ofstream(task.problem_in) << reference::motion_to_json(problem).dump();
+    task.scratch = folder / "scratch";
+    std::filesystem::create_directory(task.scratch);
+    task.options = options;
+    return run_contestant(task);
+  }
+
+  MotionHistory move(const std::string& method, const Rod& rod, const json& options = json::object()) {
+    const ContestantAnswer answer = run(method, rod.mesh, rod.problem, options);
+    EXPECT_EQ(answer.outcome, "ok") << answer.message;
+    if (answer.outcome != "ok") return {};
+    report_ = answer.report;
+    EXPECT_EQ(report_.at("outcome"), "completed");
+    return reference::read_history(answer.output, rod.problem);
+  }
+
+  std::vector<double> column(const MotionHistory& history, const std::string& name) {
+    const auto at = std::find(history.columns.begin(), history.columns.end(), name);
+    EXPECT_NE(at, history.columns.end()) << name;
+    if (at == history.columns.end()) return {};
+    if (at == history.columns.end()) return {};
+    std::vector<double> numbers;
+    for (const auto& row : history.rows)
+      numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
+    return numbers;
+  }
+
+  const Registry registry_ = load_registry();
+  test::ScratchFolder scratch_;
+  json report_;
+  int asked_ = 0;
+};
+
+/// Linear elements, no smoothing at all.
+const json kLinearElements{{"theta", 0.0}, {"rest", "tet"}, {"domain", "tet"}};
+
+// Lumped masses make the frequencies of a rod too low where consistent ones make them too high; the error
+// falls as h^2.
+TEST_F(MovingSprings, FrequenciesOfARodHeldAtOneEnd) {
+  std::vector<double> errors;
+  for (const int cells : {8, 16}) {
+    Rod rod(cells);
+    rod.hold_left();
+    rod.problem.frequencies = 3;
+    rod.problem.duration_s = 1e-3;
+    move("moving_smoothed.blend", rod, kLinearElements);
+    const double exact = rod.wave_speed_m_s() / (4.0 * Rod::kLengthM);
+    errors.push_back(report_.at("frequencies_hz")[0].get<double>() / exact - 1.0);
+    EXPECT_EQ(report_.at("frequencies_hz").size(), 3U);
+  }
+  EXPECT_LT(std::fabs(errors[1]), 5e-3);
+  EXPECT_NEAR(std::log2(errors[0] / errors[1]), 2.0, 0.3);
+}
+
+TEST_F(MovingSprings, ToolForceEndsAtTheStaticReaction) {
+  Rod rod(6);
+  rod.hold_left();
+  rod.problem.damping_mass_per_s = 60.0;
+  rod.problem.duration_s = 1.0;
+  const double by = -1e-3;
+  const double per_area = rod.modulus_pa() / Rod::kLengthM;
+  MotionLoad pad = rod.pad(3.0 * per_area, by);
+  pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
+  rod.problem.loads = {pad};
+  const double expected = 0.75 * per_area * by * Rod::kAreaM2;
+  for (const char* integrator : {"symplectic_euler", "velocity_verlet", "runge_kutta_4"}) {
+    json options = kLinearElements;
+    options["integrator"] = integrator;
+    const MotionHistory history = move("moving_smoothed.blend", rod, options);
+    EXPECT_NEAR(column(history, "tool_1_fx_n").back(), expected, 1e-6 * std::fabs(expected)) << integrator;
+    EXPECT_LT(report_.at("time_step_s"), report_.at("stable_step_s")) << integrator;
+  }
+}
+
+// What damps the first mode as much decays as fast, whatever the model: zeta omega = (alpha + beta omega^2)
+// / 2.
+TEST_F(MovingSprings, DampingModelsAgreeInTheFirstMode) {
+  Rod rod(8);
+  rod.hold_left();
+  MotionLoad pluck = rod.sine_force(1000.0);
+  pluck.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
+  pluck.until_s = 0.3;
+  rod.problem.loads = {pluck};
+  rod.problem.damping_stiffness_s = 1e-3;
+  rod.problem.damping_mass_per_s = 2.0;
+  rod.problem.duration_s = 0.9;
+  rod.problem.frequencies = 1;
+  for (const char* damping : {"rayleigh", "springs", "vertices"}) {
+    const MotionHistory history =
+        move("moving_springs.van_gelder", rod, {{"damping", damping}, {"integrator", "velocity_verlet"}});
+    const double omega = 2.0 * kPi * report_.at("frequencies_hz")[0].get<double>();
+    const auto fit =
+        judge::fit_oscillations(column(history, "time_s"), column(history, "probe_1_ux_m"), {0.3, 0.9}, 3);
+    ASSERT_TRUE(fit);
+    const judge::Oscillation& found = fit->oscillations[0];
+    EXPECT_NEAR(found.frequency_hz, omega / (2.0 * kPi), 0.01 * found.frequency_hz) << damping;
+    EXPECT_NEAR(found.decay_per_s, 0.5 * (2.0 + 1e-3 * omega * omega), 0.03 * found.decay_per_s) << damping;
+    EXPECT_EQ(report_.at("spring_damping_n_s_per_m") > 0.0, std::string(damping) == "springs");
+    EXPECT_EQ(report_.at("vertex_damping_n_s_per_m") > 0.0, std::string(damping) == "vertices");
+  }
+}
+
+TEST_F(MovingSprings, PhasesEndWhereTheyAreToldTo) {
+  Rod rod(4);
+  rod.hold_left();
+  MotionLoad pad = rod.pad(1e5, 1e-3);
+  pad.until_s = 0.0777;
+  rod.problem.loads = {pad};
+  for (const char* integrator : {"symplectic_euler", "implicit_euler", "prefactored"}) {
+    const MotionHistory history =
+        move("moving_springs.van_gelder", rod, {{"integrator", integrator}, {"time_step_s", 5e-4}});
+    const std::vector<double> time = column(history, "time_s");
+    const std::vector<double> force = column(history, "tool_1_fx_n");
+    EXPECT_EQ(time.back(), 0.2);
+    for (std::size_t k = 0; k < time.size(); ++k) EXPECT_EQ(force[k] != 0.0, time[k] <= 0.0777) << time[k];
+  }
+}
+
+TEST_F(MovingSprings, WhatCannotBeIsRefused) {
+  Rod rod(2);
+  rod.hold_left();
+  const auto refused = [&](const std::string& method, const json& options, const std::string& reason) {
+    const ContestantAnswer answer = run(method, rod.mesh, rod.problem, options);
+    EXPECT_EQ(answer.outcome, "bad_input") << reason;
+    EXPECT_THAT(answer.message, HasSubstr(reason));
+  };
+  const std::string springs = "moving_springs.van_gelder";
+  refused(springs, {{"integrator", "euler"}}, "symplectic_euler");
+  refused(springs, {{"time_step_s", -1e-3}}, "time_step_s");
+  refused(springs, {{"time_step_s", 1.0}}, "at most the stable step of symplectic_euler");
+  refused(springs, {{"integrator", "implicit_euler"}}, "which has no bound");
+  refused(springs, {{"integrator", "explicit_euler"}}, "a stable step of explicit_euler");
+  refused(springs, {{"damping", "none"}}, "damping");
+  refused(springs, {{"time_step_s", 1e-11}}, "at most 1e9 steps");
+  refused(springs, {{"load_steps", 3}}, "load_steps");
+  refused(springs, {{"integrator", "prefactored"}, {"time_step_s", 1e-3}, {"volume", "thesis"}},
+          "springs alone");
+  refused("moving_smoothed.edge_node", {{"damping", "springs"}}, "a model without springs");
+  rod.problem.frequencies = 1000;
+  refused(springs, json::object(), "frequencies");
+}
+
+}  // namespace
+}  // namespace palpate::experiments

@@ -1,0 +1,104 @@
+"""The report of a contest of the engine, on made-up records."""
+
+import json
+import unittest
+
+from support import ReportTest
+import synthetic
+
+PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],
+        "contestants": [{"method": "engine.replay", "label": "replay"}, {"method": "engine.rest", "label": "rest"},
+                        {"method": "engine.ticks", "label": "ticks"}]}
+MESH = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n"
+
+
+def line(scene, label, method, judged, report, options=None, vertices=4, **other):
+    made = synthetic.record(scene, label, None, contestant=method, options=options or {}, report={"outcome": "completed", **report},
+                            judge={"kind": "engine", "valid": True, "findings": [], **judged})
+    return {**made, "mesh": {"name": scene, "vertices": vertices, "tets": 1, "hash": "0"}, **other}
+
+
+def replay(scene, left, twentieth):
+    returns = [{"load": 1, "released_s": 1.0, "end_s": 4.0, "released_m": 5e-3, "left_m": left, "error": left / 5e-3, "rms_error": 0.1,
+                "half_s": None if twentieth is None else 0.1, "twentieth_s": twentieth}]
+    return line(scene, "replay", "engine.replay", {"stability_margin": 1.05, "speeds_cut": 12, "peak_speed_m_s": 0.3},
+                {"engine": "general", "time_step_s": 3e-4, "returns": returns}, mesh_file=f"motions/{scene}/replay.json")
+
+
+def ticks(vertices, threads, median, worst, error=0.05):
+    judged = {"steps_per_tick": 2, "tick_p50_s": median, "tick_p99_s": 2 * median, "tick_p99_9_s": 3 * median, "tick_worst_s": worst,
+              "ticks": 100, "ticks_missed": int(worst > 1e-3), "held_force_size_n": 0.5, "reference_force_size_n": 0.52, "force_error": error}
+    report = {"tick_s": 1e-3, "bucket_ends_s": [median, worst], "buckets": [99, 1]}
+    return line("soft", "ticks", "engine.ticks", judged, report, {"precision": "single", "engine_threads": threads}, vertices,
+                sweep={"option.vertices": vertices, "option.engine_threads": threads})
+
+
+class Engine(ReportTest):
+    LINES = [replay("soft", 5e-6, 0.2), replay("stiff", 4.5e-3, None),
+             line("stiff", "rest", "engine.rest", {"stability_margin": 1.01, "stable_step_s": 3.03e-4, "slowest_decay_s": 1285.0},
+                  {"time_step_s": 3e-4}, vertices=1300, sweep={"option.vertices": 1300}),
+             line("stiff", "rest", "engine.rest", {"stability_margin": 0.5, "stable_step_s": 1.5e-4}, {"time_step_s": 3e-4}, vertices=10000,
+                  sweep={"option.vertices": 10000}),
+             ticks(4000, 1, 4e-4, 5e-3), ticks(1000, 1, 1e-4, 8e-4), ticks(2000, 1, 3e-4, 4e-3), ticks(8000, 1, 2e-4, 9e-4),
+             ticks(1000, 2, 1.1e-3, 2e-3)]
+
+    def run_report(self, lines=None, charts=False):
+        synthetic.write_run(self.folder, self.LINES if lines is None else lines, PLAN)
+        for scene, size in (("soft", 1.0), ("stiff", 2.0)):
+            columns = ["time_s", "probe_1_ux_m", "probe_1_uy_m", "probe_1_uz_m"]
+            rows = [[0.5 * k, 3e-3 * size / (1 + k), 4e-3 * size / (1 + k), 0.0] for k in range(9)]
+            frames = [{"time_s": 0.5 * k, "displacement_m": [1e-3 * k] * 12} for k in range(9)]
+            for name, text in ((f"motions/{scene}/replay.json", json.dumps({"columns": columns, "rows": rows, "frames": frames})),
+                               (f"problems/{scene}/in.mesh", MESH)):
+                (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+                (self.folder / name).write_text(text, encoding="utf-8")
+        code, self.printed, err = self.report(*([] if charts else ["--no-charts"]))
+        self.assertEqual((code, err), (0, ""))
+
+    def test_returns_say_what_is_left_and_what_was_not_reached(self):
+        self.run_report()
+        rows = {row["scene"]: row for row in self.table("returns.csv")}
+        self.assertEqual(list(rows), ["stiff", "soft"])
+        self.assertEqual((rows["stiff"]["left of it"], rows["stiff"]["half after"], rows["stiff"]["a twentieth after"]),
+                         ("90%", "not yet", "not yet"))
+        self.assertEqual((rows["soft"]["left of it"], rows["soft"]["a twentieth after"]), ("0.1%", "0.2 s"))
+
+    def test_a_slow_decay_is_said_in_minutes_and_as_it_would_be_watched(self):
+        self.run_report()
+        rows = self.table("rest.csv")
+        self.assertEqual((rows[0]["slowest decay"], rows[0]["watched at one step a tick"]), ("21.4 min", "5.95 h"))
+        self.assertEqual(rows[1]["slowest decay"], "")
+
+    def test_the_largest_mesh_is_the_last_before_the_first_that_misses(self):
+        self.run_report()
+        rows = {row["threads"]: row for row in self.table("largest.csv")}
+        self.assertEqual((rows["1"]["median"], rows["1"]["99.9%"], rows["1"]["none missed"]), ("8,000", "2,000", "1,000"))
+        self.assertEqual(rows["2"]["median"], "none")
+
+    def test_ticks_are_sorted_by_setting_and_size(self):
+        self.run_report()
+        self.assertEqual([(row["threads"], row["vertices"]) for row in self.table("ticks.csv")],
+                         [("1", "1,000"), ("1", "2,000"), ("1", "4,000"), ("1", "8,000"), ("2", "1,000")])
+
+    def test_what_gave_no_answer_keeps_its_row(self):
+        self.run_report([{**self.LINES[0], "outcome": "timed_out", "judge": None, "report": None, "message": "timed out", "mesh_file": None}])
+        self.assertEqual(self.table("replays.csv")[0]["note"], "timed_out: timed out")
+
+    def test_the_charts_are_the_same_twice(self):
+        self.run_report(charts=True)
+        first = self.charts()
+        self.assertEqual(sorted(name for name in first if name.endswith(".svg")),
+                         ["budget.svg", "force.svg", "largest.svg", "margins.svg", "phases_soft.svg", "phases_stiff.svg", "returns.svg", "tick_times.svg"])
+        self.run_report(charts=True)
+        self.assertEqual(self.charts(), first)
+
+    def test_a_motion_that_cannot_be_read_is_noted(self):
+        self.run_report()
+        (self.folder / "motions/soft/replay.json").write_text("{", encoding="utf-8")
+        code, printed, _ = self.report()
+        self.assertEqual(code, 0)
+        self.assertIn("no motion of replay on soft", printed)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,99 @@
+"""The report of a contest of motions, on made-up records and histories."""
+
+import math
+import unittest
+
+from support import ReportTest
+import synthetic
+
+PLAN = {"question": "How far off?", "contest": "motion", "scenes": ["bar"], "contestants": [{"method": "moving_springs.a", "label": "a"},
+                                                                                           {"method": "moving_springs.b", "label": "b"}]}
+OWN = {"probe_l2": 0.01, "force_l2": 0.001, "frequency_first": 0.0001, "frequency_mean": 0.0002, "frequency_worst": 0.0005,
+       "amplitude_error": 0.001, "phase_error_deg": 0.1, "decay_error": 0.002}
+
+
+def history(folder, name, hz, decay, force=True):
+    lines = ["time_s,kinetic_j,elastic_j,load_j,total_j," + ("tool_1_fx_n,tool_1_fy_n,tool_1_fz_n," if force else "") +
+             "probe_1_ux_m,probe_1_uy_m,probe_1_uz_m"]
+    for k in range(101):
+        t = 0.01 * k
+        lines.append(f"{t},0,0,0,0," + (f"0,{math.sin(t)},0," if force else "") + f"0,0,{1e-3 * math.exp(-decay * t) * math.cos(hz * t)}")
+    path = folder / "histories" / name
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return f"histories/{name}"
+
+
+def moved(label, file, errors, **other):
+    judge = {"valid": True, "findings": [], "frequencies_hz": [1.0], "reference_own_error": OWN, **errors}
+    report = {"outcome": "completed", "steps": 1200, "time_step_s": 1e-3, "integrator": "symplectic_euler", "solve_s": 0.5}
+    line = synthetic.record("bar", label, None, judge=judge, report=report, contestant=f"moving_springs.{label}", case=f"bar/{label}",
+                            mesh_file=file, scene={"name": "bar", "window_s": [0.2, 1.0]})
+    return {**line, **other}
+
+
+def reference(file):
+    judge = {"valid": True, "findings": [], "kind": "motion", "frequencies_hz": [1.0, 2.5], "own_error": OWN,
+             "runs": [{"refine": 1, "kernel_s": 3.0, "from_cache": False,
+                       "report": {"method": "moving_fem.p2", "dofs": 999, "time_step_s": 2e-3}}]}
+    return synthetic.record("bar", "reference", None, judge=judge, contestant=None, case="bar/reference", mesh_file=file,
+                            scene={"name": "bar", "window_s": [0.2, 1.0]})
+
+
+class Motion(ReportTest):
+    A = {"probe_l2": 0.2, "force_l2": 0.05, "frequency_first": 0.01, "frequency_mean": 0.02, "frequency_worst": 0.04,
+         "amplitude_error": -0.3, "phase_error_deg": -12.0, "decay_error": 0.5}
+    B = {"probe_l2": 0.02, "force_l2": 0.02, "frequency_first": 0.02, "frequency_mean": 0.03, "frequency_worst": 0.05,
+         "amplitude_error": 0.1, "phase_error_deg": 3.0}
+
+    def write(self, *more):
+        self.folder.mkdir(parents=True, exist_ok=True)
+        files = [history(self.folder, f"{name}.csv", hz, 0.5) for name, hz in (("reference", 12.0), ("a", 13.0), ("b", 12.2))]
+        synthetic.write_run(self.folder, [reference(files[0]), moved("b", files[2], self.B), moved("a", files[1], self.A), *more], PLAN)
+        code, self.printed, err = self.report()
+        self.assertEqual((code, err), (0, ""))
+        return {row["label"]: row for row in self.table("motion.csv")}
+
+    def test_rows_in_the_plans_order_with_signs(self):
+        rows = self.write()
+        self.assertEqual(list(rows), ["a", "b"])
+        self.assertEqual((float(rows["a"]["probe_l2"]), float(rows["a"]["own_probe_l2"])), (0.2, 0.01))
+        self.assertEqual(rows["b"]["decay_error"], "")
+        self.assertIn("-30.0", self.printed)
+        self.assertIn("-12.0", self.printed)
+        self.assertIn("999 unknowns", self.printed)
+        self.assertIn("1, 2.5 Hz", self.printed)
+
+    def test_what_the_reference_cannot_tell_is_marked(self):
+        self.write()
+        self.assertRegex(self.printed, r"2\.00\*~")  # twice the reference's own error, and the least
+        self.assertNotRegex(self.printed, r"20\.0~")
+
+    def test_what_gave_no_answer_keeps_its_row(self):
+        failed = moved("c", None, {}, outcome="bad_input", judge=None, report=None, message="a step over the bound", kernel_s=None)
+        rows = self.write(failed)
+        self.assertEqual((rows["c"]["probe_l2"], rows["c"]["note"]), ("", "bad_input: a step over the bound"))
+
+    def test_charts_of_errors_and_histories_are_the_same_twice(self):
+        self.write()
+        first = self.charts()
+        self.assertEqual(sorted(first), [f"motion_{kind}_bar.{end}" for kind in ("errors", "force", "probe") for end in ("png", "svg")])
+        self.write()
+        self.assertEqual(self.charts(), first)
+
+    def test_a_history_that_is_none_is_named(self):
+        self.write()
+        (self.folder / "histories" / "a.csv").write_text("time_s\nsoon\n", encoding="utf-8")
+        code, _, err = self.report()
+        self.assertEqual(code, 2)
+        self.assertIn("a.csv", err)
+
+    def test_without_histories_there_are_still_errors(self):
+        synthetic.write_run(self.folder, [reference(None), moved("a", None, self.A)], PLAN)
+        code, _, err = self.report()
+        self.assertEqual((code, err), (0, ""))
+        self.assertEqual(sorted(self.charts()), ["motion_errors_bar.png", "motion_errors_bar.svg"])
+
+
+if __name__ == "__main__":
+    unittest.main()
