@@ -220,6 +220,7 @@ Response answer_ticks(EngineTask task, const Request& request) {
   options.warm_ticks = options.ticks / 10;
   options.threads = take<int>(request, "engine_threads");
   options.single_precision = take<std::string>(request, "precision") == "single";
+  options.paced = take<bool>(request, "paced");
   options.tool = find_tool(task.placed, setup);
   const TickRun run = run_ticks(setup.phases.front().model, options);
   if (run.seconds.empty()) throw InputError(task.placed.file.string(), 0, "a step that is stable", "none");
