@@ -9,7 +9,7 @@ namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-constexpr std::size_t kFittedOscillations = 3;
+constexpr std::size_t kFittedOscillations = 4;
 using reference::MotionHistory;
 using reference::MotionProblem;
 

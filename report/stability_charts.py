@@ -33,7 +33,7 @@ def read_maps(cases):
     """By mesh, law of damping and integrator: runs (damping ratio, step, ending) and steps by damping ratio."""
     maps = {}
     for case in cases:
-        if not sweeps(case, "damping_ratio") or len(set(case.sweep) - {"damping_ratio", "step_factor"}) > 0:
+        if not sweeps(case, "damping_ratio") or set(case.sweep) - {"damping", "damping_ratio", "step_factor"}:
             continue
         key = (case.mesh, str(case.options.get("damping")))
         own = maps.setdefault(key, {}).setdefault(case.label, {"runs": [], "steps": {}})
@@ -50,7 +50,8 @@ def draw_map(ax, label, own):
     for ending, mark in ENDING_MARKS.items():
         points = [(x, y) for x, y, found in own["runs"] if found == ending]
         ax.scatter([x for x, _ in points], [y for _, y in points], marker=mark, s=34, color=ENDING_COLORS[ending], linewidths=0)
-    ratios = sorted(own["steps"])
+    seen = [x for x, _, _ in own["runs"]]
+    ratios = sorted(ratio for ratio in own["steps"] if min(seen) <= ratio <= max(seen))
     for name, style in (("predicted_step_s", "-"), ("row_sum_step_s", ":")):
         line = [(ratio, own["steps"][ratio][name]) for ratio in ratios if name in own["steps"][ratio]]
         ax.plot([x for x, _ in line], [y for _, y in line], style, color=INK, linewidth=1.3)

@@ -111,7 +111,9 @@ class Fitting {
     const std::vector<double> rest = left_over(model);
     Term best;
     double most = -1.0;
-    for (double omega = 0.5 * bin; omega <= high; omega += 0.1 * bin) {
+    const auto count = static_cast<int>((high - 0.5 * bin) / (0.1 * bin)) + 1;
+    for (int k = 0; k < count; ++k) {
+      const double omega = (0.5 + 0.1 * k) * bin;
       for (const double decay : {0.0, 3.0 / time_.back()}) {
         const Term term{0.0, 0.0, omega, decay};
         const double gain = gain_of(term, rest);
@@ -263,6 +265,24 @@ class Fitting {
   double spread_ = 0.0;
 };
 
+/// The order by frequency, as places.
+std::vector<std::size_t> places_by_frequency(const std::vector<Oscillation>& oscillations) {
+  std::vector<std::size_t> places(oscillations.size());
+  for (std::size_t k = 0; k < places.size(); ++k) places[k] = k;
+  std::stable_sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+    return oscillations[a].frequency_hz < oscillations[b].frequency_hz;
+  });
+  return places;
+}
+
+/// Puts the lowest where the lowest of `like` stands, and so on: a fit may have found them in another order.
+void order_like(const std::vector<Oscillation>& like, std::vector<Oscillation>& found) {
+  const std::vector<std::size_t> to = places_by_frequency(like);
+  const std::vector<std::size_t> from = places_by_frequency(found);
+  const std::vector<Oscillation> before = found;
+  for (std::size_t k = 0; k < to.size(); ++k) found[to[k]] = before[from[k]];
+}
+
 }  // namespace
 
 std::vector<double> sample_straight(std::span<const double> time_s, std::span<const double> value,
@@ -343,8 +363,12 @@ std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, s
     model = std::move(more);
   }
   OscillationFit fit = fitting.describe(model);
+  const auto strength = [&](const Oscillation& o) {
+    const double x = 2.0 * o.decay_per_s * (window.to_s - window.from_s);
+    return o.amplitude * o.amplitude * (std::fabs(x) < 1e-6 ? 1.0 : -std::expm1(-x) / x);
+  };
   std::stable_sort(fit.oscillations.begin(), fit.oscillations.end(),
-                   [](const Oscillation& a, const Oscillation& b) { return a.amplitude > b.amplitude; });
+                   [&](const Oscillation& a, const Oscillation& b) { return strength(a) > strength(b); });
   return fit;
 }
 
@@ -363,7 +387,9 @@ std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time
     if (found.left < best.left) best = std::move(found);
   }
   if (best.terms.empty()) return std::nullopt;
-  return fitting.describe(best);
+  OscillationFit fit = fitting.describe(best);
+  order_like(like.oscillations, fit.oscillations);
+  return fit;
 }
 
 OscillationError compare_oscillations(const Oscillation& found, const Oscillation& reference) {

@@ -39,7 +39,8 @@ struct Oscillation {
   double decay_per_s = 0.0;
 };
 
-/// A constant and a sum of oscillations, the strongest at the start of the window first.
+/// A constant and a sum of oscillations, the strongest first: that with the largest mean square of its
+/// amplitude over the window.
 struct OscillationFit {
   double offset = 0.0;
   std::vector<Oscillation> oscillations;
@@ -61,8 +62,9 @@ struct FitWindow {
 std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, std::span<const double> value,
                                                const FitWindow& window, std::size_t most);
 
-/// Fits as many oscillations as `like` has, from where those are: the k-th belongs to the k-th of `like`
-/// afterwards. Starts at frequencies up to a quarter beside them are tried too; the best counts.
+/// Fits as many oscillations as `like` has, from where those are. The k-th belongs to the k-th of `like`
+/// afterwards: the lowest to the lowest, and so on. Starts at frequencies up to a quarter beside them are
+/// tried too; the best counts.
 std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time_s,
                                                     std::span<const double> value, const FitWindow& window,
                                                     const OscillationFit& like);

@@ -140,8 +140,24 @@ TEST(Oscillation, SeveralAreToldApart) {
   EXPECT_NEAR(fit.oscillations[1].frequency_hz, 6.2, 1e-3);
   EXPECT_NEAR(fit.oscillations[2].amplitude, 0.4, 1e-3);
   const OscillationFit faster = *fit_oscillations_like(t, signal(1.08), {0.0, 0.6}, fit);
+  OscillationFit mixed = fit;  // the start at five quarters of a frequency may end at the next one
+  std::swap(mixed.oscillations[0], mixed.oscillations[1]);
+  const OscillationFit other = *fit_oscillations_like(t, signal(1.08), {0.0, 0.6}, mixed);
+  EXPECT_NEAR(other.oscillations[1].frequency_hz, faster.oscillations[0].frequency_hz, 1e-3);
   for (std::size_t k = 0; k < 3; ++k)
     EXPECT_NEAR(faster.oscillations[k].frequency_hz / fit.oscillations[k].frequency_hz, 1.08, 1e-3);
+}
+
+// What is gone in a moment is not the strongest, however large it starts.
+TEST(Oscillation, TheStrongestIsThatOfTheWholeWindow) {
+  const std::vector<double> t = times(1.0, 1000);
+  const std::vector<double> x = values(t, [](double s) {
+    return std::cos(2.0 * kPi * 5.0 * s) + 2.0 * std::exp(-40.0 * s) * std::cos(2.0 * kPi * 30.0 * s);
+  });
+  const OscillationFit fit = *fit_oscillations(t, x, {0.0, 1.0}, 2);
+  ASSERT_EQ(fit.oscillations.size(), 2U);
+  EXPECT_NEAR(fit.oscillations[0].frequency_hz, 5.0, 1e-4);
+  EXPECT_NEAR(fit.oscillations[1].amplitude, 2.0, 1e-3);
 }
 
 // Noise of a tenth of the amplitude is what is left over; the figures stay near.
