@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/judge/motion_error.h"
 #include "experiments/contest.h"
 #include "experiments/plan.h"
 #include "reference/motion_problem.h"

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/judge/motion_error.h"
+#include "core/judge/oscillation.h"
 #include "experiments/motion_input.h"
 
 namespace palpate::experiments {

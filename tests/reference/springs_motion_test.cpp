@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "core/judge/motion_error.h"
+#include "core/judge/oscillation.h"
 #include "core/mesh/medit.h"
 #include "experiments/contestant_run.h"
 #include "reference/motion_problem.h"
