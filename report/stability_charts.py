@@ -89,14 +89,14 @@ def draw_maps(cases, folder):
 
 
 def read_shrinkage(cases):
-    """By mesh and start, by integrator: (strain, measured, predicted at the start), over what is predicted at rest."""
+    """By mesh and start, by integrator: (length over rest, measured, predicted at the start), over what is predicted at rest."""
     panels = {}
     for case in cases:
         rest, measured = case.number("predicted_step_s"), case.number("measured_step_s")
-        if not case.is_large or not sweeps(case, "strain") or not rest or measured is None:
+        if not case.is_large or not sweeps(case, "strain") or as_number(case.sweep["strain"]) <= -1 or not rest or measured is None:
             continue
         start = case.number("predicted_at_start_s")
-        point = (as_number(case.sweep["strain"]), measured / rest, start / rest if start else None)
+        point = (1 + as_number(case.sweep["strain"]), measured / rest, start / rest if start else None)
         panels.setdefault((case.mesh, str(case.options.get("start"))), {}).setdefault(case.label, []).append(point)
     return panels
 
@@ -116,14 +116,14 @@ def draw_shrinkage(cases, folder):
             at_start = [(x, y) for x, _, y in points if y is not None]
             ax.plot([x for x, _ in at_start], [y for _, y in at_start], "--", color=color, linewidth=0.9, alpha=0.7)
         ax.axhline(1.0, color=INK, linewidth=0.8)
-        ax.set_xscale("symlog", linthresh=0.1)
+        ax.set_xscale("log")
         ticks = sorted({x for points in labels.values() for x, _, _ in points})
-        ax.set_xticks(ticks, [f"{tick:+g}" for tick in ticks], fontsize=8)
+        ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks], fontsize=8)
         ax.xaxis.set_minor_formatter(NullFormatter())
         ax.minorticks_off()
         ax.grid(axis="y")
         ax.set_title(f"{mesh}, released from a {start}", loc="left", fontweight="bold", color=INK)
-        ax.set_xlabel("strain along the body")
+        ax.set_xlabel("length over that at rest")
     grid[0][0].set_ylim(bottom=0)
     grid[0][0].set_ylabel("longest stable step over that predicted at rest")
     handles = [Line2D([], [], color=styles[label][0], marker=styles[label][1], markeredgecolor="white", linewidth=1.3,

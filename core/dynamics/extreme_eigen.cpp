@@ -84,6 +84,17 @@ std::vector<Vec3> to_field(const Eigen::VectorXd& x) {
   return field;
 }
 
+constexpr double kTolerance = 1e-4;
+
+/// Whether a value and a vector are what they are said to be.
+bool is_eigenpair(const Product& product, double value, const Eigen::VectorXd& vector) {
+  constexpr double kUnit = 1e-6;
+  if (!std::isfinite(value) || !(std::abs(vector.norm() - 1.0) <= kUnit)) return false;
+  Eigen::VectorXd image(vector.size());
+  product.perform_op(vector.data(), image.data());
+  return (image - value * vector).norm() <= 10.0 * kTolerance * std::abs(value);
+}
+
 /// Lanczos's method with full orthogonalisation from a seeded vector. A seeded vector has a part of every
 /// eigenvector, so where the vectors it makes come to an end they hold all different eigenvalues.
 ExtremeEigen find_by_plain_lanczos(const Product& product) {
@@ -114,10 +125,11 @@ ExtremeEigen find_by_plain_lanczos(const Product& product) {
       small.topLeftCorner(count, count).selfadjointView<Eigen::Upper>());
   ExtremeEigen out;
   out.products = static_cast<std::size_t>(count);
-  out.converged = solver.info() == Eigen::Success && (is_closed || count == n);
-  if (!out.converged) return out;
+  if (solver.info() != Eigen::Success) return out;
+  const Eigen::VectorXd vector = basis.leftCols(count) * solver.eigenvectors().col(count - 1);
   out.value = solver.eigenvalues()[count - 1];
-  out.vector = to_field(basis.leftCols(count) * solver.eigenvectors().col(count - 1));
+  out.vector = to_field(vector);
+  out.converged = is_eigenpair(product, out.value, vector);
   return out;
 }
 
@@ -131,7 +143,6 @@ FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix&
   const Eigen::Index wanted = std::min<Eigen::Index>(8, product.rows() - 2);
   const Eigen::Index most_vectors = 40;
   constexpr Eigen::Index kRestarts = 200;
-  constexpr double kTolerance = 1e-4;
   Spectra::GenEigsSolver<RateProduct> solver(product, wanted, std::min(most_vectors, product.rows()));
   FastestRates out;
   try {
@@ -187,7 +198,6 @@ ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   Product product(matrix, threads);
   const Eigen::Index most_vectors = 30;
   constexpr Eigen::Index kRestarts = 100;
-  constexpr double kTolerance = 1e-4;
   Spectra::SymEigsSolver<Product> solver(product, 1, std::min(most_vectors, product.rows()));
   ExtremeEigen out;
   try {
@@ -199,8 +209,11 @@ ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
   out.products = static_cast<std::size_t>(solver.num_operations());
   out.converged = solver.info() == Spectra::CompInfo::Successful;
   if (!out.converged) return out;
+  const Eigen::VectorXd vector = solver.eigenvectors().col(0);
   out.value = solver.eigenvalues()[0];
-  out.vector = to_field(solver.eigenvectors().col(0));
+  // Where Lanczos's vectors come to an end, Spectra may throw, or go on with what is left of rounding.
+  if (!is_eigenpair(product, out.value, vector)) return find_by_plain_lanczos(product);
+  out.vector = to_field(vector);
   return out;
 }
 

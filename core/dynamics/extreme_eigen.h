@@ -16,10 +16,10 @@ struct ExtremeEigen {
   bool converged = false;
 };
 
-/// By Spectra's restarted Lanczos method, to a residual of 1e-4 of the value; where that breaks down, as it
-/// does for matrices of few different eigenvalues (a drag that is the same multiple of all masses), by a
-/// plain Lanczos method that takes a breakdown for its end. Deterministic for any number of threads.
-/// Requires: at least one row.
+/// By Spectra's restarted Lanczos method, to a residual of 1e-4 of the value; where that breaks down or its
+/// answer is none, as it does for matrices of few different eigenvalues (a drag that is the same multiple of
+/// all masses), by a plain Lanczos method that takes a breakdown for its end. Deterministic for any number of
+/// threads. Requires: at least one row.
 ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads);
 
 /// The eigenvalues of largest size of lambda^2 x + lambda D x + K x = 0.

@@ -19,7 +19,6 @@ constexpr std::uint64_t kFirstStretch = 512;
 constexpr double kFast = 1000.0;
 constexpr double kSlow = 1.02;
 constexpr double kGone = 1e-24;  // of the greatest kinetic energy: the motion has died out
-constexpr double kFar = 1e6;     // of the start's energy; bounded motions have some 1e4 times it at the most
 constexpr double kHuge = 1e200;  // J
 
 void check_positive(const char* what, double value) {
@@ -46,16 +45,16 @@ class Trials {
   bool grows(double step_s, std::uint64_t& steps) {
     const MotionState start = make_start(step_s);
     const MotionEnergy energy = measure_energy(stepper_.model(), start);
-    const double far = kFar * (energy.kinetic_j + energy.elastic_j);
+    const double far = options_.growth_factor * (energy.kinetic_j + energy.elastic_j);
     stepper_.set_state(start);
-    greatest_ = 0.0;
+    greatest_ = peak_ = 0.0;
     std::uint64_t done = 0;
     double before = run_stretch(step_s, kFirstStretch / 2, done);
     double now = run_stretch(step_s, kFirstStretch / 2, done);
     double last_ratio = 1.0;
     for (;;) {
       const bool is_slow_counted = options_.counts_slow_growth;
-      const bool is_over = !(now < kHuge) || now > far || (is_slow_counted && now > kFast * before);
+      const bool is_over = !(now < kHuge) || peak_ > far || (is_slow_counted && now > kFast * before);
       const bool is_gone = now <= kGone * greatest_;
       const bool is_slow = !is_slow_counted || now <= kSlow * before;
       if (is_over || is_gone || done >= options_.horizon_most ||
@@ -96,6 +95,7 @@ class Trials {
         kinetic += 0.5 * stepper_.model().mass_kg[v] * length_sq(state.velocity_m_s[v]);
       if (!(kinetic < kHuge)) return std::numeric_limits<double>::infinity();
       sum += kinetic;
+      peak_ = std::max(peak_, kinetic);
     }
     const double mean = sum / static_cast<double>(count);
     greatest_ = std::max(greatest_, mean);
@@ -105,7 +105,8 @@ class Trials {
   BodyStepper& stepper_;
   const MeasureStepOptions& options_;
   std::vector<std::uint8_t> held_;
-  double greatest_ = 0.0;
+  double greatest_ = 0.0;  ///< mean kinetic energy of a stretch
+  double peak_ = 0.0;      ///< kinetic energy of a step
 };
 
 /// Multiplies or divides the first step by `stride` until it is bracketed, then halves the bracket.
@@ -153,6 +154,7 @@ MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions&
   check_positive("first step", options.first_step_s);
   check_positive("amplitude", options.amplitude_m);
   check_positive("tolerance", options.tolerance);
+  check_positive("growth factor", options.growth_factor);
   if (!(options.stride > 1.0) || !std::isfinite(options.stride))
     throw InputError("stride", 0, "a finite number above 1", std::to_string(options.stride));
   if (options.horizon_least < kFirstStretch || options.horizon_most < options.horizon_least)

@@ -18,7 +18,8 @@ struct MeasureStepOptions {
   std::uint64_t seed = 1;              ///< of both
   std::uint64_t horizon_least = 1024;  ///< steps of a trial that shows no growth
   std::uint64_t horizon_most = 16384;  ///< steps of one that grows slowly
-  bool counts_slow_growth = true;      ///< false: growth is what exceeds the start's energy a million times
+  bool counts_slow_growth = true;      ///< false: growth is what exceeds the start's energy by growth_factor
+  double growth_factor = 1e6;          ///< energies over the start's that are growth for certain
   double tolerance = 0.005;            ///< the bracket's upper end over its lower, minus 1
   double stride = 2.0;    ///< the first step is multiplied or divided by it until it is bracketed
   int most_strides = 24;  ///< at most so often
@@ -40,22 +41,24 @@ struct MeasuredStep {
 ///
 /// A trial starts with seeded random displacements and velocities and takes 512 steps, then twice as many and
 /// so on. With M the mean kinetic energy over a stretch of steps, it has grown if M of the run's second half
-/// is over 1000 times that of the quarter before, over 1e6 times the energy of the start, or no number. It is
-/// stable once `horizon_least` steps are over and that ratio is below 1.02; while it is not, the trial goes
-/// on, and at `horizon_most` steps it has grown if the ratio is above 1.02 and no less than the one before:
-/// growth has a ratio that is squared from stretch to stretch, and that of a bounded oscillation, however
-/// large near the bound, goes to 1. (The greatest energy of a stretch does not: longer stretches meet rarer
-/// peaks.) Kinetic energy leaves drifting and turning bodies alone.
+/// is over 1000 times that of the quarter before, if a single step had over `growth_factor` times the energy
+/// of the start, or if it is no number. It is stable once `horizon_least` steps are over and that ratio is
+/// below 1.02; while it is not, the trial goes on, and at `horizon_most` steps it has grown if the ratio is
+/// above 1.02 and no less than the one before: growth has a ratio that is squared from stretch to stretch,
+/// and that of a bounded oscillation, however large near the bound, goes to 1. (The greatest energy of a
+/// stretch does not: longer stretches meet rarer peaks.) Kinetic energy leaves drifting and turning bodies
+/// alone.
 ///
-/// Where forces are not linear, growth comes to an end when the motion is large; and in single precision,
+/// Where forces are not linear, growth comes to an end when the motion is large (a body of strong axial
+/// damping then bends to a shape in which the step is stable, and comes to rest); and in single precision,
 /// rounding adds energy at a steady rate. So `counts_slow_growth` is for linear models in double precision.
 ///
 /// Growth by g a step is seen if g x horizon_least exceeds about 0.04, or if it is slower but nothing else
 /// moves as much. Explicit Euler, whose growth just over its bound may be tiny, needs horizon_least as long
 /// as horizon_most.
 ///
-/// Throws: InputError for a first step, an amplitude or a tolerance that is not finite and above zero, a
-///         stride that is not above 1, or a horizon below 512 steps.
+/// Throws: InputError for a first step, amplitude, growth factor or tolerance that is not finite and above
+/// zero, a stride that is not above 1, or a horizon below 512 steps.
 MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions& options);
 
 struct MeasureLargeOptions {

@@ -237,6 +237,7 @@ class ExtremeRun {
     }
     const bool is_single = method_.is_plain && method_.precision == dynamics::Precision::kSingle;
     options.amplitude_m = (is_single ? 1e-6 : 1e-9) * body_.size_m;
+    if (is_single) options.growth_factor = 1e3;  // there is less room between rounding and large motions
     // The thesis's force and the plain engine have no linear form: there, small motions have to do.
     const bool is_linear = !method_.is_plain && !body_.model.elastic.volume_force;
     options.counts_slow_growth = is_linear;

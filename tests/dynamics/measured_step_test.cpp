@@ -239,6 +239,7 @@ TEST(MeasuredStep, RefusesWhatIsNoSetting) {
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.first_step_s = bad; }),
                 HasSubstr("first step: expected"));
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.amplitude_m = bad; }), HasSubstr("amplitude: expected"));
+    EXPECT_THAT(with([&](MeasureStepOptions& o) { o.growth_factor = bad; }), HasSubstr("growth factor"));
     EXPECT_THAT(with([&](MeasureStepOptions& o) { o.tolerance = bad; }), HasSubstr("tolerance: expected"));
   }
   EXPECT_THAT(with([](MeasureStepOptions& o) { o.stride = 1.0; }), HasSubstr("stride: expected"));

@@ -92,10 +92,13 @@ TEST(Stability, AMatrixOfFewDifferentEigenvaluesHasItsLargest) {
   const ExtremeEigen found = find_largest_eigenvalue(matrix, 1);
   ASSERT_TRUE(found.converged);
   EXPECT_NEAR(found.value, 7.0, 1e-9);
+  EXPECT_NEAR(field_norm(found.vector), 1.0, 1e-9);
 }
 
-TEST(Stability, ADragOfAllMassesAlikeHasItsBound) {
-  MotionModel model = make_free_body(build_kuhn_cube(2, 0.25, 5), 0.0);
+class MassDamping : public ::testing::TestWithParam<int> {};
+
+TEST_P(MassDamping, HasItsBound) {
+  MotionModel model = make_free_body(build_kuhn_cube(GetParam(), 0.25, 5), 0.0);
   const double rate = 3.0 / predict_stable_step(model, IntegratorKind::kSymplecticEuler).step_s;
   for (const double m : model.mass_kg) model.environment_damping_n_s_per_m.push_back(rate * m);
   const double omega = 2.0 * rate / 3.0;
@@ -107,6 +110,8 @@ TEST(Stability, ADragOfAllMassesAlikeHasItsBound) {
     EXPECT_NEAR(predicted.step_s / std::min(fastest, free), 1.0, 2e-3) << integrator_name(kind);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(Cells, MassDamping, ::testing::Values(1, 2, 3));
 
 /// Bodies with no damping, Rayleigh damping, and damping that shares no vectors with the stiffness.
 std::vector<MotionModel> make_bodies() {

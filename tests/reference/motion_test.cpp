@@ -202,6 +202,17 @@ TEST_F(ExtremeRunTest, EveryEndingCanBeReached) {
   EXPECT_EQ(ending(euler, {{"time_limit_s", 0.0}}), "too_slow");
 }
 
+TEST_F(ExtremeRunTest, AStronglyDampedBodyBeyondItsBoundGrowsAndThenComesToRestAgain) {
+  const json out =
+      report("motion.symplectic_euler",
+             {{"task", "run"}, {"stiffness_factor", 1e-9}, {"step_factor", 1.05}, {"steps", 2000}});
+  const json& run = out.at("runs")[0];
+  EXPECT_EQ(run.at("outcome"), "energy_growing");
+  EXPECT_GT(run.at("energy_most_j").get<double>(), 1e9 * run.at("energy_start_j").get<double>());
+  EXPECT_LT(run.at("kinetic_end_j").get<double>(), 1e-9 * run.at("energy_most_j").get<double>());
+  EXPECT_GT(run.at("drift_over_size").get<double>(), 0.01);  // in another shape
+}
+
 TEST_F(ExtremeRunTest, ExtremesLeaveNumbersOrNull) {
   const std::vector<json> settings{{{"stiffness_factor", 0.0}},   {{"mass_factor", 1e-100}},
                                    {{"mass_factor", 1e100}},      {{"damping_ratio", 1e100}},
