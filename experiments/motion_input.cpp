@@ -191,7 +191,8 @@ MotionReference solve_motion_reference(const MotionInput& input, const ContestSe
   reference::write_history(reference.history_file, reference.truth.history);
   const JudgedMotion coarser = solve_run(input, {coarse, step}, setting, reference, ignored);
   if (ended()) return reference;
-  add_errors(compare_motions(input.problem, coarser, reference.truth), 1.0, reference.own_error);
+  const double of_space = plan.stated_order ? 1.0 / (std::exp2(*plan.stated_order) - 1.0) : 1.0;
+  add_errors(compare_motions(input.problem, coarser, reference.truth), of_space, reference.own_error);
   const JudgedMotion slower = solve_run(input, {coarse, 2.0 * step}, setting, reference, ignored);
   if (ended()) return reference;
   add_errors(compare_motions(input.problem, slower, coarser), 1.0 / 3.0, reference.own_error);

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/judge/motion_error.h"
 #include "experiments/contest.h"
 #include "experiments/plan.h"
 #include "reference/motion_problem.h"
@@ -66,8 +65,9 @@ struct MotionReference {
   std::string outcome = "accepted";
   JudgedMotion truth;
   std::filesystem::path history_file;
-  /// By the names of compare_motions: what the next coarser level is off (a bound on the error of space),
-  /// plus a third of what twice the time step changes (the error of time, of second order).
+  /// By the names of compare_motions: what the next coarser level is off, over 2^p - 1 if the plan states an
+  /// order p of convergence (else all of it, a bound), plus a third of what twice the time step changes (the
+  /// error of time, of second order).
   nlohmann::json own_error = nlohmann::json::object();
   std::vector<nlohmann::json> runs;  ///< what each solution reports, with its times
   bool interrupted = false;

@@ -3,13 +3,15 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/judge/motion_error.h"
+#include "core/judge/oscillation.h"
 #include "experiments/motion_input.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-constexpr std::size_t kFittedOscillations = 3;
+constexpr std::size_t kFittedOscillations = 4;
 using reference::MotionHistory;
 using reference::MotionProblem;
 

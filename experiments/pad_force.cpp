@@ -14,8 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kReferenceTimeout = 7200.0;  // s
-constexpr std::size_t kMostTetsFirst = 120'000;
-constexpr std::size_t kMostTetsRefined = 40'000;
+constexpr std::size_t kMostTets = 120'000;
 
 void fail(PadForce& force, const std::string& outcome, const std::string& why) {
   force.outcome = outcome;
@@ -112,7 +111,7 @@ Vec3 measure_pad_force(const TetMesh& mesh, const ElasticSupport& pad, std::span
 PadForce solve_pad_force(const Scene& placed, const TetMesh& mesh, const fs::path& folder,
                          const ContestSetting& setting) {
   PadForce force;
-  if (mesh.tets.size() > kMostTetsFirst) {
+  if (mesh.tets.size() > kMostTets) {
     fail(force, "unavailable", "the mesh has more than 120,000 tetrahedra");
     return force;
   }
@@ -121,8 +120,7 @@ PadForce solve_pad_force(const Scene& placed, const TetMesh& mesh, const fs::pat
   files.problem = build_held_problem(placed, mesh);
   write_problem(files, folder);
   std::size_t tets = mesh.tets.size();
-  for (int level = 0; level < setting.plan.reference->levels; ++level, tets *= 8) {
-    if (level > 0 && tets > kMostTetsRefined) break;
+  for (int level = 0; level < setting.plan.reference->levels && tets <= kMostTets; ++level, tets *= 8) {
     if (!solve_level(files, level, setting, force)) break;
   }
   return force;

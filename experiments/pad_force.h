@@ -35,9 +35,8 @@ BoundaryProblem build_held_problem(const Scene& placed, const TetMesh& mesh);
 /// Shape:  one value a vertex and one an edge midpoint of build_edges(mesh).
 Vec3 measure_pad_force(const TetMesh& mesh, const ElasticSupport& pad, std::span<const Vec3> field);
 
-/// Solves the held problem with the plan's reference: its levels as far as the refined mesh has at most
-/// 40,000 tetrahedra, the first one up to 120,000; what an earlier run solved is taken from the cache. Files
-/// go below `folder`.
+/// Solves the held problem with the plan's reference, at those of its levels whose mesh has at most 120,000
+/// tetrahedra; what an earlier run solved is taken from the cache. Files go below `folder`.
 PadForce solve_pad_force(const Scene& placed, const TetMesh& mesh, const std::filesystem::path& folder,
                          const ContestSetting& setting);
 

@@ -64,10 +64,8 @@ std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::files
 PlanReference read_reference(const YamlValue& value, const std::string& contest, const Registry& registry) {
   const YamlFields fields = value.fields({"method", "levels", "enough", "stated_order", "set"});
   if (contest == "motion") {
-    for (const char* key : {"enough", "stated_order"}) {
-      if (const auto extra = fields.find(key))
-        extra->fail("\"" + std::string(key) + "\" belongs to the contest deform, not to motion");
-    }
+    if (const auto extra = fields.find("enough"))
+      extra->fail("\"enough\" belongs to the contest deform, not to motion");
   }
   PlanReference reference;
   const YamlValue method = fields.need("method");

@@ -16,8 +16,8 @@ std::vector<PlanScene> read_plan_scenes(const YamlValue& value, const std::files
                                         const std::string& contest);
 
 /// Reads the reference: {method: fem.p2, levels: 3, enough: 0.002, stated_order: 2, set: {...}}.
-/// In the contest motion without `enough` and `stated_order`, and with two levels at least: the reference is to
-/// know its own error. Throws: InputError with file and line, also for
+/// In the contest motion without `enough`, and with two levels at least: the reference is to know its own
+/// error. Throws: InputError with file and line, also for
 /// a method without the integer option "refine", or, in the contest motion, without "time_step_s".
 PlanReference read_reference(const YamlValue& value, const std::string& contest, const Registry& registry);
 

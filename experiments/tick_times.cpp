@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <thread>
 
 #include "core/base/error.h"
 #include "core/dynamics/plain_engine.h"
@@ -25,21 +26,31 @@ TickRun run(const dynamics::MotionModel& model, const TickOptions& options) {
   own.escape_m = kEscapeRatio * std::max({size.x, size.y, size.z, 1e-3});
   dynamics::PlainEngine<Real> engine(model, own);
   const std::uint64_t all = options.warm_ticks + options.ticks;
-  std::vector<Clock::time_point> at(all + 1);
+  std::vector<Clock::time_point> begin(all + 1);
+  std::vector<Clock::time_point> end(all);
+  const auto period =
+      std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(options.tick_s));
   TickRun out;
   out.force_n.resize(all);
   std::uint64_t done = 0;
-  at[0] = Clock::now();
+  begin[0] = Clock::now();
   const auto report = engine.step(options.tick_s / static_cast<double>(options.steps_per_tick),
                                   all * options.steps_per_tick, [&](std::uint64_t step) {
                                     if (step % options.steps_per_tick != 0) return;
                                     out.force_n[done] = engine.group_forces()[options.tool];
-                                    at[++done] = Clock::now();
+                                    end[done] = Clock::now();
+                                    begin[done + 1] = end[done];
+                                    const Clock::time_point due = begin[done] + period;
+                                    if (options.paced && end[done] < due) {
+                                      std::this_thread::sleep_until(due);
+                                      begin[done + 1] = due;
+                                    }
+                                    ++done;
                                   });
   out.diverged = report.diverged;
   out.force_n.resize(done);
   for (std::uint64_t k = options.warm_ticks; k < done; ++k)
-    out.seconds.push_back(std::chrono::duration<double>(at[k + 1] - at[k]).count());
+    out.seconds.push_back(std::chrono::duration<double>(end[k] - begin[k]).count());
   out.state = engine.state();
   return out;
 }
@@ -71,7 +82,7 @@ TickTimes describe_ticks(std::vector<double> seconds, double deadline_s) {
   const auto bucket = [](double s) { return static_cast<int>(std::floor(kBucketsADecade * std::log10(s))); };
   const int first = bucket(std::max(seconds.front(), 1e-9));
   const int last = bucket(std::max(seconds.back(), 1e-9));
-  out.buckets.resize(static_cast<std::size_t>(last - first + 1));
+  out.buckets.resize(static_cast<std::size_t>(last - first) + 1);
   for (int k = first; k <= last; ++k) out.bucket_ends_s.push_back(std::pow(10.0, (k + 1) / kBucketsADecade));
   for (const double s : seconds) ++out.buckets[static_cast<std::size_t>(bucket(std::max(s, 1e-9)) - first)];
   return out;

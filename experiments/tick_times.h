@@ -15,6 +15,7 @@ struct TickOptions {
   std::uint64_t warm_ticks = 200;  ///< before those that are timed
   int threads = 1;
   bool single_precision = true;
+  bool paced = false;    ///< each tick waits until it is due, as a device asks for it
   std::size_t tool = 0;  ///< the group of loads whose force is read each tick
 };
 
@@ -30,8 +31,9 @@ struct TickRun {
 
 /// Steps from rest. A tick takes `steps_per_tick` steps of tick_s / steps_per_tick and reads the tool's
 /// force; its time is that between two readings of the steady clock, without allocation, input or output
-/// between them. Ticks follow each other at once: what a device would wait is not waited. Throws: as
-/// PlainEngine.
+/// between them. Ticks follow each other at once; or, paced, each starts tick_s after the one before, and how
+/// late the system wakes it counts as its time. A tick that is due while the one before still runs starts
+/// after it. Throws: as PlainEngine.
 TickRun run_ticks(const dynamics::MotionModel& model, const TickOptions& options);
 
 /// Distribution of times, in s.

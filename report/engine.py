@@ -61,7 +61,8 @@ def read_cases(run):
             continue
         note = "" if set(group.outcomes()) == {"accepted"} else first_reason(group)
         lists[group.contestant].append(Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note))
-    found.ticks.sort(key=lambda case: (case.scene, str(case.option("precision")), case.option("engine_threads") or 0, case.vertices or 0))
+    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.option("precision")), case.option("engine_threads") or 0,
+                                       case.vertices or 0))
     return found
 
 
@@ -77,6 +78,10 @@ def time_text(value):
         if value >= 2 * size:
             return f"{value / size:.3g} {unit}"
     return f"{value:.3g} s"
+
+
+def tick_text(value):
+    return "" if value is None else f"{1e6 * value:.1f} us" if value < 1e-4 else f"{1e3 * value:.3f} ms"
 
 
 def returns_of(case):
@@ -121,11 +126,11 @@ def rest_lines(cases):
 
 
 def tick_lines(cases):
-    lines = [["scene", "precision", "threads", "vertices", "steps", "p50", "p99", "p99.9", "worst", "missed", "of", "force",
+    lines = [["scene", "label", "precision", "threads", "vertices", "steps", "p50", "p99", "p99.9", "worst", "missed", "of", "force",
               "reference", "off by", ""]]
     for case in cases:
-        times = [seconds_text(case.number(name)) for _, name in HOLDS]
-        lines.append([case.scene, str(case.option("precision")), str(case.option("engine_threads")), number_text(case.vertices, ",.0f"),
+        times = [tick_text(case.number(name)) for _, name in HOLDS]
+        lines.append([case.scene, case.label, str(case.option("precision")), str(case.option("engine_threads")), number_text(case.vertices, ",.0f"),
                       number_text(case.number("steps_per_tick"), ".0f"), *times, number_text(case.number("ticks_missed"), ",.0f"),
                       number_text(case.number("ticks"), ",.0f"), number_text(case.number("held_force_size_n"), ".4f", unit=" N"),
                       number_text(case.number("reference_force_size_n"), ".4f", unit=" N"),
@@ -134,10 +139,10 @@ def tick_lines(cases):
 
 
 def largest_meshes(cases):
-    """{(scene, precision, threads): {how: vertices or None}}: the last mesh before the first that misses the deadline."""
+    """{(scene, label, precision, threads): {how: vertices or None}}: the last mesh before the first that misses the deadline."""
     found = {}
     for case in cases:
-        key = (case.scene, str(case.option("precision")), case.option("engine_threads"))
+        key = (case.scene, case.label, str(case.option("precision")), case.option("engine_threads"))
         deadline = figure(case.record, "report", "tick_s")
         row = found.setdefault(key, {how: [None, True] for how, _ in HOLDS})
         for how, name in HOLDS:
@@ -150,9 +155,9 @@ def largest_meshes(cases):
 
 
 def largest_lines(largest):
-    lines = [["scene", "precision", "threads", *(how for how, _ in HOLDS), ""]]
-    for (scene, precision, threads), row in largest.items():
-        lines.append([scene, precision, str(threads), *(number_text(row[how], ",.0f") or "none" for how, _ in HOLDS), ""])
+    lines = [["scene", "label", "precision", "threads", *(how for how, _ in HOLDS), ""]]
+    for (scene, label, precision, threads), row in largest.items():
+        lines.append([scene, label, precision, str(threads), *(number_text(row[how], ",.0f") or "none" for how, _ in HOLDS), ""])
     return lines
 
 
@@ -182,7 +187,8 @@ def write_tables(found, folder):
     write_atomically(folder / "engine.txt", engine_text(found) + "\n")
     names = {"engine.txt"}
     if found.replays:
-        names |= {write_table(folder, "replays.csv", replay_lines(found.replays)), write_table(folder, "returns.csv", return_lines(found.replays))}
+        names |= {write_table(folder, "replays.csv", replay_lines(found.replays)),
+                  write_table(folder, "returns.csv", return_lines(found.replays))}
     if found.rests:
         names.add(write_table(folder, "rest.csv", rest_lines(found.rests)))
     if found.ticks:

@@ -10,7 +10,7 @@ from matplotlib.colors import Normalize
 
 from chart_style import FAINT, INK, STYLE, file_name, save
 from cut_away import LIGHT, choose_view, inside
-from engine import returns_of
+from engine import HOLDS, largest_meshes, returns_of
 from mesh_file import outer_faces, read_mesh
 from records import BadRun, figure
 
@@ -178,13 +178,22 @@ def draw_margins(cases, folder):
     return save(fig, folder, "margins")
 
 
+def setting_of(case):
+    return case.label, str(case.option("precision")), case.option("engine_threads")
+
+
+def setting_text(setting):
+    label, precision, threads = setting
+    return f"{label}, {precision}, {threads} thread{'s' if threads != 1 else ''}"
+
+
 def curves_of_ticks(cases, name):
-    """{(precision, threads): sorted (vertices, value)}."""
+    """{(label, precision, threads): sorted (vertices, value)}."""
     curves = {}
     for case in cases:
         value = case.number(name)
         if value is not None and case.vertices:
-            curves.setdefault((str(case.option("precision")), case.option("engine_threads")), []).append((case.vertices, value))
+            curves.setdefault(setting_of(case), []).append((case.vertices, value))
     return {key: sorted(points) for key, points in curves.items()}
 
 
@@ -193,9 +202,9 @@ def draw_budget(cases, folder):
     fig, grid = plt.subplots(1, 3, figsize=(10.2, 3.8), sharey=True)
     deadline = next((value for case in cases if (value := figure(case.record, "report", "tick_s")) is not None), None)
     for ax, (title, name) in zip(grid, [("median", "tick_p50_s"), ("99.9% of the ticks", "tick_p99_9_s"), ("worst", "tick_worst_s")]):
-        for ((precision, threads), points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
-            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(threads, ":"), color=color, linewidth=1.3,
-                    markersize=4, label=f"{precision}, {threads} thread{'s' if threads != 1 else ''}")
+        for (setting, points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
+            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
+                    markersize=4, label=setting_text(setting))
         if deadline is not None:
             ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
         ax.set_xscale("log")
@@ -212,12 +221,12 @@ def draw_budget(cases, folder):
 def draw_distribution(cases, folder):
     """How many ticks took longer than a time: both axes logarithmic."""
     chosen = [case for case in cases if isinstance(case.told("buckets"), list)]
-    settings = sorted({(str(case.option("precision")), case.option("engine_threads")) for case in chosen})
+    settings = sorted({setting_of(case) for case in chosen})
     if not settings:
         return []
     fig, grid = plt.subplots(1, len(settings), figsize=(max(4.6, 3.4 * len(settings)), 3.8), sharey=True, squeeze=False)
     for ax, setting in zip(grid.flat, settings):
-        own = [case for case in chosen if (str(case.option("precision")), case.option("engine_threads")) == setting]
+        own = [case for case in chosen if setting_of(case) == setting]
         for number, case in enumerate(own):
             counts = np.array(case.told("buckets"), dtype=float)
             longer = counts[::-1].cumsum()[::-1] / counts.sum()
@@ -229,13 +238,60 @@ def draw_distribution(cases, folder):
                 ax.axvline(1000 * deadline, color=INK, linewidth=0.8)
         ax.set_xscale("log")
         ax.set_yscale("log")
-        ax.set_title(f"{setting[0]}, {setting[1]} thread{'s' if setting[1] != 1 else ''}", loc="left", color=INK)
+        ax.set_title(setting_text(setting), loc="left", color=INK)
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
     grid[0][0].set_ylabel("share of ticks that take longer")
-    grid[0][-1].legend(fontsize=7, title="vertices")
+    grid[0][-1].legend(fontsize=7, title="vertices", loc="upper left", bbox_to_anchor=(1.0, 1.0))
     fig.tight_layout()
     return save(fig, folder, "tick_times")
+
+
+def draw_largest(cases, folder):
+    """The largest mesh that holds the deadline, setting by setting; what holds on none is zero."""
+    largest = largest_meshes(cases)
+    fig, ax = plt.subplots(figsize=(max(5.0, 1.5 * len(largest) + 1.5), 3.6))
+    width = 0.8 / len(HOLDS)
+    for number, (how, _) in enumerate(HOLDS):
+        heights = [row[how] or 0 for row in largest.values()]
+        places = [place + (number - (len(HOLDS) - 1) / 2) * width for place in range(len(heights))]
+        ax.bar(places, heights, width, color=COLORS[number], label=how)
+        for place, height in zip(places, heights):
+            ax.annotate(f"{height:,.0f}" if height else "none", (place, height), xytext=(0, 2), textcoords="offset points", ha="center",
+                        fontsize=6.5, color=FAINT, rotation=90 if len(largest) > 3 else 0)
+    ax.set_xticks(range(len(largest)), [f"{label}, {precision}\n{threads} thread{'s' if threads != 1 else ''}"
+                                        for _, label, precision, threads in largest], fontsize=8)
+    ax.set_ylabel("vertices")
+    ax.margins(y=0.2)
+    ax.grid(axis="y")
+    ax.set_title("The largest mesh whose ticks are in time", loc="left", color=INK)
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.tight_layout()
+    return save(fig, folder, "largest")
+
+
+def draw_force(cases, folder):
+    """The held force by the engine and by finite elements, and their difference."""
+    points = sorted({(case.vertices, case.number("held_force_size_n"), case.number("reference_force_size_n"), case.number("force_error"))
+                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None})
+    if len(points) < 2:
+        return []
+    size, own, other, error = (np.array(values) for values in zip(*points))
+    fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
+    grid[0].plot(size, own, "o-", color=COLORS[0], linewidth=1.3, markersize=4, label="engine")
+    grid[0].plot(size, other, "s--", color=COLORS[1], linewidth=1.3, markersize=4, label="finite elements, same mesh")
+    grid[0].set_ylabel("force of the pad in N")
+    grid[0].set_ylim(bottom=0)
+    grid[0].legend(fontsize=8)
+    grid[1].plot(size, 100 * error, "o-", color=COLORS[0], linewidth=1.3, markersize=4)
+    grid[1].set_ylabel("difference in %")
+    grid[1].set_ylim(bottom=0)
+    for ax in grid:
+        ax.set_xscale("log")
+        ax.set_xlabel("vertices")
+        ax.grid(axis="both")
+    fig.tight_layout()
+    return save(fig, folder, "force")
 
 
 def draw_charts(run, found, folder):
@@ -249,4 +305,5 @@ def draw_charts(run, found, folder):
         drawn += draw_margins(found.rests, folder)
         if found.ticks:
             drawn += draw_budget(found.ticks, folder) + draw_distribution(found.ticks, folder)
+            drawn += draw_largest(found.ticks, folder) + draw_force(found.ticks, folder)
     return drawn

@@ -24,7 +24,8 @@ def draw_errors(section, folder):
     measures = section.has_measure
     lines = [("reference's own error", section.own, {}, "")]
     lines += [(row.label, row.values, row.marks, "" if row.solve_s is None else f"{row.solve_s:.2g} s") for row in section.rows]
-    fig, axes = plt.subplots(figsize=(2.6 + 1.0 * (len(measures) + 1), 0.9 + 0.27 * len(lines)))
+    left = 0.35 + 0.075 * max(len(label) for label, *_ in lines)  # inches
+    fig, axes = plt.subplots(figsize=(left + 1.0 * (len(measures) + 1), 0.9 + 0.27 * len(lines)))
     for y, (label, values, marks, time) in enumerate(lines):
         axes.text(-0.1, y + 0.5, label, ha="right", va="center", color=FAINT if y == 0 else INK)
         axes.text(len(measures) + 0.9, y + 0.5, time, ha="right", va="center")
@@ -43,7 +44,7 @@ def draw_errors(section, folder):
     axes.axis("off")
     fig.suptitle(section.title, x=0.02, ha="left", fontsize=10)
     fig.text(0.02, 0.01, f"{COARSE}: less than five times the reference's own error", color=FAINT, fontsize=8, va="bottom")
-    fig.subplots_adjust(left=2.2 / fig.get_size_inches()[0], right=0.99, top=1 - 0.42 / fig.get_size_inches()[1],
+    fig.subplots_adjust(left=left / fig.get_size_inches()[0], right=0.99, top=1 - 0.42 / fig.get_size_inches()[1],
                         bottom=0.25 / fig.get_size_inches()[1])
     return save(fig, folder, file_name("motion_errors", section.file_part))
 
@@ -72,11 +73,13 @@ def draw_panels(section, truth, histories, column, scale, label, name, folder):
         axes.set_ylim(low - 0.25 * (high - low), high + 0.25 * (high - low))
         axes.set_title(row.label, loc="left", fontsize=8)
         axes.grid(True)
-    for axes in grid[-1]:
-        axes.set_xlabel("time, s")
+    for column_of, axes in enumerate(grid.T):
+        lowest = axes[(len(histories) - 1 - column_of) // COLUMNS]
+        lowest.set_xlabel("time, s")
+        lowest.tick_params(labelbottom=True)
     for axes in grid[:, 0]:
         axes.set_ylabel(label)
-    grid[0][0].legend(fontsize=7, loc="best", handlelength=1.2)
+    fig.legend(*grid[0][0].get_legend_handles_labels(), fontsize=8, loc="upper right", ncols=2, handlelength=1.4)
     fig.suptitle(f"{section.title}: {column}", x=0.01, ha="left", fontsize=10)
     fig.tight_layout(rect=(0, 0, 1, 0.985))
     return save(fig, folder, file_name(name, section.file_part))

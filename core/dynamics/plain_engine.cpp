@@ -72,8 +72,8 @@ struct PlainEngine<Real>::Body {
     const SpringBlocks layout = build_spring_blocks(model.elastic.springs.springs, place, kBlockVertices);
     for (std::size_t b = 0; b < layout.inside.size(); ++b) {
       blocks.push_back({inside.size(), across.size()});
-      pack(model, layout.inside[b], b, inside);
-      pack(model, layout.across[b], b, across);
+      pack_inside(model, layout.inside[b], b);
+      pack_across(model, layout.across[b], b);
       across_count += layout.across[b].size();
     }
     blocks.push_back({inside.size(), across.size()});
@@ -86,30 +86,54 @@ struct PlainEngine<Real>::Body {
     set_inertia(model);
   }
 
-  template <typename Group>
-  void pack(const MotionModel& model, const std::vector<Index>& list, std::size_t block,
-            LargeVector<Group>& groups) const {
-    const SpringNetwork& net = model.elastic.springs;
+  void pack_inside(const MotionModel& model, const std::vector<SpringFan>& fans, std::size_t block) {
     const std::size_t first = block * kBlockVertices;
-    const std::size_t before = groups.size();
-    groups.resize(before + (list.size() + kGroupSprings - 1) / kGroupSprings);
-    for (std::size_t k = 0; k < kGroupSprings * (groups.size() - before); ++k) {
-      Group& group = groups[before + k / kGroupSprings];
+    for (std::size_t k = 0; k < fans.size(); ++k) {
+      if (k % 2 == 0) inside.emplace_back();
+      InsideGroup<Real>& group = inside.back();
+      const std::size_t half = k % 2;
+      const SpringFan& fan = fans[k];
+      group.hub[half] = static_cast<std::uint16_t>(4 * (place[fan.hub] - first));
+      for (std::size_t i = 0; i < 4; ++i) {
+        // What is missing repeats a spring of the fan, and a fan the one before, without force.
+        const bool is_there = fan.springs[i] != kNoIndex;
+        const Index s = fan.springs[is_there ? i : 0];
+        const Edge& ends = model.elastic.springs.springs[s];
+        const Index other = ends[0] == fan.hub ? ends[1] : ends[0];
+        group.b[4 * half + i] = static_cast<std::uint16_t>(4 * (place[other] - first));
+        if (is_there) set_constants(model, s, group, 4 * half + i);
+      }
+      if (k + 1 < fans.size() || half == 1) continue;
+      group.hub[1] = group.hub[0];
+      std::copy_n(group.b.begin(), 4, group.b.begin() + 4);
+    }
+  }
+
+  void pack_across(const MotionModel& model, const std::vector<Index>& list, std::size_t block) {
+    const std::size_t before = across.size();
+    across.resize(before + (list.size() + kGroupSprings - 1) / kGroupSprings);
+    for (std::size_t k = 0; k < kGroupSprings * (across.size() - before); ++k) {
+      AcrossGroup<Real>& group = across[before + k / kGroupSprings];
       const std::size_t lane = k % kGroupSprings;
       const Index s = list[std::min(k, list.size() - 1)];
-      std::size_t a = place[net.springs[s][0]];
-      std::size_t b = place[net.springs[s][1]];
+      const Edge& ends = model.elastic.springs.springs[s];
+      std::size_t a = place[ends[0]];
+      std::size_t b = place[ends[1]];
       if (a / kBlockVertices != block) std::swap(a, b);
-      using End = typename decltype(group.b)::value_type;
-      group.a[lane] = static_cast<std::uint16_t>(4 * (a - first));
-      group.b[lane] = static_cast<End>(std::is_same_v<Group, InsideGroup<Real>> ? 4 * (b - first) : b);
-      if (k >= list.size()) continue;  // the last spring again, without force
-      group.stiffness[lane] = static_cast<Real>(net.stiffness_n_per_m[s]);
-      group.pull[lane] = static_cast<Real>(net.stiffness_n_per_m[s] * net.rest_length_m[s]);
-      group.damping[lane] = model.spring_damping_n_s_per_m.empty()
-                                ? Real(0)
-                                : static_cast<Real>(model.spring_damping_n_s_per_m[s]);
+      group.a[lane] = static_cast<std::uint16_t>(4 * (a - block * kBlockVertices));
+      group.b[lane] = static_cast<std::uint32_t>(b);
+      if (k < list.size()) set_constants(model, s, group, lane);  // else the last spring again, without force
     }
+  }
+
+  static void set_constants(const MotionModel& model, Index s, GroupConstants<Real>& group,
+                            std::size_t lane) {
+    const SpringNetwork& net = model.elastic.springs;
+    group.stiffness[lane] = static_cast<Real>(net.stiffness_n_per_m[s]);
+    group.pull[lane] = static_cast<Real>(net.stiffness_n_per_m[s] * net.rest_length_m[s]);
+    group.damping[lane] = model.spring_damping_n_s_per_m.empty()
+                              ? Real(0)
+                              : static_cast<Real>(model.spring_damping_n_s_per_m[s]);
   }
 
   void set_inertia(const MotionModel& model) {

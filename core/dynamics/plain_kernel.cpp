@@ -40,16 +40,9 @@ inline void pull_quad(const Quad<Real>& quad, std::array<Lanes<Real>, 4>& force,
   for (std::size_t i = 0; i < 4; ++i) force[i] = L::of(factors[i]) * d[i];
 }
 
-/// `second` maps what a group holds of a second end to its particle.
-template <typename Real, typename End, typename Second>
-inline void pull_half(const SpringGroup<Real, End>& group, std::size_t half, const Particle<Real>* own,
-                      const Second& second, std::array<Lanes<Real>, 4>& force, Lanes<Real>& least_sq) {
-  Quad<Real> quad{{}, {}, &group.stiffness[half], &group.pull[half], &group.damping[half]};
-  for (std::size_t i = 0; i < 4; ++i) {
-    quad.a[i] = own + group.a[half + i] / 4;
-    quad.b[i] = second(group.b[half + i]);
-  }
-  pull_quad(quad, force, least_sq);
+template <typename Real>
+inline Quad<Real> constants_of(const GroupConstants<Real>& group, std::size_t half) {
+  return {{}, {}, &group.stiffness[half], &group.pull[half], &group.damping[half]};
 }
 
 template <typename Group>
@@ -69,20 +62,26 @@ Real add_spring_forces(const BlockSprings<Real>& springs, Real* force) {
   for (const InsideGroup<Real>& group : springs.inside) {
     fetch_lines_ahead(group);
     for (const std::size_t half : {0, 4}) {
-      pull_half(
-          group, half, own, [&](std::uint16_t b) { return own + b / 4; }, pull, least_sq);
+      Quad<Real> quad = constants_of(group, half);
+      quad.a.fill(own + group.hub[half / 4] / 4);
+      for (std::size_t i = 0; i < 4; ++i) quad.b[i] = own + group.b[half + i] / 4;
+      pull_quad(quad, pull, least_sq);
       for (std::size_t i = 0; i < 4; ++i) {
-        Real* on_a = force + group.a[half + i];
         Real* on_b = force + group.b[half + i];
-        (L::load(on_a) + pull[i]).store(on_a);
         (L::load(on_b) - pull[i]).store(on_b);
       }
+      Real* on_hub = force + group.hub[half / 4];
+      (L::load(on_hub) + ((pull[0] + pull[1]) + (pull[2] + pull[3]))).store(on_hub);
     }
   }
   for (const AcrossGroup<Real>& group : springs.across) {
     for (const std::size_t half : {0, 4}) {
-      pull_half(
-          group, half, own, [&](std::uint32_t b) { return springs.all + b; }, pull, least_sq);
+      Quad<Real> quad = constants_of(group, half);
+      for (std::size_t i = 0; i < 4; ++i) {
+        quad.a[i] = own + group.a[half + i] / 4;
+        quad.b[i] = springs.all + group.b[half + i];
+      }
+      pull_quad(quad, pull, least_sq);
       for (std::size_t i = 0; i < 4; ++i) {
         Real* on_a = force + group.a[half + i];
         (L::load(on_a) + pull[i]).store(on_a);

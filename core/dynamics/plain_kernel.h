@@ -22,21 +22,29 @@ inline constexpr std::size_t kGroupSprings = 8;
 /// Vertices of a block at most: 4 x place has to fit 16 bits.
 inline constexpr std::size_t kMostBlockVertices = 16384;
 
-/// Eight springs of one block. `a` holds 4 x the place of the first end within the block; `b` the same of the
-/// second end (16 bits), or for springs that leave the block the second end's place in the whole (32 bits).
-/// 16 bytes a spring in single precision within a block.
-template <typename Real, typename End>
-struct SpringGroup {
-  std::array<std::uint16_t, kGroupSprings> a{};
-  std::array<End, kGroupSprings> b{};
+/// What springs of a group are made of.
+template <typename Real>
+struct GroupConstants {
   std::array<Real, kGroupSprings> stiffness{};
   std::array<Real, kGroupSprings> pull{};  ///< stiffness x rest length
   std::array<Real, kGroupSprings> damping{};
 };
+
+/// Two fans of four springs within a block: springs 0 to 3 meet at hub[0], 4 to 7 at hub[1]. `b` and `hub`
+/// hold 4 x the place of a vertex within the block. 16 bytes a spring in single precision.
 template <typename Real>
-using InsideGroup = SpringGroup<Real, std::uint16_t>;
+struct alignas(32) InsideGroup : GroupConstants<Real> {
+  std::array<std::uint16_t, kGroupSprings> b{};
+  std::array<std::uint16_t, 2> hub{};
+};
+
+/// Eight springs that leave the block. `a` holds 4 x the place within the block of the end there, `b` the
+/// place of the other end in the whole.
 template <typename Real>
-using AcrossGroup = SpringGroup<Real, std::uint32_t>;
+struct AcrossGroup : GroupConstants<Real> {
+  std::array<std::uint16_t, kGroupSprings> a{};
+  std::array<std::uint32_t, kGroupSprings> b{};
+};
 
 /// A block's springs and the vertices that they see.
 template <typename Real>
@@ -51,9 +59,10 @@ struct BlockSprings {
 ///
 ///   f_a = (k - k L / r + (c (w . d)) / r^2) d,  f_b = -f_a,  d = x_b - x_a,  w = v_b - v_a,  r = |d|
 ///
-/// spring after spring in the order of the groups, those within the block first. Each operation is rounded by
-/// itself, in an order that does not depend on the processor. 1 / r is sqrt(r^2) (1 / r^2): root and quotient
-/// then need not wait for each other.
+/// group after group, those within the block first, and in each group spring after spring; the four forces of
+/// a fan are added up as (f_0 + f_1) + (f_2 + f_3) and then to its hub. Each operation is rounded by itself,
+/// in an order that does not depend on the processor. 1 / r is sqrt(r^2) (1 / r^2): root and quotient then
+/// need not wait for each other.
 ///
 /// Returns:  the least r^2, at most 1. Below 1e-36 a spring has no direction; its d is too small to matter.
 template <typename Real>

@@ -55,15 +55,29 @@ PALPATE_AVX2_INLINE __m256 dot(__m256 ax, __m256 ay, __m256 az, __m256 bx, __m25
   return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(ax, bx), _mm256_mul_ps(az, bz)), _mm256_mul_ps(ay, by));
 }
 
-/// `own` and `others` are the particles that a and b count from; b_times turns b into 4 x place.
-template <typename Group>
-PALPATE_AVX2_INLINE Ready prepare(const Group& group, const float* own, const float* others,
-                                  std::size_t b_times, __m256& least_sq) {
-  const auto d = [&](std::size_t i) __attribute__((target("avx2"), always_inline)) {
-    return _mm256_sub_ps(row(others, b_times * group.b[i]), row(own, group.a[i]));
-  };
-  const Halves low = turn(d(0), d(1), d(2), d(3));
-  const Halves high = turn(d(4), d(5), d(6), d(7));
+/// Differences of position and velocity of four springs, a row each.
+struct Rows {
+  __m256 d0;
+  __m256 d1;
+  __m256 d2;
+  __m256 d3;
+};
+
+PALPATE_AVX2_INLINE Rows fan_rows(const std::uint16_t* b, const float* own, std::uint16_t hub) {
+  const __m256 at = row(own, hub);
+  return {_mm256_sub_ps(row(own, b[0]), at), _mm256_sub_ps(row(own, b[1]), at),
+          _mm256_sub_ps(row(own, b[2]), at), _mm256_sub_ps(row(own, b[3]), at)};
+}
+
+PALPATE_AVX2_INLINE __m256 across_row(const AcrossGroup<float>& group, std::size_t i, const float* own,
+                                      const float* all) {
+  return _mm256_sub_ps(row(all, 4 * static_cast<std::size_t>(group.b[i])), row(own, group.a[i]));
+}
+
+PALPATE_AVX2_INLINE Ready prepare(const GroupConstants<float>& group, const Rows& r, const Rows& s,
+                                  __m256& least_sq) {
+  const Halves low = turn(r.d0, r.d1, r.d2, r.d3);
+  const Halves high = turn(s.d0, s.d1, s.d2, s.d3);
   const __m256 dx = _mm256_permute2f128_ps(low.x, high.x, 0x20);
   const __m256 dy = _mm256_permute2f128_ps(low.y, high.y, 0x20);
   const __m256 dz = _mm256_permute2f128_ps(low.z, high.z, 0x20);
@@ -81,8 +95,23 @@ PALPATE_AVX2_INLINE Ready prepare(const Group& group, const float* own, const fl
           _mm256_mul_ps(_mm256_loadu_ps(group.damping.data()), approach)};
 }
 
-template <typename Group>
-PALPATE_AVX2_INLINE Forces pull(const Group& group, const Ready& at) {
+PALPATE_AVX2_INLINE Ready prepare_inside(const InsideGroup<float>& group, const float* own,
+                                         __m256& least_sq) {
+  return prepare(group, fan_rows(group.b.data(), own, group.hub[0]),
+                 fan_rows(group.b.data() + 4, own, group.hub[1]), least_sq);
+}
+
+PALPATE_AVX2_INLINE Ready prepare_across(const AcrossGroup<float>& group, const float* own, const float* all,
+                                         __m256& least_sq) {
+  return prepare(group,
+                 {across_row(group, 0, own, all), across_row(group, 1, own, all),
+                  across_row(group, 2, own, all), across_row(group, 3, own, all)},
+                 {across_row(group, 4, own, all), across_row(group, 5, own, all),
+                  across_row(group, 6, own, all), across_row(group, 7, own, all)},
+                 least_sq);
+}
+
+PALPATE_AVX2_INLINE Forces pull(const GroupConstants<float>& group, const Ready& at) {
   const __m256 inverse = _mm256_mul_ps(at.root, at.inverse_sq);
   const __m256 spring = _mm256_sub_ps(_mm256_loadu_ps(group.stiffness.data()),
                                       _mm256_mul_ps(_mm256_loadu_ps(group.pull.data()), inverse));
@@ -105,20 +134,18 @@ PALPATE_AVX2_INLINE void add(float* to, __m128 what) {
 PALPATE_AVX2_INLINE void take(float* from, __m128 what) {
   _mm_store_ps(from, _mm_sub_ps(_mm_load_ps(from), what));
 }
-PALPATE_AVX2_INLINE void add_pair(float* on_a, float* on_b, __m128 what) {
-  add(on_a, what);
-  take(on_b, what);
-}
-
 PALPATE_AVX2_INLINE void add_inside(const InsideGroup<float>& group, const Forces& f, float* force) {
-  add_pair(force + group.a[0], force + group.b[0], _mm256_castps256_ps128(f.f04));
-  add_pair(force + group.a[1], force + group.b[1], _mm256_castps256_ps128(f.f15));
-  add_pair(force + group.a[2], force + group.b[2], _mm256_castps256_ps128(f.f26));
-  add_pair(force + group.a[3], force + group.b[3], _mm256_castps256_ps128(f.f37));
-  add_pair(force + group.a[4], force + group.b[4], _mm256_extractf128_ps(f.f04, 1));
-  add_pair(force + group.a[5], force + group.b[5], _mm256_extractf128_ps(f.f15, 1));
-  add_pair(force + group.a[6], force + group.b[6], _mm256_extractf128_ps(f.f26, 1));
-  add_pair(force + group.a[7], force + group.b[7], _mm256_extractf128_ps(f.f37, 1));
+  const __m256 sum = _mm256_add_ps(_mm256_add_ps(f.f04, f.f15), _mm256_add_ps(f.f26, f.f37));
+  take(force + group.b[0], _mm256_castps256_ps128(f.f04));
+  take(force + group.b[1], _mm256_castps256_ps128(f.f15));
+  take(force + group.b[2], _mm256_castps256_ps128(f.f26));
+  take(force + group.b[3], _mm256_castps256_ps128(f.f37));
+  add(force + group.hub[0], _mm256_castps256_ps128(sum));
+  take(force + group.b[4], _mm256_extractf128_ps(f.f04, 1));
+  take(force + group.b[5], _mm256_extractf128_ps(f.f15, 1));
+  take(force + group.b[6], _mm256_extractf128_ps(f.f26, 1));
+  take(force + group.b[7], _mm256_extractf128_ps(f.f37, 1));
+  add(force + group.hub[1], _mm256_extractf128_ps(sum, 1));
 }
 
 PALPATE_AVX2_INLINE void add_across(const AcrossGroup<float>& group, const Forces& f, float* force) {
@@ -140,19 +167,27 @@ PALPATE_AVX2 float add_all(const BlockSprings<float>& springs, float* force) {
   const InsideGroup<float>* inside = springs.inside.data();
   if (!springs.inside.empty()) {
     const std::size_t last = springs.inside.size() - 1;
-    Ready now = prepare(inside[0], own, own, 1, least_sq);
+    Ready now = prepare_inside(inside[0], own, least_sq);
     for (std::size_t g = 0; g < last; ++g) {
       fetch_ahead(inside + g + kGroupsAhead);
       fetch_ahead(reinterpret_cast<const char*>(inside + g + kGroupsAhead) + 64);
-      const Ready next = prepare(inside[g + 1], own, own, 1, least_sq);
+      const Ready next = prepare_inside(inside[g + 1], own, least_sq);
       add_inside(inside[g], pull(inside[g], now), force);
       now = next;
     }
     add_inside(inside[last], pull(inside[last], now), force);
   }
   const AcrossGroup<float>* across = springs.across.data();
-  for (std::size_t g = 0; g < springs.across.size(); ++g)
-    add_across(across[g], pull(across[g], prepare(across[g], own, all, 4, least_sq)), force);
+  if (!springs.across.empty()) {
+    const std::size_t last = springs.across.size() - 1;
+    Ready now = prepare_across(across[0], own, all, least_sq);
+    for (std::size_t g = 0; g < last; ++g) {
+      const Ready next = prepare_across(across[g + 1], own, all, least_sq);
+      add_across(across[g], pull(across[g], now), force);
+      now = next;
+    }
+    add_across(across[last], pull(across[last], now), force);
+  }
   __m128 least = _mm_min_ps(_mm256_castps256_ps128(least_sq), _mm256_extractf128_ps(least_sq, 1));
   least = _mm_min_ps(least, _mm_movehl_ps(least, least));
   return _mm_cvtss_f32(_mm_min_ss(least, _mm_shuffle_ps(least, least, 1)));

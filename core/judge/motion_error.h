@@ -31,55 +31,6 @@ std::optional<double> history_error(std::span<const double> time_s,
 /// covariance with the largest eigenvalue, its largest component positive. Nothing if the path stands still.
 std::optional<Vec3> main_direction(std::span<const Vec3> path);
 
-/// amplitude exp(-decay (t - from)) cos(2 pi frequency (t - from) + phase).
-struct Oscillation {
-  double amplitude = 0.0;  ///< at the start of the window, >= 0
-  double phase_rad = 0.0;
-  double frequency_hz = 0.0;
-  double decay_per_s = 0.0;
-};
-
-/// A constant and a sum of oscillations, the strongest at the start of the window first.
-struct OscillationFit {
-  double offset = 0.0;
-  std::vector<Oscillation> oscillations;
-  double unexplained = 0.0;  ///< sqrt(sum (x - fit)^2 / sum (x - mean)^2) over the window's samples
-};
-
-/// Where a signal is fitted: the samples with from <= time <= to.
-struct FitWindow {
-  double from_s = 0.0;
-  double to_s = 0.0;
-};
-
-/// Fits at most `most` oscillations to the samples in the window by least squares: each is found by a scan
-/// over all frequencies that window and samples can tell apart, in what the others leave over; all are then
-/// refined together by the method of Levenberg and Marquardt. No more are added once less than 2% of the
-/// signal is unexplained.
-///
-/// Returns: nothing for fewer than 8 samples in the window, or a signal that doesn't change there.
-std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, std::span<const double> value,
-                                               const FitWindow& window, std::size_t most);
-
-/// Fits as many oscillations as `like` has, from where those are: the k-th belongs to the k-th of `like`
-/// afterwards. Starts at frequencies up to a quarter beside them are tried too; the best counts.
-std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time_s,
-                                                    std::span<const double> value, const FitWindow& window,
-                                                    const OscillationFit& like);
-
-/// Errors of an oscillation against that of a reference in the same window.
-struct OscillationError {
-  double amplitude = 0.0;      ///< amplitude / reference's - 1
-  double phase_deg = 0.0;      ///< phase - reference's, in (-180, 180]
-  double frequency = 0.0;      ///< frequency / reference's - 1
-  double damping_ratio = 0.0;  ///< decay / (2 pi frequency) - reference's
-  std::optional<double>
-      decay;  ///< decay / reference's - 1; nothing if the reference's damping ratio is below 1e-3
-};
-
-/// Requires: a reference with an amplitude and a frequency above zero.
-OscillationError compare_oscillations(const Oscillation& found, const Oscillation& reference);
-
 /// f / r - 1 for each pair, in order; a reference frequency below `rigid_hz` counts as a rigid motion and is
 /// left out. Throws: ContractError for other sizes.
 std::vector<double> frequency_errors(std::span<const double> found_hz, std::span<const double> reference_hz,

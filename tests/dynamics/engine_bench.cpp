@@ -96,14 +96,17 @@ std::array<double, 2> time_medians(benchmark::State& state, int times, const Wor
   return {median(wall), median(cpu)};
 }
 
-/// Times `take_steps(count)`: as many steps at a time as the clock needs, some 0.2 ms at the least; 500 times
-/// at 1.3k vertices, 15 times at 1M.
+/// Times `take_steps(count)` at least 15 times, with as many steps at once as the clock needs (some 0.2 ms);
+/// for an engine that starts its threads at each call with enough to make that small: 20, at 1M vertices 4.
 template <typename TakeSteps>
-void time_steps(benchmark::State& state, const Body& body, const TakeSteps& take_steps) {
+void time_steps(benchmark::State& state, const Body& body, const TakeSteps& take_steps,
+                bool starts_threads = false) {
   const double springs = spring_count(body);
-  const auto steps = static_cast<std::uint64_t>(std::clamp(150000.0 / springs, 1.0, 20.0));
-  const int times = static_cast<int>(std::clamp(4e7 / (static_cast<double>(steps) * springs), 15.0, 500.0));
-  const auto [wall, cpu] = time_medians(state, times, [&] { take_steps(steps); });
+  const double at_once = starts_threads ? std::clamp(3e7 / springs, 4.0, 20.0) : 150000.0 / springs;
+  const auto steps = static_cast<std::uint64_t>(std::clamp(at_once, 1.0, 20.0));
+  const double times = (starts_threads ? 2e8 : 4e7) / (static_cast<double>(steps) * springs);
+  const auto [wall, cpu] =
+      time_medians(state, static_cast<int>(std::clamp(times, 15.0, 1500.0)), [&] { take_steps(steps); });
   const double share = 1e9 / (static_cast<double>(steps) * springs);
   state.counters["ns_per_spring"] = share * wall;
   state.counters["cpu_ns_per_spring"] = share * cpu;
@@ -149,7 +152,8 @@ void time_plain(benchmark::State& state, const PlainOptions& options) {
   engine.set_state(body.start);
   engine.step(body.step_s, kStepsBefore);
   const MotionState before = engine.state();
-  time_steps(state, body, [&](std::uint64_t steps) { engine.step(body.step_s, steps); });
+  time_steps(
+      state, body, [&](std::uint64_t steps) { engine.step(body.step_s, steps); }, true);
   set_hash(state, hash_state(before), engine.uses_avx2() ? "avx2" : "portable");
   state.counters["bytes_per_spring"] = static_cast<double>(engine.bytes_per_step()) / spring_count(body);
   state.counters["across"] = static_cast<double>(engine.springs_across()) / spring_count(body);

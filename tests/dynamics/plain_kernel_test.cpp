@@ -36,9 +36,9 @@ struct RandomBlock {
     for (InsideGroup<Real>& group : inside) {
       fill(group);
       for (std::size_t i = 0; i < kGroupSprings; ++i) {
-        const std::size_t a = random.below(kOwn);
-        group.a[i] = static_cast<std::uint16_t>(4 * a);
-        group.b[i] = static_cast<std::uint16_t>(4 * ((a + 1 + random.below(kOwn - 1)) % kOwn));
+        if (i % 4 == 0) group.hub[i / 4] = static_cast<std::uint16_t>(4 * random.below(kOwn));
+        const std::size_t other = group.hub[i / 4] / 4U + 1 + random.below(kOwn - 1);
+        group.b[i] = static_cast<std::uint16_t>(4 * (other % kOwn));
       }
     }
     for (AcrossGroup<Real>& group : across) {
@@ -52,8 +52,7 @@ struct RandomBlock {
 
   Real draw() { return static_cast<Real>(random.uniform()); }
 
-  template <typename Group>
-  void fill(Group& group) {
+  void fill(GroupConstants<Real>& group) {
     for (std::size_t i = 0; i < kGroupSprings; ++i) {
       group.stiffness[i] = draw();
       group.pull[i] = draw();
@@ -76,8 +75,9 @@ using Force = LargeVector<Real>;
 /// The formula of the header, in long double.
 template <typename Real>
 Force<long double> expected_force(const RandomBlock<Real>& block, Force<long double> force) {
-  const auto pull = [&](const auto& group, std::size_t i, std::size_t b, bool is_inside) {
-    const Particle<Real>& at_a = block.all[kFirst + group.a[i] / 4];
+  const auto pull = [&](const GroupConstants<Real>& group, std::size_t i, std::size_t four_a, std::size_t b,
+                        bool is_inside) {
+    const Particle<Real>& at_a = block.all[kFirst + four_a / 4];
     const Particle<Real>& at_b = block.all[b];
     std::array<long double, 3> d{};
     long double r_sq = 0;
@@ -90,15 +90,16 @@ Force<long double> expected_force(const RandomBlock<Real>& block, Force<long dou
     const long double factor =
         group.stiffness[i] - group.pull[i] / std::sqrt(r_sq) + group.damping[i] * approach / r_sq;
     for (std::size_t k = 0; k < 3; ++k) {
-      force[group.a[i] + k] += factor * d[k];
-      if (is_inside) force[group.b[i] + k] -= factor * d[k];
+      force[four_a + k] += factor * d[k];
+      if (is_inside) force[4 * (b - kFirst) + k] -= factor * d[k];
     }
   };
   for (const auto& group : block.inside) {
-    for (std::size_t i = 0; i < kGroupSprings; ++i) pull(group, i, kFirst + group.b[i] / 4, true);
+    for (std::size_t i = 0; i < kGroupSprings; ++i)
+      pull(group, i, group.hub[i / 4], kFirst + group.b[i] / 4U, true);
   }
   for (const auto& group : block.across) {
-    for (std::size_t i = 0; i < kGroupSprings; ++i) pull(group, i, group.b[i], false);
+    for (std::size_t i = 0; i < kGroupSprings; ++i) pull(group, i, group.a[i], group.b[i], false);
   }
   return force;
 }
@@ -134,7 +135,7 @@ TEST(PlainKernel, WithAvx2TheBitsAreTheSame) {
 
 TEST(PlainKernel, AShortestSpringOfNoLengthIsReturned) {
   RandomBlock<float> block(3);
-  block.inside[2].b[5] = block.inside[2].a[5];
+  block.inside[2].b[5] = block.inside[2].hub[1];
   Force<float> force(4 * kOwn);
   EXPECT_EQ(add_spring_forces(block.springs(), force.data()), 0.0F);
   if (has_avx2()) {

@@ -171,6 +171,17 @@ TEST_F(EngineContest, WhatAMethodCannotDoIsBadInputInTheRecord) {
   EXPECT_THAT(all.at("released/ticks").at("message").get<std::string>(), HasSubstr("there all the time"));
 }
 
+TEST_F(EngineContest, AStepOverTheBoundIsSaid) {
+  run(add_plan(
+      "[{method: engine.ticks, label: ticks, set: {ticks: 100, tick_s: 0.1, steps_per_tick: 1}, scenes: "
+      "[held]}]"));
+  const json record = records().at("held/ticks");
+  EXPECT_EQ(record.at("outcome"), "rejected");
+  EXPECT_EQ(record.at("report").at("outcome"), "diverged");
+  EXPECT_GT(record.at("report").at("fewest_steps_per_tick"), 1);
+  EXPECT_THAT(record.at("notes").dump(), HasSubstr("is over the bound at rest"));
+}
+
 TEST_F(EngineContest, AForceOfTheReferenceStandsBesideTheEngines) {
   const RunResult result =
       run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}, scenes: [held]}]",

@@ -190,7 +190,6 @@ TEST(Scenes, OfTheProjectCanBeReadAndAreNamed) {
   for (const std::string& name : names) {
     const Scene scene = read_scene(scene_path(name));
     EXPECT_EQ(scene.name, name);
-    EXPECT_FALSE(scene.is_dynamic) << name;
   }
 }
 

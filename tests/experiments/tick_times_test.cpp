@@ -63,6 +63,7 @@ TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
   }
   EXPECT_EQ(hash_state(run.state), hash_state(engine.state()));
   options.threads = 2;
+  options.paced = true;
   EXPECT_EQ(run_ticks(model, options).force_n, run.force_n);
 }
 

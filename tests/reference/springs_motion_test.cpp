@@ -7,7 +7,7 @@
 #include <fstream>
 #include <numbers>
 
-#include "core/judge/motion_error.h"
+#include "core/judge/oscillation.h"
 #include "core/mesh/medit.h"
 #include "experiments/contestant_run.h"
 #include "reference/motion_problem.h"
@@ -57,7 +57,7 @@ class MovingSprings : public testing::Test {
     const auto at = std::find(history.columns.begin(), history.columns.end(), name);
     EXPECT_NE(at, history.columns.end()) << name;
     if (at == history.columns.end()) return {};
-  if (at == history.columns.end()) return {};
+    if (at == history.columns.end()) return {};
     std::vector<double> numbers;
     for (const auto& row : history.rows)
       numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);

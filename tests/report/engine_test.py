@@ -59,7 +59,8 @@ class Engine(ReportTest):
         self.run_report()
         rows = {row["scene"]: row for row in self.table("returns.csv")}
         self.assertEqual(list(rows), ["stiff", "soft"])
-        self.assertEqual((rows["stiff"]["left of it"], rows["stiff"]["half after"], rows["stiff"]["a twentieth after"]), ("90%", "not yet", "not yet"))
+        self.assertEqual((rows["stiff"]["left of it"], rows["stiff"]["half after"], rows["stiff"]["a twentieth after"]),
+                         ("90%", "not yet", "not yet"))
         self.assertEqual((rows["soft"]["left of it"], rows["soft"]["a twentieth after"]), ("0.1%", "0.2 s"))
 
     def test_a_slow_decay_is_said_in_minutes_and_as_it_would_be_watched(self):
@@ -87,7 +88,7 @@ class Engine(ReportTest):
         self.run_report(charts=True)
         first = self.charts()
         self.assertEqual(sorted(name for name in first if name.endswith(".svg")),
-                         ["budget.svg", "margins.svg", "phases_soft.svg", "phases_stiff.svg", "returns.svg", "tick_times.svg"])
+                         ["budget.svg", "force.svg", "largest.svg", "margins.svg", "phases_soft.svg", "phases_stiff.svg", "returns.svg", "tick_times.svg"])
         self.run_report(charts=True)
         self.assertEqual(self.charts(), first)
 
