@@ -118,7 +118,8 @@ def draw_shrinkage(cases, folder):
         ax.axhline(1.0, color=INK, linewidth=0.8)
         ax.set_xscale("log")
         ticks = sorted({x for points in labels.values() for x, _, _ in points})
-        ax.set_xticks(ticks, [f"{tick:.3g}" for tick in ticks], fontsize=8)
+        apart = [tick for place, tick in enumerate(ticks) if place == 0 or tick > 1.25 * ticks[place - 1]]
+        ax.set_xticks(ticks, [f"{tick:.3g}" if tick in apart else "" for tick in ticks], fontsize=8)
         ax.xaxis.set_minor_formatter(NullFormatter())
         ax.minorticks_off()
         ax.grid(axis="y")
@@ -194,7 +195,7 @@ def draw_endings(cases, folder):
     ax.set_xticks([i + 0.5 for i in range(len(labels))], [plain_label(label).replace("_", "\n") for label in labels], fontsize=7)
     ax.xaxis.tick_top()
     ax.set_yticks([i + 0.5 for i in range(len(rows))],
-                  [f"{extreme.replace('_', ' ')}  {setting.split(' ', 1)[-1] if ',' not in setting else setting}".strip()
+                  [f"{extreme.replace('_', ' ')}  {', '.join(part.split(' ', 1)[-1] for part in setting.split(', '))}".strip()
                    for extreme, setting in rows], fontsize=6.5)
     ax.set_ylim(len(rows), 0)
     ax.tick_params(length=0)

@@ -92,6 +92,7 @@ TEST(StabilityContest, CasesAreExtremesCrossedWithTheirMeshesContestantsAndValue
       fixture.registry());
   const std::vector<Case> cases = build_cases(plan, fixture.registry());
   std::vector<std::string> ids;
+  ids.reserve(cases.size());
   for (const Case& c : cases) ids.push_back(c.id);
   EXPECT_THAT(ids, ElementsAre("cube/float/a/strain=1.0e-3/seed=1", "cube/float/a/strain=1.0e-3/seed=2",
                                "cube/float/a/strain=1/seed=1", "cube/float/a/strain=1/seed=2",
