@@ -71,9 +71,9 @@ GateLine read_line(const ordered_json& entry, const std::string& where) {
 
 /// Whether the figure is an error against a reference that is not good enough to tell it.
 bool is_marked(const nlohmann::json& record, const Measure& measure) {
-  static const nlohmann::json::json_pointer k_mark("/judge/reference_too_coarse");
-  return std::string_view(measure.name).starts_with("displacement_") && record.contains(k_mark) &&
-         record.at(k_mark) == true;
+  static const nlohmann::json::json_pointer mark_place("/judge/reference_too_coarse");
+  return std::string_view(measure.name).starts_with("displacement_") && record.contains(mark_place) &&
+         record.at(mark_place) == true;
 }
 
 void measure_line(GateLine& line, const std::vector<nlohmann::json>& records) {

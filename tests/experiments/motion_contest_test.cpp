@@ -177,6 +177,41 @@ TEST_F(MotionContest, FromPlanToRecords) {
   EXPECT_THAT(records.at("too_long").at("message").get<std::string>(), HasSubstr("stable step"));
 }
 
+TEST_F(MotionContest, ErrorsInClosedFormAndAnswersThatAreNone) {
+  fixture_.folder().add("block.yaml", plucked().yaml());
+  std::string contestants = "[{method: test.ringing, label: large, set: {factor: 1.1}}";
+  for (const char* behave :
+       {"diverge", "no_outcome", "no_file", "short_file", "no_frequencies", "few_frequencies"})
+    contestants +=
+        std::string(", {method: test.ringing, label: ") + behave + ", set: {behave: " + behave + "}}";
+  const auto plan = add_plan(contestants + "]", "", "{method: test.ringing, levels: 2, set: {bias: 0.04}}");
+  RunOptions options;
+  options.folder = fixture_.folder() / "run";
+  Progress progress(true);
+  run_plan(read_plan(plan, fixture_.registry()), fixture_.registry(), options, progress);
+  std::map<std::string, json> records;
+  for (const json& record : read_records(options.folder / "records.jsonl"))
+    records[record.at("label")] = record;
+  // The truth is 1.01, the coarser level 1.04. The time step changes the rows alone: cubics through rows of 2
+  // ms are off by 3 / 128 (60 / s x 2 ms)^4 = 5e-6 at most, of which a third counts.
+  const double own = 1.04 / 1.01 - 1.0;
+  EXPECT_NEAR(records.at("reference").at("judge").at("own_error").at("probe_l2"), own, 2e-6);
+  const json& large = records.at("large").at("judge");
+  for (const char* name : {"probe_l2", "force_l2", "amplitude_error"})
+    EXPECT_NEAR(large.at(name), 1.1 / 1.01 - 1.0, 1e-6) << name;
+  EXPECT_EQ(large.at("frequency_worst"), 0.0);
+  EXPECT_EQ(records.at("diverge").at("outcome"), "rejected");
+  EXPECT_THAT(records.at("diverge").at("message").get<std::string>(), HasSubstr("its outcome is diverged"));
+  for (const auto& [label, reason] : {std::pair{"no_outcome", "no outcome"},
+                                      {"no_file", "it completed and wrote no history"},
+                                      {"short_file", "a history to 0.2 s"},
+                                      {"no_frequencies", "10 frequencies in the report"},
+                                      {"few_frequencies", "10 frequencies in the report"}}) {
+    EXPECT_EQ(records.at(label).at("outcome"), "bad_answer") << label;
+    EXPECT_THAT(records.at(label).at("message").get<std::string>(), HasSubstr(reason)) << label;
+  }
+}
+
 /// A history of a rod with a pad from 0 to 1 s of 4 s: probe ringing at `hz`, force share(t).
 JudgedMotion ringing(const reference::MotionProblem& problem, double hz, double decay, double size,
                      double force, int rows) {

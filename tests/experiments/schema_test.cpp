@@ -132,6 +132,31 @@ TEST(Schema, RecordsOfTheEngine) {
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
+TEST(Schema, RecordsOfAContestOfMotions) {
+  const test::ExperimentFixture fixture;
+  test::SceneText scene;
+  scene.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.01], elastic_pa_per_m: "
+      "5.0e6}, profile: {times_s: [0, 0.05], shares: [0, 1]}}]";
+  scene.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.2, probes_m: [[0, 0, "
+      "0.1]]}}";
+  fixture.folder().add("block.yaml", scene.yaml());
+  const auto plan = fixture.folder().add(
+      "plan.yaml",
+      "schema: palpate/plan/1\nquestion: q\ncontest: motion\nscenes: [{name: block, file: block.yaml}]\n"
+      "reference: {method: test.ringing, levels: 2, stated_order: 2, set: {bias: 0.1}}\n"
+      "contestants: [test.ringing, {method: test.ringing, label: dive, set: {behave: diverge}}]\n");
+  EXPECT_EQ(validate("plan.schema.json", json::array({read_yaml(plan).json()})), "");
+  const auto folder = fixture.folder() / "run";
+  test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report"});
+  json records = read_records(folder / "records.jsonl");
+  ASSERT_EQ(records.size(), 3U);
+  EXPECT_EQ(validate("record.schema.json", records), "");
+  records[1]["judge"]["probe_l2"] = -1.0;
+  EXPECT_NE(validate("record.schema.json", records), "");
+}
+
 TEST(Schema, RecordsOfARun) {
   const test::ExperimentFixture fixture;
   std::string contestants;
