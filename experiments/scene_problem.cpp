@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.h"
@@ -199,10 +200,30 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
   return made;
 }
 
+namespace {
+
+/// A tool that goes farther than the body is long would take its patch out of it.
+void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
+  const BoundingBox box = bounding_box(mesh.points);
+  const Vec3 size = box.high - box.low;
+  const double longest = std::max({size.x, size.y, size.z});
+  double share = load.profile ? 0.0 : 1.0;
+  if (load.profile) {
+    for (const double each : load.profile->share) share = std::max(share, std::abs(each));
+  }
+  const double way = share * length(load.vector);
+  if (way > longest)
+    throw InputError(load.where + ": the tool leaves the organ: it is moved by " + short_number(way) +
+                     " m, and the organ is " + short_number(longest) + " m long");
+}
+
+}  // namespace
+
 Scene place_scene(Scene scene, const TetMesh& mesh) {
   for (SceneClamp& clamp : scene.clamps) clamp.region = place_region(clamp.region, mesh);
   for (SceneLoad& load : scene.loads) {
     if (load.kind != SceneLoad::Kind::kGravity) load.region = place_region(load.region, mesh);
+    if (load.kind == SceneLoad::Kind::kDisplace) check_tool_stays(load, mesh);
   }
   return scene;
 }

@@ -18,6 +18,7 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
 
 /// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a
 /// simplified one say, it still means the same parts of space.
+/// Throws: InputError for a region far from the mesh, and a tool that is moved farther than the mesh is long.
 Scene place_scene(Scene scene, const TetMesh& mesh);
 
 /// A placed scene on a mesh in metres, by its boundary faces.

@@ -171,7 +171,7 @@ TEST_F(SceneProblem, AClampOrALoadOnNothing) {
   text = {};
   text.load = "[{force: {box: {low_m: [0.2, 0, 0], high_m: [0.3, 1, 1]}, total_n: [1, 0, 0]}}]";
   EXPECT_THAT(error_of(text), HasSubstr("scene.yaml:5: force: the region (box) selects nothing"));
-  text.load = "[{displace: {sphere: {center_m: [0.05, 0.05, 0.05], radius_m: 0.01}, by_m: [1, 0, 0]}}]";
+  text.load = "[{displace: {sphere: {center_m: [0.05, 0.05, 0.05], radius_m: 0.01}, by_m: [0.01, 0, 0]}}]";
   EXPECT_THAT(error_of(text), HasSubstr("scene.yaml:5: displace: the region (sphere) selects nothing"));
 }
 

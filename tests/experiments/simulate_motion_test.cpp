@@ -245,6 +245,20 @@ TEST_F(SimulateMotion, AnEngineThatCannotIsRefusedWithWhat) {
   EXPECT_EQ(preset.at("why_general"), "a volume force");
 }
 
+TEST_F(SimulateMotion, AToolThatIsOffTheOrganOrLeavesItIsRefused) {
+  SceneText beside = pressed(kGood);
+  beside.load = "[{displace: {sphere: {center_m: [0.05, 0.05, 0.3], radius_m: 0.01}, by_m: [0, 0, -0.01]}}]";
+  EXPECT_THAT(error_of(beside), HasSubstr("scene.yaml:5"));
+  SceneText leaves = pressed(kGood);
+  leaves.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, 0.01]}, profile: "
+      "{times_s: [0, 0.05], shares: [0, -50]}}]";
+  EXPECT_THAT(error_of(leaves),
+              AllOf(HasSubstr("scene.yaml:5: the tool leaves the organ: it is moved by 0.5 m, "
+                              "and the organ is "),
+                    HasSubstr(" m long")));
+}
+
 TEST_F(SimulateMotion, LoadsWithTimesAreChecked) {
   SceneText text = pressed(kGood);
   text.load = "[{gravity_m_s2: [0, 0, -1], from_s: 0.05, until_s: 0.01}]";
