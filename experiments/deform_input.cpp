@@ -127,18 +127,24 @@ void describe_problem(const RunPaths& paths, const std::string& id, const Proble
   described[id] = now;
 }
 
+SweptScene place_swept_scene(Scene scene, const json& sweep) {
+  if (sweep.contains("poisson_ratio")) scene.material.poisson_ratio = sweep.at("poisson_ratio").get<double>();
+  std::optional<std::uint64_t> vertices;
+  if (sweep.contains("vertices")) vertices = sweep.at("vertices").get<std::uint64_t>();
+  SweptScene out;
+  out.mesh = build_scene_mesh(scene.mesh, vertices).mesh;
+  out.placed = place_scene(std::move(scene), out.mesh);
+  return out;
+}
+
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
   DeformInput input;
   input.scene = scene.name;
   input.sweep = problem_sweep(sweep);
   input.id = problem_id(scene.name, sweep);
-  Scene own = scene.scene;
-  if (input.sweep.contains("poisson_ratio"))
-    own.material.poisson_ratio = input.sweep.at("poisson_ratio").get<double>();
-  std::optional<std::uint64_t> vertices;
-  if (input.sweep.contains("vertices")) vertices = input.sweep.at("vertices").get<std::uint64_t>();
-  input.own.mesh = build_scene_mesh(own.mesh, vertices).mesh;
-  input.placed = place_scene(std::move(own), input.own.mesh);
+  SweptScene swept = place_swept_scene(scene.scene, input.sweep);
+  input.own.mesh = std::move(swept.mesh);
+  input.placed = std::move(swept.placed);
   input.own.problem = build_problem(input.placed, input.own.mesh);
   write_problem(input.own, folder);
   return input;

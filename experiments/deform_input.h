@@ -57,6 +57,15 @@ nlohmann::json problem_sweep(const nlohmann::json& sweep);
 /// "kidney_gravity/poisson_ratio=0.45".
 std::string problem_id(const std::string& scene, const nlohmann::json& sweep);
 
+/// A scene with what a sweep changes of it, placed on its mesh.
+struct SweptScene {
+  Scene placed;
+  TetMesh mesh;
+};
+
+/// Throws: InputError or UnavailableError as build_scene_mesh and place_scene do.
+SweptScene place_swept_scene(Scene scene, const nlohmann::json& sweep);
+
 /// Makes the mesh, places the scene on it and writes both below `folder`.
 /// Throws: InputError or UnavailableError as build_scene_mesh and build_problem do.
 DeformInput build_input(const PlanScene& scene, const nlohmann::json& sweep,

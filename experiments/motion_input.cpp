@@ -158,13 +158,9 @@ MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const 
   input.scene = scene.name;
   input.sweep = problem_sweep(sweep);
   input.id = problem_id(scene.name, sweep);
-  Scene own = scene.scene;
-  if (input.sweep.contains("poisson_ratio"))
-    own.material.poisson_ratio = input.sweep.at("poisson_ratio").get<double>();
-  std::optional<std::uint64_t> vertices;
-  if (input.sweep.contains("vertices")) vertices = input.sweep.at("vertices").get<std::uint64_t>();
-  input.mesh = build_scene_mesh(own.mesh, vertices).mesh;
-  input.problem = build_motion_problem(place_scene(std::move(own), input.mesh), input.mesh);
+  SweptScene swept = place_swept_scene(scene.scene, input.sweep);
+  input.mesh = std::move(swept.mesh);
+  input.problem = build_motion_problem(swept.placed, input.mesh);
   create_folder(folder);
   input.mesh_file = fs::absolute(folder / "in.mesh");
   input.problem_file = fs::absolute(folder / "problem.json");

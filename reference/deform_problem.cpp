@@ -13,6 +13,7 @@
 #include "core/base/number_text.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/topology.h"
+#include "reference/problem_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -299,12 +300,7 @@ DeformTask read_deform_task(const Request& request) {
   if (request.contest != "deform") throw InputError("contest", 0, "deform", request.contest);
   DeformTask task;
   task.mesh = read_medit(request.input, ReadOrientation::kKeep).mesh;
-  const std::string where = request.problem.string();
-  std::ifstream file(request.problem);
-  if (!file) throw InputError(where, 0, "a readable problem file", "none");
-  const json value = json::parse(file, nullptr, false);
-  if (value.is_discarded()) throw InputError(where, 0, "a JSON object", "something else");
-  task.problem = problem_from_json(value, task.mesh, where);
+  task.problem = problem_from_json(read_problem_file(request.problem), task.mesh, request.problem.string());
   return task;
 }
 

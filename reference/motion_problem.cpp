@@ -13,6 +13,7 @@
 #include "core/mesh/medit.h"
 #include "core/mesh/refinement.h"
 #include "reference/deform_problem.h"
+#include "reference/problem_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -191,12 +192,7 @@ MotionTask read_motion_task(const Request& request) {
   if (request.contest != "motion") throw InputError("contest", 0, "motion", request.contest);
   MotionTask task;
   task.mesh = read_medit(request.input, ReadOrientation::kKeep).mesh;
-  const std::string where = request.problem.string();
-  std::ifstream file(request.problem);
-  if (!file) throw InputError(where, 0, "a readable problem file", "none");
-  const json value = json::parse(file, nullptr, false);
-  if (value.is_discarded()) throw InputError(where, 0, "a JSON object", "something else");
-  task.problem = motion_from_json(value, task.mesh, where);
+  task.problem = motion_from_json(read_problem_file(request.problem), task.mesh, request.problem.string());
   return task;
 }
 

@@ -117,14 +117,16 @@ def draw_displacements(run, found):
     return deform_charts.draw_charts(run, *found, run.folder / "charts")
 
 
-def report_known_answers(run):
-    """Tables and summary of a contest with known answers; returns what its chart is drawn from."""
-    rows = verification.read_rows(run)
-    remove_old(run.folder / "tables", verification.write_tables(rows, run.folder / "tables"))
-    if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
-    print(verification.verification_text(rows) if rows else "no records")
-    return rows
+def report_cases(read, write, text):
+    """A report that reads what it is about, writes its tables and prints its summary; it returns what it read."""
+    def report(run):
+        found = read(run)
+        remove_old(run.folder / "tables", write(found, run.folder / "tables"))
+        if run.plan_data.get("question"):
+            print(f"{run.plan_data['question']}\n")
+        print(text(found) if found else "no records")
+        return found
+    return report
 
 
 def draw_known_answers(run, rows):
@@ -132,29 +134,9 @@ def draw_known_answers(run, rows):
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
-def report_extremes(run):
-    """Tables and summary of a contest of extremes; returns its cases."""
-    cases = stability.read_cases(run)
-    remove_old(run.folder / "tables", stability.write_tables(cases, run.folder / "tables"))
-    if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
-    print(stability.summary_text(cases) if cases else "no records")
-    return cases
-
-
 def draw_extremes(run, cases):
     import stability_charts  # needs matplotlib
     return stability_charts.draw_charts(cases, run.folder / "charts")
-
-
-def report_motions(run):
-    """Tables and summary of a contest of motions; returns what its charts are drawn from."""
-    sections = motion.read_sections(run)
-    remove_old(run.folder / "tables", motion.write_tables(sections, run.folder / "tables"))
-    if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
-    print(motion.table_text(sections) if sections else "no records")
-    return sections
 
 
 def draw_motions(run, sections):
@@ -177,16 +159,6 @@ def report_simplifiers(run):
     return claim
 
 
-def report_engine(run):
-    """Tables and summary of a contest of the engine; returns its cases."""
-    found = engine.read_cases(run)
-    remove_old(run.folder / "tables", engine.write_tables(found, run.folder / "tables"))
-    if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
-    print(engine.engine_text(found))
-    return found
-
-
 def draw_engine(run, found):
     import engine_charts  # needs matplotlib
     return engine_charts.draw_charts(run, found, run.folder / "charts")
@@ -195,10 +167,10 @@ def draw_engine(run, found):
 def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
     of_contest = {
-        "engine": (report_engine, draw_engine),
-        "motion": (report_motions, draw_motions),
-        "stability": (report_extremes, draw_extremes),
-        "verify": (report_known_answers, draw_known_answers),
+        "engine": (report_cases(engine.read_cases, engine.write_tables, engine.engine_text), draw_engine),
+        "motion": (report_cases(motion.read_sections, motion.write_tables, motion.table_text), draw_motions),
+        "stability": (report_cases(stability.read_cases, stability.write_tables, stability.summary_text), draw_extremes),
+        "verify": (report_cases(verification.read_rows, verification.write_tables, verification.verification_text), draw_known_answers),
     }.get(run.plan_data.get("contest"))
     if of_contest is not None:
         return of_contest

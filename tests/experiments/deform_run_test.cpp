@@ -37,32 +37,6 @@ class DeformRun : public testing::Test {
                                      reference + "\ncontestants: " + contestants + "\n" + rest);
   }
 
-  RunResult run(const std::filesystem::path& plan, bool resume = false,
-                const std::string& case_id = "") const {
-    RunOptions options;
-    options.folder = fixture_.folder() / "run";
-    options.resume = resume;
-    options.case_id = case_id;
-    Progress progress(true);
-    return run_plan(read_plan(plan, fixture_.registry()), fixture_.registry(), options, progress);
-  }
-
-  std::map<std::string, json> records() const {
-    std::map<std::string, json> all;
-    for (const json& record : read_records(fixture_.folder() / "run" / "records.jsonl"))
-      all[record.at("case").get<std::string>()] = record;
-    return all;
-  }
-
-  std::string error_of(const std::filesystem::path& plan) const {
-    try {
-      read_plan(plan, fixture_.registry());
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
   test::ExperimentFixture fixture_;
 };
 
@@ -71,10 +45,10 @@ TEST_F(DeformRun, AnErrorOfATenthIsFoundToBeOne) {
       "\n  - {method: test.field, label: exact}\n  - {method: test.field, label: stiff, set: {factor: 0.9}}"
       "\n  - {method: test.field, label: quadratic, set: {factor: 1.1, midpoints: true}}",
       "sweep: {poisson_ratio: [0.25, 0.45]}\n");
-  const RunResult result = run(plan);
+  const RunResult result = fixture_.run(plan);
   EXPECT_FALSE(result.required_rejected);
   EXPECT_FALSE(result.required_failed);
-  const auto all = records();
+  const auto all = fixture_.records();
   for (const char* ratio : {"0.25", "0.45"}) {
     const std::string end = std::string("/poisson_ratio=") + ratio;
     EXPECT_EQ(all.at("block/exact" + end).at("judge").at("displacement_l2"), 0.0);
@@ -96,8 +70,8 @@ TEST_F(DeformRun, TheReferenceIsExtrapolatedAndJudgesItself) {
   // Levels are off by 0.08, 0.02 and 0.005: of second order, so that the extrapolated field is exact.
   const auto plan = add_plan("[{method: test.field, label: off, set: {factor: 1.1}}]", "",
                              "{method: test.field, levels: 3, set: {bias: 0.08}}");
-  run(plan);
-  const auto all = records();
+  fixture_.run(plan);
+  const auto all = fixture_.records();
   const json& reference = all.at("block/reference").at("judge");
   EXPECT_EQ(reference.at("kind"), "extrapolated");
   EXPECT_EQ(reference.at("levels"), 3);
@@ -111,29 +85,31 @@ TEST_F(DeformRun, TheReferenceIsExtrapolatedAndJudgesItself) {
 }
 
 TEST_F(DeformRun, ARowWhoseReferenceIsTooCoarseIsMarked) {
-  run(add_plan(
+  fixture_.run(add_plan(
       "[{method: test.field, label: off, set: {factor: 1.01}}, {method: test.field, label: far, set: "
       "{factor: 3}}]",
       "", "{method: test.field, levels: 2, set: {bias: 0.08}}"));
-  const auto all = records();
+  const auto all = fixture_.records();
   EXPECT_EQ(all.at("block/off").at("judge").at("reference_too_coarse"), true);
   EXPECT_EQ(all.at("block/off").at("outcome"), "accepted") << "marked, not refused";
   EXPECT_EQ(all.at("block/far").at("judge").at("reference_too_coarse"), false);
 }
 
 TEST_F(DeformRun, AReferenceThatIsGoodEnoughRefinesNoFurther) {
-  run(add_plan("[test.field]", "", "{method: test.field, levels: 4, enough: 0.07, set: {bias: 0.08}}"));
-  EXPECT_EQ(records().at("block/reference").at("judge").at("levels"), 2) << "|0.08 - 0.02| is below 0.07";
+  fixture_.run(
+      add_plan("[test.field]", "", "{method: test.field, levels: 4, enough: 0.07, set: {bias: 0.08}}"));
+  EXPECT_EQ(fixture_.records().at("block/reference").at("judge").at("levels"), 2)
+      << "|0.08 - 0.02| is below 0.07";
 }
 
 TEST_F(DeformRun, ReferencesAreSolvedOnceAndKept) {
   const auto plan = add_plan("[test.field]");
-  run(plan);
-  const json first = records().at("block/reference");
+  fixture_.run(plan);
+  const json first = fixture_.records().at("block/reference");
   EXPECT_EQ(first.at("judge").at("level_reports").at(0).at("from_cache"), false);
   std::filesystem::remove_all(fixture_.folder() / "run");
-  run(plan);
-  const json second = records().at("block/reference");
+  fixture_.run(plan);
+  const json second = fixture_.records().at("block/reference");
   EXPECT_EQ(second.at("judge").at("level_reports").at(1).at("from_cache"), true);
   EXPECT_EQ(second.at("judge").at("max_displacement_m"), first.at("judge").at("max_displacement_m"));
   // Another stiffness is another problem: nothing that was kept answers it.
@@ -141,13 +117,14 @@ TEST_F(DeformRun, ReferencesAreSolvedOnceAndKept) {
   softer.material = "{young_modulus_pa: 9999, poisson_ratio: 0.25, density_kg_m3: 1000}";
   fixture_.folder().add("block.yaml", softer.yaml());
   std::filesystem::remove_all(fixture_.folder() / "run");
-  run(plan);
-  EXPECT_EQ(records().at("block/reference").at("judge").at("level_reports").at(0).at("from_cache"), false);
+  fixture_.run(plan);
+  EXPECT_EQ(fixture_.records().at("block/reference").at("judge").at("level_reports").at(0).at("from_cache"),
+            false);
 }
 
 TEST_F(DeformRun, DamagedAnswersInTheCacheAreMadeAgain) {
   const auto plan = add_plan("[test.field]", "", "{method: test.field, levels: 1}");
-  run(plan);
+  fixture_.run(plan);
   std::size_t spoilt = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(fixture_.folder() / "cache")) {
     if (entry.path().filename() != "displacement.csv") continue;
@@ -156,8 +133,8 @@ TEST_F(DeformRun, DamagedAnswersInTheCacheAreMadeAgain) {
   }
   ASSERT_EQ(spoilt, 1U);
   std::filesystem::remove_all(fixture_.folder() / "run");
-  run(plan);
-  const json record = records().at("block/reference");
+  fixture_.run(plan);
+  const json record = fixture_.records().at("block/reference");
   EXPECT_EQ(record.at("judge").at("level_reports").at(0).at("from_cache"), false);
 }
 
@@ -172,10 +149,10 @@ TEST_F(DeformRun, NumericalOutcomesAreDataAndBrokenAnswersAreNot) {
   std::string contestants;
   for (const auto& [behave, outcome] : expected)
     contestants += "\n  - {method: test.field, label: " + behave + ", set: {behave: " + behave + "}}";
-  const RunResult result = run(add_plan(contestants));
+  const RunResult result = fixture_.run(add_plan(contestants));
   EXPECT_TRUE(result.required_rejected);
   EXPECT_TRUE(result.required_failed);
-  const auto all = records();
+  const auto all = fixture_.records();
   for (const auto& [behave, outcome] : expected) {
     const json& record = all.at("block/" + behave);
     EXPECT_EQ(record.at("outcome"), outcome.first) << behave;
@@ -187,9 +164,9 @@ TEST_F(DeformRun, NumericalOutcomesAreDataAndBrokenAnswersAreNot) {
 
 TEST_F(DeformRun, WithoutAReferenceNothingIsJudged) {
   const RunResult result =
-      run(add_plan("[test.field]", "", "{method: test.field, levels: 1, set: {behave: diverge}}"));
+      fixture_.run(add_plan("[test.field]", "", "{method: test.field, levels: 1, set: {behave: diverge}}"));
   EXPECT_TRUE(result.required_failed);
-  const auto all = records();
+  const auto all = fixture_.records();
   EXPECT_EQ(all.at("block/reference").at("outcome"), "error");
   EXPECT_THAT(all.at("block/test.field").at("message").get<std::string>(),
               HasSubstr("nothing to judge it by: level 0 of the reference ended with the outcome diverged"));
@@ -200,8 +177,8 @@ TEST_F(DeformRun, SimplifiedMeshesAreJudgedOnTheScenesOwnVertices) {
       add_plan("[{method: test.field, label: off, set: {factor: 1.1}}]",
                "simplify: [none, {method: test.copy, label: copied, stop: {limit: true}}, {method: "
                "test.copy, label: cut, set: {behave: drop_tet}}]\nsweep: {tets_removed_ratio: [0.2]}\n");
-  run(plan);
-  const auto all = records();
+  fixture_.run(plan);
+  const auto all = fixture_.records();
   EXPECT_EQ(all.count("block/off/simplify=none"), 1U);
   EXPECT_FALSE(all.at("block/off/simplify=none").contains("solved_on"));
   const json& copied = all.at("block/off/simplify=copied");
@@ -217,8 +194,8 @@ TEST_F(DeformRun, AMeshThatASimplifierLeftAsItIsDoesNotCountAsSimplified) {
   const auto plan =
       add_plan("[{method: test.field, label: off}]",
                "simplify: [{method: test.copy, label: lazy}]\nsweep: {tets_removed_ratio: [0.2]}\n");
-  run(plan);
-  const json record = records().at("block/off/simplify=lazy/tets_removed_ratio=0.2");
+  fixture_.run(plan);
+  const json record = fixture_.records().at("block/off/simplify=lazy/tets_removed_ratio=0.2");
   EXPECT_EQ(record.at("outcome"), "error") << record.dump();
   EXPECT_THAT(record.at("message").get<std::string>(), HasSubstr("no tetrahedra were removed"));
 }
@@ -238,45 +215,47 @@ TEST_F(DeformRun, CasesCrossProblemsOptionsAndSimplifiers) {
 
 TEST_F(DeformRun, ResumesAndHoldsProblemsAgainstTheirHashes) {
   const auto plan = add_plan("\n  - {method: test.field, label: a}\n  - {method: test.field, label: b}");
-  run(plan, false, "block/a");
-  EXPECT_EQ(records().count("block/b"), 0U);
-  const RunResult second = run(plan, true);
+  fixture_.run(plan, false, "block/a");
+  EXPECT_EQ(fixture_.records().count("block/b"), 0U);
+  const RunResult second = fixture_.run(plan, true);
   EXPECT_EQ(second.records_added, 1U);
-  EXPECT_EQ(records().count("block/b"), 1U);
+  EXPECT_EQ(fixture_.records().count("block/b"), 1U);
   SceneText other;
   other.load = "[{gravity_m_s2: [0, 0, -1]}]";
   fixture_.folder().add("block.yaml", other.yaml());
-  EXPECT_THROW(run(plan, true), InputError) << "the scene is another one now";
+  EXPECT_THROW(fixture_.run(plan, true), InputError) << "the scene is another one now";
 }
 
 TEST_F(DeformRun, PlansThatAreWrong) {
-  EXPECT_THAT(error_of(add_plan("[test.field]", "meshes: [{name: a, make: bar}]\n")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "meshes: [{name: a, make: bar}]\n")),
               HasSubstr("plan.yaml:7: \"meshes\" belongs to the contest simplify"));
-  EXPECT_THAT(error_of(add_plan("[test.copy]")), HasSubstr("is in the contest simplify, not in deform"));
-  EXPECT_THAT(error_of(add_plan("[{method: test.field, stop: {limit: true}}]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.copy]")),
+              HasSubstr("is in the contest simplify, not in deform"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[{method: test.field, stop: {limit: true}}]")),
               HasSubstr("stops belong to"));
-  EXPECT_THAT(error_of(add_plan("[{method: test.field, label: reference}]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[{method: test.field, label: reference}]")),
               HasSubstr("the reference itself"));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "", "{method: test.unrefined}")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "", "{method: test.unrefined}")),
               HasSubstr("option \"refine\""));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "", "{method: test.field, set: {refine: 1}}")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "", "{method: test.field, set: {refine: 1}}")),
               HasSubstr("follows from"));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "sweep: {poisson_ratio: [0.5]}\n")), HasSubstr("below 0.5"));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "sweep: {poison_ratio: [0.4]}\n")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "sweep: {poisson_ratio: [0.5]}\n")),
+              HasSubstr("below 0.5"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "sweep: {poison_ratio: [0.4]}\n")),
               HasSubstr("did you mean"));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "sweep: {vertices: [500]}\n")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "sweep: {vertices: [500]}\n")),
               HasSubstr("has its mesh from a file"));
-  EXPECT_THAT(error_of(add_plan("[test.field]", "sweep: {tets_removed_ratio: [0.5]}\n")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]", "sweep: {tets_removed_ratio: [0.5]}\n")),
               HasSubstr("\"simplify\""));
   const auto scenes = fixture_.folder().add(
       "scenes.yaml",
       "schema: palpate/plan/1\nquestion: q\ncontest: deform\nscenes: [bar_tensoin]\nreference: {method: "
       "test.field}\ncontestants: [test.field]\n");
-  EXPECT_THAT(error_of(scenes), HasSubstr("did you mean \"bar_tension\"?"));
+  EXPECT_THAT(fixture_.error_of_plan(scenes), HasSubstr("did you mean \"bar_tension\"?"));
   SceneText dynamic;
   dynamic.analysis = "{dynamic: {integrator: velocity_verlet, time_step_s: 0.1, duration_s: 1}}";
   fixture_.folder().add("block.yaml", dynamic.yaml());
-  EXPECT_THAT(error_of(add_plan("[test.field]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[test.field]")),
               HasSubstr("is dynamic; the contest deform takes static ones"));
 }
 

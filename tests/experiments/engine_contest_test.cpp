@@ -61,30 +61,6 @@ class EngineContest : public testing::Test {
                          scenes + "\ncontestants: " + contestants + "\n" + rest);
   }
 
-  RunResult run(const std::filesystem::path& plan, bool resume = false) const {
-    RunOptions options;
-    options.folder = fixture_.folder() / "run";
-    options.resume = resume;
-    Progress progress(true);
-    return run_plan(read_plan(plan, fixture_.registry()), fixture_.registry(), options, progress);
-  }
-
-  std::map<std::string, json> records() const {
-    std::map<std::string, json> all;
-    for (const json& record : read_records(fixture_.folder() / "run" / "records.jsonl"))
-      all[record.at("case").get<std::string>()] = record;
-    return all;
-  }
-
-  std::string error_of(const std::filesystem::path& plan) const {
-    try {
-      read_plan(plan, fixture_.registry());
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
   test::ExperimentFixture fixture_;
 };
 
@@ -94,10 +70,10 @@ TEST_F(EngineContest, ScenesAreReplayedMeasuredAtRestAndTicked) {
       "\n  - {method: engine.rest, label: rest}"
       "\n  - {method: engine.ticks, label: ticks, scenes: [held], set: {ticks: 100, precision: double}}",
       "sweep: {option.engine_threads: [1, 2]}\nrun: {repeats: 2}\n");
-  const RunResult result = run(plan);
+  const RunResult result = fixture_.run(plan);
   EXPECT_FALSE(result.required_rejected);
   EXPECT_FALSE(result.required_failed);
-  const auto all = records();
+  const auto all = fixture_.records();
   ASSERT_EQ(all.size(), 5U);
   for (const auto& [id, record] : all) EXPECT_EQ(record.at("outcome"), "accepted") << id << record.dump();
 
@@ -128,7 +104,7 @@ TEST_F(EngineContest, ScenesAreReplayedMeasuredAtRestAndTicked) {
   EXPECT_GT(one.at("judge").at("held_force_size_n").get<double>(), 0.5);
   EXPECT_LT(one.at("judge").at("held_force_size_n").get<double>(), 3.0);
   EXPECT_FALSE(one.at("judge").contains("force_error"));
-  EXPECT_EQ(run(plan, true).records_added, 0U);
+  EXPECT_EQ(fixture_.run(plan, true).records_added, 0U);
 }
 
 TEST_F(EngineContest, OptionsOfOneContestantSweepItAlone) {
@@ -146,36 +122,39 @@ TEST_F(EngineContest, OptionsOfOneContestantSweepItAlone) {
 
 TEST_F(EngineContest, PlansThatMakeNoSenseAreRefusedWithTheirPlace) {
   const std::string good = "[engine.replay]";
-  EXPECT_THAT(error_of(add_plan("[{method: engine.replay, scenes: [helt]}]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[{method: engine.replay, scenes: [helt]}]")),
               HasSubstr("unknown scene \"helt\"; did you mean \"held\"?"));
-  EXPECT_THAT(error_of(add_plan("[{method: engine.rest, set: {vertices: 100}}]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[{method: engine.rest, set: {vertices: 100}}]")),
               HasSubstr("has its mesh from a file"));
-  EXPECT_THAT(error_of(add_plan("[springs.uniform]")), HasSubstr("is in the contest deform"));
-  EXPECT_THAT(error_of(add_plan(good, "simplify: [none]\n")), HasSubstr("belongs to the contest deform"));
-  EXPECT_THAT(error_of(add_plan(good, "sweep: {vertices: [100]}\n")), HasSubstr("unknown sweep"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[springs.uniform]")), HasSubstr("is in the contest deform"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(good, "simplify: [none]\n")),
+              HasSubstr("belongs to the contest deform"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(good, "sweep: {vertices: [100]}\n")),
+              HasSubstr("unknown sweep"));
   fixture_.folder().add("still.yaml", SceneText().yaml());
-  EXPECT_THAT(error_of(add_plan(good, "", "[{name: still, file: still.yaml}]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(good, "", "[{name: still, file: still.yaml}]")),
               HasSubstr("is static; the contest engine takes dynamic ones"));
-  EXPECT_THAT(error_of(add_plan(good, "", "[kidney_palpatio]")),
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(good, "", "[kidney_palpatio]")),
               HasSubstr("unknown scene \"kidney_palpatio\""));
-  EXPECT_THAT(error_of(add_plan(good, "", "[]")), HasSubstr("at least one"));
-  EXPECT_THAT(error_of(add_plan(good, "", "[{name: a, file: held.yaml}, {name: a, file: held.yaml}]")),
-              HasSubstr("twice"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(good, "", "[]")), HasSubstr("at least one"));
+  EXPECT_THAT(
+      fixture_.error_of_plan(add_plan(good, "", "[{name: a, file: held.yaml}, {name: a, file: held.yaml}]")),
+      HasSubstr("twice"));
 }
 
 TEST_F(EngineContest, WhatAMethodCannotDoIsBadInputInTheRecord) {
-  run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}}]"));
-  const auto all = records();
+  fixture_.run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}}]"));
+  const auto all = fixture_.records();
   EXPECT_EQ(all.at("held/ticks").at("outcome"), "accepted");
   EXPECT_EQ(all.at("released/ticks").at("outcome"), "bad_input");
   EXPECT_THAT(all.at("released/ticks").at("message").get<std::string>(), HasSubstr("there all the time"));
 }
 
 TEST_F(EngineContest, AStepOverTheBoundIsSaid) {
-  run(add_plan(
+  fixture_.run(add_plan(
       "[{method: engine.ticks, label: ticks, set: {ticks: 100, tick_s: 0.1, steps_per_tick: 1}, scenes: "
       "[held]}]"));
-  const json record = records().at("held/ticks");
+  const json record = fixture_.records().at("held/ticks");
   EXPECT_EQ(record.at("outcome"), "rejected");
   EXPECT_EQ(record.at("report").at("outcome"), "diverged");
   EXPECT_GT(record.at("report").at("fewest_steps_per_tick"), 1);
@@ -184,10 +163,10 @@ TEST_F(EngineContest, AStepOverTheBoundIsSaid) {
 
 TEST_F(EngineContest, AForceOfTheReferenceStandsBesideTheEngines) {
   const RunResult result =
-      run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}, scenes: [held]}]",
-                   "reference: {method: test.field}\n"));
+      fixture_.run(add_plan("[{method: engine.ticks, label: ticks, set: {ticks: 100}, scenes: [held]}]",
+                            "reference: {method: test.field}\n"));
   EXPECT_FALSE(result.required_failed);
-  const auto all = records();
+  const auto all = fixture_.records();
   // The test's deformer answers without midpoints, so there is no force of it: that is said, and nothing else
   // is lost.
   EXPECT_EQ(all.at("held/reference").at("outcome"), "bad_answer");

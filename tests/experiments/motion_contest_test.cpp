@@ -76,15 +76,6 @@ class MotionContest : public testing::Test {
                                      reference + "\ncontestants: " + contestants + "\n" + rest);
   }
 
-  std::string plan_error(const std::filesystem::path& plan) const {
-    try {
-      read_plan(plan, fixture_.registry());
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  }
-
   test::ExperimentFixture fixture_;
 };
 
@@ -125,21 +116,27 @@ TEST_F(MotionContest, WhatNotAllContestantsCanHaveIsRefused) {
 TEST_F(MotionContest, PlansThatMakeNoSense) {
   fixture_.folder().add("block.yaml", plucked().yaml());
   const std::string springs = "[moving_springs.van_gelder]";
-  EXPECT_EQ(plan_error(add_plan(springs)), "no error");
-  EXPECT_THAT(plan_error(add_plan("[springs.van_gelder]")), HasSubstr("contest"));
-  EXPECT_THAT(plan_error(add_plan(springs, "", "{method: fem.p2}")), HasSubstr("contest"));
-  EXPECT_THAT(plan_error(add_plan(springs, "", "{method: moving_springs.van_gelder}")), HasSubstr("refine"));
-  EXPECT_THAT(plan_error(add_plan(springs, "", "{method: moving_fem.p2, levels: 1}")), HasSubstr("2"));
-  EXPECT_THAT(plan_error(add_plan(springs, "", "{method: moving_fem.p2, enough: 0.1}")), HasSubstr("enough"));
-  EXPECT_THAT(plan_error(add_plan(springs, "simplify: [none]\n")), HasSubstr("simplify"));
-  EXPECT_THAT(plan_error(add_plan(springs, "charts: [error_bars]\n")), HasSubstr("unknown chart"));
-  EXPECT_THAT(plan_error(add_plan(springs, "sweep: {tets: [100]}\n")), HasSubstr("unknown sweep"));
-  EXPECT_THAT(plan_error(add_plan("[{method: moving_springs.van_gelder, label: reference}]")),
+  EXPECT_EQ(fixture_.error_of_plan(add_plan(springs)), "no error");
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[springs.van_gelder]")), HasSubstr("contest"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "", "{method: fem.p2}")), HasSubstr("contest"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "", "{method: moving_springs.van_gelder}")),
+              HasSubstr("refine"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "", "{method: moving_fem.p2, levels: 1}")),
+              HasSubstr("2"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "", "{method: moving_fem.p2, enough: 0.1}")),
+              HasSubstr("enough"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "simplify: [none]\n")), HasSubstr("simplify"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "charts: [error_bars]\n")),
+              HasSubstr("unknown chart"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "sweep: {tets: [100]}\n")),
+              HasSubstr("unknown sweep"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan("[{method: moving_springs.van_gelder, label: reference}]")),
               HasSubstr("the reference itself"));
-  EXPECT_THAT(plan_error(add_plan("[{method: moving_springs.van_gelder, set: {integrator: euler}}]")),
-              HasSubstr("symplectic_euler"));
+  EXPECT_THAT(
+      fixture_.error_of_plan(add_plan("[{method: moving_springs.van_gelder, set: {integrator: euler}}]")),
+      HasSubstr("symplectic_euler"));
   fixture_.folder().add("block.yaml", SceneText().yaml());
-  EXPECT_THAT(plan_error(add_plan(springs)), HasSubstr("static"));
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs)), HasSubstr("static"));
 }
 
 TEST_F(MotionContest, FromPlanToRecords) {

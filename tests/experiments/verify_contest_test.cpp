@@ -44,12 +44,7 @@ class VerifyPlanErrors : public testing::TestWithParam<BadPlan> {};
 TEST_P(VerifyPlanErrors, NamesLineAndReason) {
   const test::ExperimentFixture fixture;
   const auto plan = add_plan(fixture, GetParam().contestants, GetParam().cases, GetParam().rest);
-  std::string message = "no error";
-  try {
-    read_plan(plan, fixture.registry());
-  } catch (const InputError& error) {
-    message = error.what();
-  }
+  const std::string message = fixture.error_of_plan(plan);
   EXPECT_THAT(message, HasSubstr("plan.yaml:" + std::to_string(GetParam().line) + ":"));
   EXPECT_THAT(message, HasSubstr(GetParam().message));
 }

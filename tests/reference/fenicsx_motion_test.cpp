@@ -4,17 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
-#include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestant_run.h"
 #include "reference/motion_problem.h"
+#include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
-#include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -31,23 +28,13 @@ constexpr double kPi = std::numbers::pi;
 /// Starts a method on a motion.
 class MovingElements : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_EQ(registry_.find("moving_fem.p2")->contestant->unavailable(), ""); }
+  void SetUp() override {
+    ASSERT_EQ(starter_.registry().find("moving_fem.p2")->contestant->unavailable(), "");
+  }
 
   ContestantAnswer run(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
                        const json& options = json::object()) {
-    const auto folder = scratch_ / std::to_string(++asked_);
-    std::filesystem::create_directory(folder);
-    ContestantTask task;
-    task.method = *registry_.find(method);
-    task.mesh_in = folder / "in.mesh";
-    task.problem_in = folder / "problem.json";
-    write_medit(task.mesh_in, mesh);
-    std::ofstream(task.problem_in) << reference::motion_to_json(problem).dump();
-    task.scratch = folder / "scratch";
-    std::filesystem::create_directory(task.scratch);
-    task.options = options;
-    task.timeout_s = 100.0;
-    return run_contestant(task);
+    return starter_.run(method, mesh, reference::motion_to_json(problem), options);
   }
 
   MotionHistory move(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
@@ -67,10 +54,8 @@ class MovingElements : public testing::Test {
     return report_.value("frequencies_hz", std::vector<double>(count));
   }
 
-  const Registry registry_ = load_registry();
-  test::ScratchFolder scratch_;
+  test::ContestantStarter starter_;
   json report_;
-  int asked_ = 0;
 };
 
 /// The numbers of one column.

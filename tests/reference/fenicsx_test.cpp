@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 
-#include "core/mesh/medit.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestant_run.h"
 #include "reference/closed_form/solutions.h"
 #include "reference/deform_problem.h"
-#include "tests/support/scratch_folder.h"
+#include "tests/support/contestant_starter.h"
 
 namespace palpate::experiments {
 namespace {
@@ -30,23 +28,11 @@ using Field = std::function<Vec3(const Vec3&)>;
 /// Starts a method on a problem.
 class FiniteElements : public testing::Test {
  protected:
-  void SetUp() override { ASSERT_EQ(registry_.find("fem.p2")->contestant->unavailable(), ""); }
+  void SetUp() override { ASSERT_EQ(starter_.registry().find("fem.p2")->contestant->unavailable(), ""); }
 
   ContestantAnswer run(const std::string& method, const TetMesh& mesh, const BoundaryProblem& problem,
                        const json& options = json::object()) {
-    const auto folder = scratch_ / std::to_string(++asked_);
-    std::filesystem::create_directory(folder);
-    ContestantTask task;
-    task.method = *registry_.find(method);
-    task.mesh_in = folder / "in.mesh";
-    task.problem_in = folder / "problem.json";
-    write_medit(task.mesh_in, mesh);
-    std::ofstream(task.problem_in) << reference::problem_to_json(problem).dump();
-    task.scratch = folder / "scratch";
-    std::filesystem::create_directory(task.scratch);
-    task.options = options;
-    task.timeout_s = 100.0;
-    return run_contestant(task);
+    return starter_.run(method, mesh, reference::problem_to_json(problem), options);
   }
 
   /// The displacement that it answers: vertices, then edge midpoints.
@@ -61,10 +47,8 @@ class FiniteElements : public testing::Test {
     return reference::read_displacement(answer.output, mesh.points.size(), edges);
   }
 
-  const Registry registry_ = load_registry();
-  test::ScratchFolder scratch_;
+  test::ContestantStarter starter_;
   json report_;
-  int asked_ = 0;
 };
 
 const std::vector<std::string> kMethods{"fem.p1", "fem.p2"};

@@ -3,16 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include "core/judge/oscillation.h"
-#include "core/mesh/medit.h"
 #include "experiments/contestant_run.h"
 #include "reference/motion_problem.h"
+#include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
-#include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -30,18 +27,7 @@ class MovingSprings : public testing::Test {
  protected:
   ContestantAnswer run(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
                        const json& options = json::object()) {
-    const auto folder = scratch_ / std::to_string(++asked_);
-    std::filesystem::create_directory(folder);
-    ContestantTask task;
-    task.method = *registry_.find(method);
-    task.mesh_in = folder / "in.mesh";
-    task.problem_in = folder / "problem.json";
-    write_medit(task.mesh_in, mesh);
-    std::ofstream(task.problem_in) << reference::motion_to_json(problem).dump();
-    task.scratch = folder / "scratch";
-    std::filesystem::create_directory(task.scratch);
-    task.options = options;
-    return run_contestant(task);
+    return starter_.run(method, mesh, reference::motion_to_json(problem), options);
   }
 
   MotionHistory move(const std::string& method, const Rod& rod, const json& options = json::object()) {
@@ -64,10 +50,8 @@ class MovingSprings : public testing::Test {
     return numbers;
   }
 
-  const Registry registry_ = load_registry();
-  test::ScratchFolder scratch_;
+  test::ContestantStarter starter_;
   json report_;
-  int asked_ = 0;
 };
 
 /// Linear elements, no smoothing at all.

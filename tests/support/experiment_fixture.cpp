@@ -2,9 +2,13 @@
 
 #include <cstdlib>
 
+#include "core/base/error.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
+#include "experiments/plan.h"
 #include "experiments/process.h"
+#include "experiments/record_file.h"
+#include "experiments/terminal.h"
 
 namespace palpate::test {
 namespace {
@@ -31,6 +35,32 @@ std::filesystem::path ExperimentFixture::add_plan(const std::string& contestants
       "schema: palpate/plan/1\nquestion: Does it run?\nmeshes: [{name: cube, file: cube.mesh}]\n"
       "contest: simplify\ncontestants: " +
           contestants + "\n" + rest);
+}
+
+experiments::RunResult ExperimentFixture::run(const std::filesystem::path& plan, bool resume,
+                                              const std::string& case_id) const {
+  experiments::RunOptions options;
+  options.folder = folder_ / "run";
+  options.resume = resume;
+  options.case_id = case_id;
+  experiments::Progress progress(true);
+  return experiments::run_plan(experiments::read_plan(plan, registry_), registry_, options, progress);
+}
+
+std::map<std::string, nlohmann::json> ExperimentFixture::records() const {
+  std::map<std::string, nlohmann::json> all;
+  for (const nlohmann::json& record : experiments::read_records(folder_ / "run" / "records.jsonl"))
+    all[record.at("case").get<std::string>()] = record;
+  return all;
+}
+
+std::string ExperimentFixture::error_of_plan(const std::filesystem::path& plan) const {
+  try {
+    experiments::read_plan(plan, registry_);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
 }
 
 ProgramResult run_program(const std::vector<std::string>& arguments) {

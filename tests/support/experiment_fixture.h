@@ -1,10 +1,13 @@
 // What the tests of the runner and the command line share: a mesh, plans, the test contestant, the program.
 #pragma once
 
+#include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "experiments/contestant.h"
+#include "experiments/runner.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::test {
@@ -24,6 +27,14 @@ class ExperimentFixture {
   /// Writes a plan "NAME.yaml" over the mesh: `contestants` is the YAML of that list, `rest` further keys.
   std::filesystem::path add_plan(const std::string& contestants, const std::string& rest = "",
                                  const std::string& name = "plan") const;
+
+  /// Runs a plan into the folder "run"; `case_id` empty: all of it.
+  experiments::RunResult run(const std::filesystem::path& plan, bool resume = false,
+                             const std::string& case_id = "") const;
+  /// The last record of each case of that run.
+  std::map<std::string, nlohmann::json> records() const;
+  /// What read_plan says of a plan; "no error" if nothing.
+  std::string error_of_plan(const std::filesystem::path& plan) const;
 
  private:
   ScratchFolder folder_;
