@@ -5,32 +5,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include "core/base/error.h"
+#include "tests/support/signals.h"
 
 namespace palpate::judge {
 namespace {
 
+using test::ringing;
+using test::times;
+using test::values;
+
 constexpr double kPi = std::numbers::pi;
-
-std::vector<double> times(double end, int intervals) {
-  std::vector<double> out;
-  for (int k = 0; k <= intervals; ++k) out.push_back(end * k / intervals);
-  return out;
-}
-
-std::vector<double> values(const std::vector<double>& at, const std::function<double(double)>& f) {
-  std::vector<double> out(at.size());
-  std::transform(at.begin(), at.end(), out.begin(), f);
-  return out;
-}
-
-/// 0.3 + 2 exp(-decay t) cos(2 pi hz t + 0.4).
-std::function<double(double)> ringing(double hz, double decay) {
-  return [=](double t) { return 0.3 + 2.0 * std::exp(-decay * t) * std::cos(2.0 * kPi * hz * t + 0.4); };
-}
 
 double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
   double worst = 0.0;
