@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "experiments/commands.h"
 #include "experiments/gate.h"
+#include "experiments/places.h"
 #include "experiments/record_file.h"
 #include "experiments/run_folder.h"
 #include "experiments/terminal.h"
@@ -64,7 +65,7 @@ int gate(const GateArguments& arguments) {
   const auto records = read_records(folder / "records.jsonl");
   const std::string plan = plan_of(records, folder);
   const fs::path accepted = arguments.accepted.empty()
-                                ? fs::path(PALPATE_SOURCE_DIR) / "results" / "accepted" / (plan + ".json")
+                                ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")
                                 : fs::path(arguments.accepted);
   GateResult result = hold_against(records, plan, accepted);
   if (arguments.update) {

@@ -14,6 +14,7 @@
 #include "experiments/case_list.h"
 #include "experiments/commands.h"
 #include "experiments/motion_setup.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
@@ -52,7 +53,7 @@ fs::path choose_folder(const RunArguments& arguments, const Plan& plan) {
 
 /// Runs the report over a finished run and prints what it says. Returns false if it failed.
 bool make_report(const fs::path& folder) {
-  const fs::path script = fs::path(PALPATE_SOURCE_DIR) / "report" / "make_report.py";
+  const fs::path script = fs::path(source_folder()) / "report" / "make_report.py";
   if (!fs::exists(script)) return true;
   ProcessSpec spec;
   spec.arguments = {"/usr/bin/python3", script.string(), folder.string()};
@@ -181,7 +182,7 @@ int check(const std::vector<std::string>& files) {
 
 /// Runs ctest on the build that this program comes from, with its output passed through.
 int test(const std::vector<std::string>& extra) {
-  const fs::path build = fs::path(PALPATE_BIN_DIR).parent_path();
+  const fs::path build = fs::path(program_folder()).parent_path();
   std::vector<std::string> arguments{"ctest", "--test-dir", build.string(), "--output-on-failure",
                                      "--no-tests=error"};
   arguments.insert(arguments.end(), extra.begin(), extra.end());

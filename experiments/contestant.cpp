@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
+#include "experiments/places.h"
 
 namespace palpate::experiments {
 namespace {
@@ -236,7 +237,7 @@ Contestant read_contestant(const std::filesystem::path& description,
 }
 
 Registry load_registry() {
-  std::vector<std::filesystem::path> roots{std::filesystem::path(PALPATE_SOURCE_DIR) / "reference"};
+  std::vector<std::filesystem::path> roots{std::filesystem::path(source_folder()) / "reference"};
   if (const char* extra = std::getenv("PALPATE_CONTESTANTS")) {
     std::istringstream list(extra);
     std::string folder;
@@ -250,7 +251,7 @@ Registry load_registry() {
   std::vector<Contestant> contestants;
   for (const auto& root : roots) {
     for (const auto& description : find_descriptions(root)) {
-      contestants.push_back(read_contestant(description, PALPATE_BIN_DIR));
+      contestants.push_back(read_contestant(description, program_folder()));
     }
   }
   return Registry(std::move(contestants));

@@ -12,6 +12,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/mesh_tools.h"
+#include "experiments/places.h"
 
 namespace palpate::experiments {
 namespace {
@@ -65,7 +66,7 @@ std::optional<MadeMesh> load(const std::filesystem::path& mesh_path, const std::
 std::filesystem::path cache_root() {
   const char* moved = std::getenv("PALPATE_CACHE");
   if (moved != nullptr && *moved != '\0') return std::filesystem::absolute(moved);
-  return std::filesystem::path(PALPATE_BIN_DIR).parent_path();
+  return std::filesystem::path(program_folder()).parent_path();
 }
 
 MadeMesh make_cached(const std::string& key, const std::function<MadeMesh()>& make) {

@@ -8,6 +8,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 
 namespace palpate::experiments {
@@ -42,7 +43,7 @@ ScratchFolder::~ScratchFolder() {
 }
 
 std::filesystem::path tool_path(const MeshTool& tool) {
-  return std::filesystem::path(PALPATE_BIN_DIR) / tool.program;
+  return std::filesystem::path(program_folder()) / tool.program;
 }
 
 std::string why_unavailable(const MeshTool& tool) {

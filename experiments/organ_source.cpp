@@ -13,6 +13,7 @@
 #include "experiments/mesh_cache.h"
 #include "experiments/mesh_fill.h"
 #include "experiments/mesh_tools.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 
 namespace palpate::experiments {
@@ -58,8 +59,7 @@ std::filesystem::path organ_image() {
   if (std::filesystem::exists(image)) return image;
   const ScratchFolder scratch;
   ProcessSpec spec;
-  spec.arguments = {"/bin/bash", std::string(PALPATE_SOURCE_DIR) + "/reference/organ_data.sh",
-                    folder.string()};
+  spec.arguments = {"/bin/bash", source_folder() + "/reference/organ_data.sh", folder.string()};
   spec.timeout_s = 600.0;
   spec.standard_error = scratch.file("errors");
   const ProcessResult result = run_process(spec);

@@ -154,8 +154,8 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
 
 /// PROGRAM ARGUMENT... behind palpate_child, as execv wants them.
 std::vector<char*> command_of(const ProcessSpec& spec) {
-  static char starter[] = PALPATE_BIN_DIR "/palpate_child";
-  std::vector<char*> arguments{starter};
+  static std::string starter = program_folder() + "/palpate_child";
+  std::vector<char*> arguments{starter.data()};
   for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);
   return arguments;

@@ -14,6 +14,7 @@
 
 #include "experiments/file_hash.h"
 #include "experiments/measure.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 
 namespace palpate::experiments {
@@ -141,10 +142,10 @@ json compared_measures(const Plan& plan) {
 
 SourceVersion find_source_version() {
   const std::string git = "/usr/bin/git";
-  const std::string commit = output_of({git, "-C", PALPATE_SOURCE_DIR, "rev-parse", "--short=9", "HEAD"});
+  const std::string commit = output_of({git, "-C", source_folder(), "rev-parse", "--short=9", "HEAD"});
   if (commit.empty()) return {"unknown", false};
   const std::string changed =
-      output_of({git, "-C", PALPATE_SOURCE_DIR, "status", "--porcelain", "--untracked-files=no"});
+      output_of({git, "-C", source_folder(), "status", "--porcelain", "--untracked-files=no"});
   return {commit.substr(0, commit.find('\n')), !changed.empty()};
 }
 

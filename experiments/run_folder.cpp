@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "experiments/output_file.h"
+#include "experiments/places.h"
 #include "experiments/provenance.h"
 
 namespace palpate::experiments {
@@ -57,7 +58,7 @@ fs::path RunFolder::fresh_scratch() const {
 }
 
 fs::path results_folder(const std::string& plan_name) {
-  return fs::path(PALPATE_SOURCE_DIR) / "results" / plan_name;
+  return fs::path(source_folder()) / "results" / plan_name;
 }
 
 fs::path new_run_folder(const fs::path& parent) {

@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
+#include "experiments/places.h"
 
 namespace palpate::experiments {
 namespace {
@@ -167,7 +168,7 @@ StrainSize read_strain(const YamlValue& value) {
 }
 
 std::filesystem::path scenes_folder() {
-  return std::filesystem::path(PALPATE_SOURCE_DIR) / "experiments" / "scenes";
+  return std::filesystem::path(source_folder()) / "experiments" / "scenes";
 }
 
 }  // namespace

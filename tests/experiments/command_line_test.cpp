@@ -7,8 +7,10 @@
 
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 #include "tests/support/experiment_fixture.h"
+#include "tests/support/test_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -94,14 +96,15 @@ TEST(CommandLine, HelpHoldsNoTypesOfTheParser) {
 TEST(CommandLine, AFullStandardOutputIsSaid) {
   const test::ScratchFolder folder;
   experiments::ProcessSpec spec;
-  spec.arguments = {PALPATE_BIN_DIR "/palpate", "list", "meshes"};
+  spec.arguments = {experiments::program_folder() + "/palpate", "list", "meshes"};
   spec.standard_output = "/dev/full";
   spec.standard_error = folder / "error";
   EXPECT_EQ(run_process(spec).exit_code, 2);
   EXPECT_THAT(test::bytes_of(folder / "error"), HasSubstr("standard output cannot be written"));
   // A reader that leaves early is no failure.
-  spec.arguments = {"/bin/bash", "-c",
-                    "set -o pipefail; " PALPATE_BIN_DIR "/palpate list contestants | head -n 1"};
+  spec.arguments = {
+      "/bin/bash", "-c",
+      "set -o pipefail; " + experiments::program_folder() + "/palpate list contestants | head -n 1"};
   spec.standard_output = folder / "out";
   EXPECT_EQ(run_process(spec).exit_code, 0);
   EXPECT_EQ(test::bytes_of(folder / "error"), "");
@@ -307,8 +310,7 @@ TEST(CommandLine, UnavailableContestantStopsBeforeAnythingRuns) {
                        "schema: palpate/contestant/1\ncontest: simplify\nprogram: ghost_program\n"
                        "packages: [libghost-dev]\nlicence: MIT\n"
                        "methods: [{name: ghost.walk, summary: none, stops: [limit]}]\n");
-  const std::string folders =
-      std::string(PALPATE_TEST_DIR) + "/contestant:" + fixture.folder().path().string();
+  const std::string folders = test::test_folder() + "/contestant:" + fixture.folder().path().string();
   ::setenv("PALPATE_CONTESTANTS", folders.c_str(), 1);
   const auto needed = fixture.add_plan("[ghost.walk, test.copy]");
   const auto out = fixture.folder() / "run";

@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "experiments/places.h"
 #include "tests/support/experiment_fixture.h"
+#include "tests/support/test_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -128,7 +130,7 @@ TEST(ContestantRun, ProgramThatWasNotBuilt) {
       "ghost/contestant.yaml",
       "schema: palpate/contestant/1\ncontest: simplify\nprogram: ghost_program\npackages: [libghost-dev]\n"
       "licence: MIT\nmethods: [{name: ghost.walk, summary: none, stops: [limit]}]\n");
-  const Registry registry({read_contestant(folder / "ghost/contestant.yaml", PALPATE_BIN_DIR)});
+  const Registry registry({read_contestant(folder / "ghost/contestant.yaml", experiments::program_folder())});
   ContestantTask task;
   task.method = *registry.find("ghost.walk");
   task.scratch = folder.path();
@@ -209,8 +211,8 @@ TEST(Contestant, MethodsHaveTheOptionSetsThatTheyName) {
 }
 
 TEST(Contestant, SameMethodTwiceIsRefused) {
-  const auto file = std::filesystem::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml";
-  const Contestant once = read_contestant(file, PALPATE_BIN_DIR);
+  const auto file = std::filesystem::path(test::test_folder()) / "contestant/contestant.yaml";
+  const Contestant once = read_contestant(file, experiments::program_folder());
   EXPECT_THROW(Registry({once, once}), InputError);
 }
 

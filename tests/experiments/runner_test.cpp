@@ -1,4 +1,5 @@
 #include "experiments/runner.h"
+#include "experiments/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -309,7 +310,7 @@ TEST(Records, FullDiskIsSaid) {
 
 /// Starts `palpate run`, kills it by signal 9 after some time, and returns whether it was still at work.
 bool start_and_kill(const std::vector<std::string>& arguments, std::chrono::microseconds after) {
-  std::vector<std::string> words{PALPATE_BIN_DIR "/palpate"};
+  std::vector<std::string> words{experiments::program_folder() + "/palpate"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   pointers.reserve(words.size() + 1);

@@ -3,11 +3,13 @@
 
 #include <fstream>
 
+#include "experiments/places.h"
 #include "experiments/process.h"
 #include "experiments/record_file.h"
 #include "experiments/yaml_value.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
+#include "tests/support/test_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -26,7 +28,7 @@ std::string validate(const std::string& schema, const json& instances) {
       "print('\\n'.join(errors), end='')\nsys.exit(1 if errors else 0)\n");
   ProcessSpec spec;
   spec.arguments = {"/usr/bin/python3", "-B", script.string(),
-                    std::string(PALPATE_SOURCE_DIR) + "/experiments/schema/" + schema,
+                    experiments::source_folder() + "/experiments/schema/" + schema,
                     folder.add("instances.json", instances.dump()).string()};
   spec.standard_output = folder / "out";
   spec.standard_error = folder / "error";
@@ -46,7 +48,7 @@ json yaml_files(const fs::path& folder, const std::string& name_end) {
 }
 
 TEST(Schema, PlansOfTheProject) {
-  const json plans = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/plans", ".yaml");
+  const json plans = yaml_files(fs::path(experiments::source_folder()) / "experiments/plans", ".yaml");
   ASSERT_GT(plans.size(), 0U);
   EXPECT_EQ(validate("plan.schema.json", plans), "");
   json broken = plans;
@@ -55,7 +57,7 @@ TEST(Schema, PlansOfTheProject) {
 }
 
 TEST(Schema, TrainingPlansOfTheProject) {
-  const json plans = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/training", ".yaml");
+  const json plans = yaml_files(fs::path(experiments::source_folder()) / "experiments/training", ".yaml");
   ASSERT_GT(plans.size(), 0U);
   EXPECT_EQ(validate("training.schema.json", plans), "");
   json broken = plans;
@@ -64,16 +66,16 @@ TEST(Schema, TrainingPlansOfTheProject) {
 }
 
 TEST(Schema, DescriptionsOfTheProject) {
-  json descriptions = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "reference", "contestant.yaml");
+  json descriptions = yaml_files(fs::path(experiments::source_folder()) / "reference", "contestant.yaml");
   ASSERT_GT(descriptions.size(), 0U);
-  descriptions.push_back(read_yaml(fs::path(PALPATE_TEST_DIR) / "contestant/contestant.yaml").json());
+  descriptions.push_back(read_yaml(fs::path(test::test_folder()) / "contestant/contestant.yaml").json());
   EXPECT_EQ(validate("contestant.schema.json", descriptions), "");
   descriptions[0]["methods"][0].erase("stops");
   EXPECT_NE(validate("contestant.schema.json", descriptions), "");
 }
 
 TEST(Schema, ScenesOfTheProject) {
-  const json scenes = yaml_files(fs::path(PALPATE_SOURCE_DIR) / "experiments/scenes", ".yaml");
+  const json scenes = yaml_files(fs::path(experiments::source_folder()) / "experiments/scenes", ".yaml");
   ASSERT_GT(scenes.size(), 0U);
   EXPECT_EQ(validate("scene.schema.json", scenes), "");
   json broken = scenes;

@@ -1,4 +1,5 @@
 #include "experiments/training_plan.h"
+#include "experiments/places.h"
 
 #include <gtest/gtest.h>
 
@@ -84,7 +85,7 @@ TEST(TrainingPlan, ASetMayBeSeveralBlocks) {
 }
 
 TEST(TrainingPlan, ThoseThatAreShippedFindTheirRegionsOnTheirMeshes) {
-  const auto folder = std::filesystem::path(PALPATE_SOURCE_DIR) / "experiments" / "training";
+  const auto folder = std::filesystem::path(experiments::source_folder()) / "experiments" / "training";
   std::size_t plans = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const TrainingPlan plan = read_training_plan(entry.path());

@@ -1,5 +1,6 @@
 // The adapters as the runner starts them: real processes, real files.
 #include "reference/adapter.h"
+#include "experiments/places.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -42,7 +43,7 @@ class Adapter : public ::testing::Test {
     std::ofstream(folder_ / "request.json") << request_text;
     std::filesystem::remove(folder_ / "response.json");
     experiments::ProcessSpec spec;
-    spec.arguments = {std::string(PALPATE_BIN_DIR) + "/" + program, folder_ / "request.json",
+    spec.arguments = {experiments::program_folder() + "/" + program, folder_ / "request.json",
                       folder_ / "response.json"};
     const experiments::ProcessResult result = experiments::run_process(spec);
     EXPECT_EQ(result.end, experiments::ProcessEnd::kExited) << result.message;

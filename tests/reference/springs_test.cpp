@@ -11,6 +11,7 @@
 #include "core/springs/identify.h"
 #include "core/springs/network.h"
 #include "core/springs/springs_csv.h"
+#include "experiments/places.h"
 #include "experiments/process.h"
 #include "reference/deform_problem.h"
 #include "tests/support/dynamics_cases.h"
@@ -54,7 +55,8 @@ class SpringsAdapter : public testing::Test {
                            {"options", options},
                            {"threads", threads}});
     experiments::ProcessSpec spec;
-    spec.arguments = {PALPATE_BIN_DIR "/palpate_springs", path("request.json"), path("response.json")};
+    spec.arguments = {experiments::program_folder() + "/palpate_springs", path("request.json"),
+                      path("response.json")};
     spec.standard_error = folder_ / "error";
     const int code = experiments::run_process(spec).exit_code;
     std::ifstream file(path("response.json"));

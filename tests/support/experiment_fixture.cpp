@@ -5,16 +5,18 @@
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
+#include "experiments/places.h"
 #include "experiments/plan.h"
 #include "experiments/process.h"
 #include "experiments/record_file.h"
 #include "experiments/terminal.h"
+#include "tests/support/test_folder.h"
 
 namespace palpate::test {
 namespace {
 
 experiments::Registry load_with_test_contestant() {
-  ::setenv("PALPATE_CONTESTANTS", PALPATE_TEST_DIR "/contestant", 1);
+  ::setenv("PALPATE_CONTESTANTS", (test_folder() + "/contestant").c_str(), 1);
   return experiments::load_registry();
 }
 
@@ -66,7 +68,7 @@ std::string ExperimentFixture::error_of_plan(const std::filesystem::path& plan) 
 ProgramResult run_program(const std::vector<std::string>& arguments) {
   const ScratchFolder folder;
   experiments::ProcessSpec spec;
-  spec.arguments = {PALPATE_BIN_DIR "/palpate"};
+  spec.arguments = {experiments::program_folder() + "/palpate"};
   spec.arguments.insert(spec.arguments.end(), arguments.begin(), arguments.end());
   spec.standard_output = folder / "out";
   spec.standard_error = folder / "error";
