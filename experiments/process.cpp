@@ -16,9 +16,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <optional>
+#include <string>
 
 #include "core/base/error.h"
 #include "experiments/child/report.h"
+#include "experiments/places.h"
 
 namespace palpate::experiments {
 namespace {
