@@ -5,6 +5,8 @@ answers, and "better" the side that the measure has:
 
   no lower   x is b or better (for a measure where less is better: no higher)
   short      x is worse than b, by the difference shown
+  open       the figures scatter by more than the difference: the 95% intervals of the medians (intervals.py) leave both possible,
+             or there are too few values for such an interval
 
 A peer counts if its answer is accepted and its tetrahedra are within the plan's `equal_count` of those of `of` (not of the
 count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason, and with the
@@ -12,18 +14,25 @@ measures in which it is better at its count. Up to the share `input_up_to_ratio`
 whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
 decided.
 
-The time ratio is the median over repeats of kernel(`time_against`) / kernel(`of`), the two of one round taken together. If
-the comparison has a `time_factor`, the ratio is to be at least that; otherwise it is only shown.
+The time ratio is the median over rounds of kernel(`time_against`) / kernel(`of`), the two of one round taken together (of a label
+with seeds its median over them), with the interval of that median. If the comparison has a `time_factor`, the whole interval is to
+be at least that: below it the ratio is short, across it open. Without a factor the ratio is only shown.
+
+A comparison with `required: true` holds if no finding of it is short, open or cannot be decided; the exit code says so.
 """
 
+import math
 from dataclasses import dataclass, field
 
+import intervals
 from contest import short_sweep
 from equal_count import is_equal, tets_of, tolerance_of
+from intervals import median_interval, percent
 from records import figure, median, present
-from tables import align, median_interval, outcome_text, write_atomically, write_csv
+from tables import align, outcome_text, write_atomically, write_csv
 
 MET, SHORT, OPEN, SHOWN = "met", "short", "cannot be decided", "shown"
+SCATTERS = "open"  # the figures scatter by more than the margin
 TITLES = {
     "percent_above_0_5": "% > 0.5", "percent_above_0_6": "% > 0.6", "mean_quality": "mean", "min_dihedral_deg": "least angle",
     "p1_dihedral_deg": "1% angle", "surface_distance_upper": "distance", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
@@ -39,6 +48,7 @@ class Comparison:
     time_against: str = ""
     time_factor: object = None
     input_up_to_ratio: float = -1.0
+    required: bool = False
 
 
 @dataclass
@@ -52,6 +62,7 @@ class Finding:
     best_label: str = ""
     margin: object = None  # positive where own is better
     reason: str = ""
+    interval: object = None  # of a time ratio
 
 
 @dataclass
@@ -64,9 +75,6 @@ class Row:
     own_tets: object
     findings: list
     left_out: list = field(default_factory=list)  # "label (reason)"
-    time_low: object = None
-    time_high: object = None
-    repeats: int = 0
 
     @property
     def met_text(self):
@@ -84,7 +92,7 @@ def read_comparisons(plan_data):
         ratio = figure(entry, "input_up_to_ratio")
         found.append(Comparison(entry["of"], list(entry["against_best_of"]), list(entry["measures"]),
                                 str(entry.get("time_against") or ""), figure(entry, "time_factor"),
-                                -1.0 if ratio is None else ratio))
+                                -1.0 if ratio is None else ratio, entry.get("required") is True))
     return found
 
 
@@ -105,6 +113,23 @@ def value_of(group, measure):
     """The median of a figure: the judge's over the different answers, any other (times, memory) over the repeats."""
     judged = group.figures("judge", measure)
     return median(judged or present(figure(record, measure) for record in group.accepted()))
+
+
+def round_times(group):
+    """The time of each round of repeats, by its number: of a label with seeds, the median over them."""
+    rounds = {}
+    for record in group.accepted() if group else []:
+        if figure(record, "kernel_s"):
+            rounds.setdefault(record.get("repeat"), []).append(record["kernel_s"])
+    return {number: median(times) for number, times in rounds.items()}
+
+
+def span_of(group, measure):
+    """Between what the median of a figure lies (intervals.span_of): over the different answers, of times over the rounds."""
+    judged = group.figures("judge", measure)
+    if measure == "kernel_s":
+        return intervals.span_of(list(round_times(group).values()))
+    return intervals.span_of(judged or present(figure(record, measure) for record in group.accepted()))
 
 
 def better_in(run, comparison, mesh, sweep, group):
@@ -148,27 +173,36 @@ def decide(own, peers, sign):
     return (MET if margin >= 0 else SHORT), best, label, margin
 
 
+def scatter_text(own, peers, sign):
+    """Why the scatter of the figures leaves open who is better; "" if it does not. All are given by their spans."""
+    low, high = own
+    margins = [(low - greatest, high - least) if sign > 0 else (least - high, greatest - low) for least, greatest in peers]
+    if not margins or all(below >= 0 for below, _ in margins) or any(above < 0 for _, above in margins):
+        return ""
+    if any(math.isinf(below) for below, _ in margins):
+        return "too few values for a 95% interval"
+    return "the figures scatter by more than the difference"
+
+
 def time_finding(run, comparison, mesh, sweep, own):
-    """The finding on time, its interval over repeats and their number."""
+    """The finding on time."""
     other = find_group(run, mesh, sweep, comparison.time_against)
-    times = [{}, {}]
-    for group, found in zip((own, other), times):
-        for record in group.accepted() if group else []:
-            if figure(record, "kernel_s"):
-                found[record.get("repeat"), str(record.get("seed"))] = record["kernel_s"]
-    own_times, other_times = times
+    own_times, other_times = round_times(own), round_times(other)
     ratios = [other_times[key] / own_times[key] for key in own_times if key in other_times]
     if not ratios:
         missing = comparison.of if not own_times else comparison.time_against
-        return Finding("time", OPEN, reason=f"no accepted time of {missing}"), None, None, 0
-    ratio = median(ratios)
-    low, high = median_interval(ratios)
-    low, high = (min(ratios), max(ratios)) if low is None else (low, high)
-    factor = comparison.time_factor
+        return Finding("time", OPEN, reason=f"no accepted time of {missing}")
+    ratio, interval, factor = median(ratios), median_interval(ratios), comparison.time_factor
     if factor is None:
-        return Finding("time", SHOWN, ratio), low, high, len(ratios)
-    finding = Finding("time", MET if ratio >= factor else SHORT, ratio, factor, comparison.time_against, ratio - factor)
-    return finding, low, high, len(ratios)
+        return Finding("time", SHOWN, ratio, interval=interval)
+    finding = Finding("time", SCATTERS, ratio, factor, comparison.time_against, ratio - factor, interval=interval)
+    if interval is None or not interval.keeps_level:
+        finding.reason = f"{len(ratios)} rounds are too few for a 95% interval"
+    elif interval.low >= factor or interval.high < factor:
+        finding.verdict = MET if interval.low >= factor else SHORT
+    else:
+        finding.reason = f"the interval of the time ratio, {interval_text(interval)}, holds {factor:g}"
+    return finding
 
 
 def why_open(comparison, own, value, peers):
@@ -196,11 +230,15 @@ def compare(run, comparison, mesh, sweep):
         reason = ""
         if verdict == OPEN:
             reason = why_open(comparison, own, value, peers)
+        else:
+            spans = {label: span_of(group, measure) for label, group in peers}
+            spans = [spans.get(label, (value, value)) for label, value in values if value is not None]
+            reason = scatter_text(span_of(own, measure), spans, sign_of(run, measure))
+            verdict = SCATTERS if reason else verdict
         findings.append(Finding(measure, verdict, value, best, label, margin, reason))
     row = Row(comparison, mesh, sweep, own_tets, findings, left_out)
     if comparison.time_against:
-        finding, row.time_low, row.time_high, row.repeats = time_finding(run, comparison, mesh, sweep, own)
-        findings.append(finding)
+        findings.append(time_finding(run, comparison, mesh, sweep, own))
     return row
 
 
@@ -225,13 +263,18 @@ def amount(measure, value):
     return f"{value:.{digits}f}"
 
 
+def interval_text(interval):
+    return "" if interval is None else f"[{interval.low:.3g}, {interval.high:.3g}]"
+
+
 def cell(finding):
     if finding.verdict == OPEN:
         return "?"
+    mark = {SHORT: " SHORT", SCATTERS: " OPEN"}.get(finding.verdict, "")
     if finding.measure == "time":
-        return f"{finding.own:.3g}x" + (" SHORT" if finding.verdict == SHORT else "")
+        return f"{finding.own:.3g}x {interval_text(finding.interval)}".rstrip() + mark
     text = amount(finding.measure, finding.margin)
-    return f"{text} SHORT" if finding.verdict == SHORT else (f"+{text}" if finding.margin else "0")
+    return (f"+{text}" if finding.margin > 0 else text if finding.margin else "0") + mark
 
 
 def comparison_table(rows):
@@ -251,8 +294,8 @@ def shortfall_lines(row, with_shortfalls):
     undecided = {}
     for finding in row.findings:
         title = TITLES.get(finding.measure, finding.measure)
-        if finding.verdict == OPEN:
-            undecided.setdefault(finding.reason, []).append(title)
+        if finding.verdict in (OPEN, SCATTERS):
+            undecided.setdefault((finding.verdict, finding.reason), []).append(title)
         elif finding.verdict != SHORT or not with_shortfalls:
             continue
         elif finding.measure == "time":
@@ -262,8 +305,8 @@ def shortfall_lines(row, with_shortfalls):
             yield (f"{place}: {title} {amount(finding.measure, finding.own)}, short of "
                    f"{finding.best_label} ({amount(finding.measure, finding.best)}) by "
                    f"{amount(finding.measure, -finding.margin)}.")
-    for reason, titles in undecided.items():
-        yield f"{place}: {', '.join(titles)} {OPEN}: {reason}."
+    for (verdict, reason), titles in undecided.items():
+        yield f"{place}: {', '.join(titles)} {verdict}: {reason}."
     if row.left_out:
         yield f"{place}: left out: {', '.join(row.left_out)}."
 
@@ -280,8 +323,30 @@ def summary_line(rows):
     text = f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than {peers_text(comparison)}"
     if times and comparison.time_factor is not None:
         text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
-    undecided = sum(finding.verdict == OPEN for finding in [*figures, *times])
-    return text + (f"; {undecided} cannot be decided." if undecided else ".")
+    for verdict in (SCATTERS, OPEN):
+        count = sum(finding.verdict == verdict for finding in [*figures, *times])
+        text += f"; {count} {verdict}" if count else ""
+    return text + "."
+
+
+def time_line(rows):
+    """What the brackets behind the time ratios are; None without any."""
+    kinds = {(f.interval.kind, percent(f.interval.coverage)) for row in rows for f in row.findings if f.interval}
+    if not kinds:
+        return None
+    return "Time ratio: median over rounds [its interval: " + "; ".join(
+        f"{kind} rounds, covers {covers}" for kind, covers in sorted(kinds)) + "]."
+
+
+def failed_requirements(run, rows):
+    """A sentence for each comparison with `required: true` that does not hold."""
+    for comparison in [entry for entry in read_comparisons(run.plan_data) if entry.required]:
+        own = [row for row in rows if row.comparison == comparison]
+        bad = [finding for row in own for finding in row.findings if finding.verdict not in (MET, SHOWN)]
+        if bad or not own:
+            counts = [f"{count} {verdict}" for verdict in (SHORT, SCATTERS, OPEN)
+                      if (count := sum(finding.verdict == verdict for finding in bad))]
+            yield f"the comparison of {comparison.of} with {peers_text(comparison)}: {', '.join(counts) or 'it was not run'}"
 
 
 def comparisons_text(run, rows, with_shortfalls=True):
@@ -291,10 +356,11 @@ def comparisons_text(run, rows, with_shortfalls=True):
         own = [row for row in rows if id(row.comparison) == comparison]
         plan = own[0].comparison
         title = (f"{plan.of} against {peers_text(plan)}, counts within {100 * tolerance_of(run):g}%: "
-                 f"by how much it is better (+) or SHORT")
+                 f"by how much it is better (+), SHORT or OPEN")
         if plan.input_up_to_ratio >= 0:
             title += f"; up to {100 * plan.input_up_to_ratio:g}% removed the input is a peer too"
         lines = [line for row in own for line in shortfall_lines(row, with_shortfalls)]
+        lines += [line for line in [time_line(own)] if line]
         blocks.append("\n".join([title, "", comparison_table(own), "", *lines, summary_line(own)]))
     return "\n\n".join(blocks)
 
@@ -304,13 +370,12 @@ def write_comparisons(run, rows, folder):
     lines = []
     for row in rows:
         for finding in row.findings:
-            is_time = finding.measure == "time"
+            interval = finding.interval
             lines.append([row.mesh, row.sweep, row.comparison.of, row.own_tets, finding.measure, finding.own, finding.best,
                           finding.best_label, finding.margin, finding.verdict, finding.reason, "; ".join(row.left_out),
-                          row.time_low if is_time else None, row.time_high if is_time else None,
-                          row.repeats if is_time else None])
+                          *((interval.low, interval.high, interval.coverage, interval.n) if interval else [None] * 4)])
     write_csv(folder / "comparisons.csv",
               ["mesh", "sweep", "of", "tets", "measure", "value", "best_of_peers", "best_label", "margin", "verdict", "reason",
-               "left_out", "ratio_low", "ratio_high", "repeats"], lines)
+               "left_out", "ratio_low", "ratio_high", "ratio_covers", "rounds"], lines)
     write_atomically(folder / "comparisons.txt", comparisons_text(run, rows) + "\n")
     return {"comparisons.csv", "comparisons.txt"}

@@ -7,6 +7,7 @@ and it decides no target.
 
 from dataclasses import dataclass, field
 
+from intervals import span_of
 from records import figure, median, present
 from tables import first_reason, outcome_text, timing_of
 
@@ -58,6 +59,7 @@ class Row:
     note: str = ""
     has_reference: bool = True
     marks: dict = field(default_factory=dict)
+    spans: dict = field(default_factory=dict)  # of a figure whose answers differ: between what its median lies
 
     @property
     def is_judged(self):
@@ -158,8 +160,9 @@ def read_row(group, references):
     problem, sweep = problem_of(record), sweep_of(record)
     reference = references.get(problem)
     own_errors = own_errors_of(reference, (group.cases() or [record])[0])
+    spans = {name: span_of(group.figures("judge", name)) for name, _, _ in ERRORS if len(set(group.figures("judge", name))) > 1}
     return Row(group.label, group.contestant, problem, str(sweep.get("simplify", "")), sweep.get("tets_removed_ratio"),
-               values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference))
+               values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference), spans=spans)
 
 
 def mark_rows(rows):

@@ -3,12 +3,14 @@
 
     make_report.py RUN_DIR [--no-charts]
 
-Writes RUN_DIR/tables/*.csv and RUN_DIR/charts/*.svg|png, and prints a summary. Exit codes: 0 done; 2 the folder is no run
-folder or a record is broken; 3 matplotlib is missing or a file could not be written.
+Writes RUN_DIR/tables/*.csv and RUN_DIR/charts/*.svg|png, and prints a summary. Exit codes: 0 done; 1 done, but a comparison, a
+target or a claim that the plan marks `required: true` does not hold (the last lines say which); 2 the folder is no run folder or a
+record is broken; 3 matplotlib is missing, a file could not be written, or a fault of the report itself.
 """
 
 import argparse
 import sys
+import traceback
 from dataclasses import dataclass
 
 import comparisons
@@ -44,7 +46,7 @@ def print_summary(run, claim, found):
     else:
         print("Quality: median over seeds [least, greatest]\n")
         print(tables.quality_summary(run))
-        print("\nTime of accepted answers: median and range over repeats\n")
+        print(f"\n{tables.TIMING_TITLE}\n")
         print(tables.timing_summary(run))
     if found.scaling:
         print(f"\n{scaling.scaling_text(found.scaling)}")
@@ -93,7 +95,7 @@ def write_tables(run, claim, found):
 
 
 def report_displacements(run):
-    """Tables and summary of a contest of displacements; returns what its charts are drawn from."""
+    """Tables and summary of a contest of displacements; returns what its charts are drawn from, and what is required and missed."""
     sections = deform.read_sections(run)
     series = convergence.read_series(sections)
     outcomes = targets.judge_targets(run, sections)
@@ -109,7 +111,7 @@ def report_displacements(run):
         print(f"\n{convergence.convergence_text(series)}")
     if outcomes:
         print(f"\n{targets.targets_text(outcomes)}")
-    return sections, series
+    return (sections, series), list(targets.failed_requirements(outcomes))
 
 
 def draw_displacements(run, found):
@@ -118,14 +120,15 @@ def draw_displacements(run, found):
 
 
 def report_cases(read, write, text):
-    """A report that reads what it is about, writes its tables and prints its summary; it returns what it read."""
+    """A report that reads what it is about, writes its tables and prints its summary; it returns what it read. Its plans require
+    nothing."""
     def report(run):
         found = read(run)
         remove_old(run.folder / "tables", write(found, run.folder / "tables"))
         if run.plan_data.get("question"):
             print(f"{run.plan_data['question']}\n")
         print(text(found) if found else "no records")
-        return found
+        return found, []
     return report
 
 
@@ -150,13 +153,14 @@ def draw_simplifiers(run, claim):
 
 
 def report_simplifiers(run):
-    """Tables and summary of a contest of simplifiers; returns its claim."""
+    """Tables and summary of a contest of simplifiers; returns its claim, and what is required and does not hold."""
     claim = verdict.read_claim(run.plan_data)
     equal_count.add_count_notes(run, claim)
     found = find(run, claim)
     write_tables(run, claim, found)
     print_summary(run, claim, found)
-    return claim
+    failed = [*comparisons.failed_requirements(run, found.comparisons), *verdict.failed_requirements(claim, found.verdicts)]
+    return claim, failed
 
 
 def draw_engine(run, found):
@@ -180,10 +184,10 @@ def choose_report(run):
 
 
 def make_report(folder, with_charts):
-    """Does all of it; returns the exit code."""
+    """Does all of it; returns the exit code. What is required and does not hold is said last."""
     run = records.read_run(folder)
     report, draw = choose_report(run)
-    found = report(run)
+    found, failed = report(run)
     said = len(run.notes)
     for note in run.notes:
         print(f"\nnote: {note}")
@@ -198,7 +202,9 @@ def make_report(folder, with_charts):
             print(f"\nnote: {note}")
         if not drawn:
             print("\nnote: no accepted answers: no charts")
-    return 0
+    for what in failed:
+        print(f"\nrequired, and does not hold: {what}")
+    return 1 if failed else 0
 
 
 def main(arguments=None):
@@ -213,6 +219,9 @@ def main(arguments=None):
         return 2
     except OSError as error:
         print(f"report: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        return 3
+    except Exception:  # Python would leave with 1, which stands for something else
+        traceback.print_exc()
         return 3
 
 

@@ -7,9 +7,8 @@ import csv
 import io
 import json
 import os
-import random
-import statistics
 
+from intervals import median_interval, percent
 from records import BUCKETS, figure, histogram, median, present, quantile
 
 QUALITY_FIGURES = [
@@ -21,7 +20,6 @@ VALIDITY_FIGURES = [
     "nonmanifold_vertices", "isolated_vertices", "euler", "euler_unchanged", "components_unchanged",
     "boundary_changed_faces", "volume_drift_relative",
 ]
-BOOTSTRAP_DRAWS = 2000
 
 
 def write_atomically(path, text):
@@ -41,15 +39,6 @@ def write_csv(path, header, rows):
     for row in rows:
         writer.writerow(["" if cell is None else cell for cell in row])
     write_atomically(path, text.getvalue())
-
-
-def median_interval(values, draws=BOOTSTRAP_DRAWS):
-    """The 95% percentile bootstrap interval of the median, from a fixed seed; None for fewer than 5 values."""
-    if len(values) < 5:
-        return None, None
-    generator = random.Random(20080501)
-    medians = sorted(statistics.median(generator.choices(values, k=len(values))) for _ in range(draws))
-    return quantile(medians, 0.025), quantile(medians, 0.975)
 
 
 def histogram_rows(run):
@@ -82,8 +71,20 @@ def quality_rows(run):
                    median(group.figures("judge", "vertices")), median(group.figures("judge", "tets")), group.count_note, *spread]
 
 
+def timed_units(answers):
+    """What an interval of the time is taken over, and its name: the repeats, or, where a label has several seeds, the median of
+    each seed. The repeats of a seed are no sample of the seeds."""
+    times = {}
+    for record in answers:
+        if figure(record, "kernel_s") is not None:
+            times.setdefault(json.dumps(record.get("seed")), []).append(figure(record, "kernel_s"))
+    if len(times) > 1:
+        return [median(own) for own in times.values()], "seeds"
+    return [value for own in times.values() for value in own], "repeats"
+
+
 def timing_of(group):
-    """Times over the accepted repeats: a dict, or None if there is none."""
+    """Times over the accepted repeats: a dict, or None if there is none. The median is that of the units of its interval."""
     answers = group.accepted()
     kernel = present(figure(record, "kernel_s") for record in answers)
     if not kernel:
@@ -97,15 +98,18 @@ def timing_of(group):
         seconds = figure(record, "kernel_s")
         if None not in (before, after, seconds) and seconds > 0:
             rates.append((before - after) / seconds)
-    low, high = median_interval(kernel)
-    return {"n": len(kernel), "kernel_median_s": median(kernel), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
-            "kernel_q1_s": quantile(kernel, 0.25), "kernel_q3_s": quantile(kernel, 0.75), "kernel_median_low_s": low,
-            "kernel_median_high_s": high, "wall_median_s": median(wall), "peak_rss_max_bytes": max(memory, default=None),
+    units, over = timed_units(answers)
+    interval = median_interval(units)
+    return {"n": len(kernel), "kernel_median_s": median(units), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
+            "kernel_q1_s": quantile(kernel, 0.25), "kernel_q3_s": quantile(kernel, 0.75), "kernel_median_low_s": interval and interval.low,
+            "kernel_median_high_s": interval and interval.high, "interval_covers": interval and interval.coverage,
+            "interval_kind": f"{interval.kind} {over}" if interval else "none: one value", "wall_median_s": median(wall), "peak_rss_max_bytes": max(memory, default=None),
             "tets_removed_per_s": median(rates)}
 
 
 TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kernel_q1_s", "kernel_q3_s",
-                  "kernel_median_low_s", "kernel_median_high_s", "wall_median_s", "peak_rss_max_bytes", "tets_removed_per_s"]
+                  "kernel_median_low_s", "kernel_median_high_s", "interval_covers", "interval_kind", "wall_median_s",
+                  "peak_rss_max_bytes", "tets_removed_per_s"]
 
 
 def timing_rows(run):
@@ -245,6 +249,18 @@ def quality_summary(run):
     return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no records"
 
 
+def interval_text(timing):
+    """"[0.21 ms, 0.24 ms]" and what it covers; two empty cells for one value."""
+    if timing["interval_covers"] is None:
+        return ["", ""]
+    ends = [seconds_text(timing[f"kernel_median_{end}_s"]) for end in ("low", "high")]
+    return [f"[{ends[0]}, {ends[1]}]", percent(timing["interval_covers"])]
+
+
+TIMING_TITLE = ("Time of accepted answers: median, [its interval by order statistics], and the chance that such an interval holds the "
+                "true median\n(95% takes 6 repeats; of a label with seeds it is over the seeds)")
+
+
 def timing_summary(run):
     rows = []
     for group in run.groups:
@@ -253,10 +269,9 @@ def timing_summary(run):
             continue
         memory, rate = timing["peak_rss_max_bytes"], timing["tets_removed_per_s"]
         rows.append([group.mesh, group.name, str(timing["n"]), seconds_text(timing["kernel_median_s"]),
-                     f"{seconds_text(timing['kernel_min_s'])} - {seconds_text(timing['kernel_max_s'])}",
-                     seconds_text(timing["wall_median_s"]), "" if memory is None else f"{memory / 2**20:.0f} MiB",
+                     *interval_text(timing), seconds_text(timing["wall_median_s"]), "" if memory is None else f"{memory / 2**20:.0f} MiB",
                      "" if rate is None else f"{rate:,.0f}", group.count_note])
-    header = ["mesh", "label", "n", "kernel", "range", "process", "memory", "tets removed/s", "note"]
+    header = ["mesh", "label", "n", "kernel", "interval", "covers", "process", "memory", "tets removed/s", "note"]
     return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no accepted answers: no times to compare"
 
 

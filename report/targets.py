@@ -1,10 +1,10 @@
 """The plan's targets: a bound on an error over a set of scenes, and by how much it is met or missed.
 
 A target is met if every scene of it is. Where it names several labels, the one that is best over its scenes counts for all
-of them. A scene is within the bound if its figure is; where the reference is not five times better than the figure
-(deform.py), only if that still holds with the reference's own error added, and it is missed only if it is above the bound
-with that error taken away. Between the two, or without a reference or an estimate of its error, it is open. A scene that a label
-did not solve is missed.
+of them. A scene is met if its figure is within the bound with the reference's own error added, and missed if it is above the bound
+with that error taken away. Where answers differ (seeds), the ends of the interval of their median stand for the figure. Between the
+two, or without a reference or an estimate of its error, it is open: what is not known is larger than the margin. A scene that a
+label did not solve is missed.
 """
 
 from dataclasses import dataclass
@@ -67,12 +67,12 @@ def state_of(row, measure, bound):
     value, own = row.values[measure], row.own_errors.get(measure)
     if value is None:
         return MISSED if row.has_reference else OPEN
-    if not row.is_coarse(measure):
-        return MET if value <= bound else MISSED
     if own is None:
         return OPEN
-    spread = own * (1 + value)  # the reference's error is relative to the reference
-    return MET if value + spread <= bound else MISSED if value - spread > bound else OPEN
+    low, high = row.spans.get(measure, (value, value))
+    # The reference's error is relative to the reference.
+    low = max(low, 0.0)
+    return MET if high + own * (1 + high) <= bound else MISSED if low - own * (1 + low) > bound else OPEN
 
 
 def judge_label(target, label, sections, missing):
@@ -86,6 +86,7 @@ def judge_label(target, label, sections, missing):
             ("no reference", [s.title for s, row in zip(sections, rows) if row is not None and not row.has_reference]),
             ("not solved", [s.title for s, row in zip(sections, rows)
                             if row is not None and row.has_reference and row.values[measure] is None]),
+            (OPEN, [s.title for s, row, state in zip(sections, rows, states) if row is not None and row.has_reference and state == OPEN]),
             (f"marked {COARSE}", [s.title for s, row in zip(sections, rows) if row is not None and row.is_coarse(measure)])):
         if chosen:
             notes.append(f"{text}: {len(chosen)} of {len(states)}" if len(chosen) > 2 else f"{text}: {'; '.join(chosen)}")
@@ -123,6 +124,14 @@ def gap_text(outcome):
     return f"{percent_text(outcome.worst - bound)} over ({outcome.worst / bound:.2f} x)"
 
 
+def failed_requirements(outcomes):
+    """A sentence for each target with `required: true` that is not met."""
+    for outcome in outcomes:
+        if outcome.target.get("required") is True and outcome.state != MET:
+            gap = gap_text(outcome)
+            yield f"the target \"{outcome.target.get('text', '')}\": {outcome.state}" + (f", {gap} with {outcome.label}" if gap else "")
+
+
 def targets_text(outcomes):
     rows = []
     for outcome in outcomes:
@@ -134,7 +143,7 @@ def targets_text(outcomes):
     header = ["target", "what", "best label", "at most %", "worst %", "by", "rms %", "worst on", "P1 worst %", "note"]
     states = [outcome.state for outcome in outcomes]
     count = ", ".join(f"{states.count(state)} {state}" for state in (MET, MISSED, OPEN) if state in states)
-    return (f"Targets: {count} ({OPEN}: the reference cannot tell, or scenes are missing)\n\n" + align(header, rows))
+    return (f"Targets: {count} ({OPEN}: the bound is within the error of the reference or the scatter of the answers, or scenes are missing)\n\n" + align(header, rows))
 
 
 def write_targets(outcomes, folder):

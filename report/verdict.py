@@ -1,20 +1,30 @@
 """Holds a run against the claim of its plan, by one rule for all plans.
 
-On each mesh, with b and t the medians over seeds of the claim's measure for its labels `better` and `than`, and s the
-range over seeds of its label `spread` (the same method in random orders), where higher is better if the published
-`better` is above the published `than`:
+On each mesh, with b and t the medians over seeds of the claim's measure for its labels `better` and `than`, where higher is better
+if the published `better` is above the published `than`, and k the number of the n seeds of its label `spread` (the same method in
+random orders) that are at least as good as b:
 
-  reproduces               b is on the published side of t and of the whole range s, and |b - t| is at least half of the
-                           published difference
-  reproduces in sign only  the same, but |b - t| is smaller than half of the published difference
-  does not reproduce       anything else
+  reproduces               b is better than t, by at least half of the published difference, and better than random orders:
+                           (k + 1) / (n + 1) is at most 5%
+  reproduces in sign only  the same, but the difference is less than half of the published one
+  does not reproduce       b is no better than t; or more than 5% of all random orders are at least as good, for certain: the lower
+                           end of Clopper and Pearson's 95% interval of that share, from k of n, is above 5%
+  open                     neither: too few seeds (19 are the least that can show it), or a share that is near 5%; or t has several
+                           values, and the interval of its median (intervals.py) holds b
   cannot be decided        there is no accepted answer of `better` or `than`, or none of `spread` where the claim has one;
                            or those of `than` or `spread` are not at equal count (equal_count.py: within 1% of the
                            tetrahedra of `better`). Seeds of `spread` at another count are left out, which is said.
 
-If nothing is published, the claim is that `better` is higher, and "reproduces" needs no least difference. Over all meshes:
-"reproduces" or "reproduces in sign only" only if each mesh does at least that; one that cannot be decided leaves the whole
-undecided, unless another does not reproduce. (Equal count came to the rule after the first runs; it changed no verdict.)
+(k + 1) / (n + 1) is the chance that an order drawn from the random ones would rank so high among n others: an exact permutation
+test. More seeds make the rule sharper and not harder: an order that is no better than random passes in at most 5% whatever n is,
+one that all but a few random orders fall behind passes the more surely the more of them are run. (Before, b had to be above the
+best of all seeds: a bar that rises with every seed.)
+
+If nothing is published, the claim is that `better` is higher, and "reproduces" needs no least difference. Over all meshes the
+claim does what it does on the weakest of them, because it is made for all: "reproduces" or "reproduces in sign only" only if each
+mesh does at least that; one that is open or cannot be decided leaves the whole so, unless another does not reproduce. The ranks over
+all meshes together, and their chance (intervals.rank_chance), are shown beside it and decide nothing. (Equal count came to the rule
+after the first runs, the ranks after that; neither changed a verdict.)
 """
 
 import statistics
@@ -22,14 +32,17 @@ from dataclasses import dataclass
 from typing import Optional
 
 from equal_count import equal_cases, is_equal, tets_of, tolerance_of
+from intervals import is_share_above, rank_chance, share_interval, span_of
 from records import figure, median, present
 from tables import align, outcome_text, write_atomically, write_csv
 
 REPRODUCES = "reproduces"
 SIGN_ONLY = "reproduces in sign only"
 DOES_NOT = "does not reproduce"
+OPEN = "open"
 UNDECIDED = "cannot be decided"
-LEAST_SHARE = 0.5
+LEAST_SHARE = 0.5  # of the published difference
+RANDOM_SHARE = 0.05  # of the random orders may be at least as good
 
 
 @dataclass
@@ -42,6 +55,7 @@ class Claim:
     spread: str
     published_better: Optional[float]
     published_than: Optional[float]
+    required: bool = False
 
     @property
     def published_difference(self):
@@ -73,6 +87,7 @@ class MeshVerdict:
     better_tets: Optional[float] = None
     than_tets: Optional[float] = None
     left_out: int = 0  # seeds of the spread at another count
+    as_good: int = 0  # seeds of the spread that are at least as good as `better`
 
     @property
     def difference(self):
@@ -86,7 +101,8 @@ def read_claim(plan_data):
         return None
     published = claim.get("published") if isinstance(claim.get("published"), dict) else {}
     return Claim(str(claim.get("text") or ""), str(claim.get("source") or ""), claim["measure"], claim["better"],
-                 claim["than"], str(claim.get("spread") or ""), figure(published, "better"), figure(published, "than"))
+                 claim["than"], str(claim.get("spread") or ""), figure(published, "better"), figure(published, "than"),
+                 claim.get("required") is True)
 
 
 def values_of(group, measure, cases=None):
@@ -96,17 +112,37 @@ def values_of(group, measure, cases=None):
     return values or present(figure(case, measure) for case in cases)
 
 
+def count_as_good(claim, better, spread):
+    """How many values of the spread are at least as good as `better`."""
+    return sum(claim.sign * value >= claim.sign * better for value in spread)
+
+
+def rank_state(as_good, seeds):
+    """How `better` stands among the random orders: REPRODUCES (better than they are), DOES_NOT or OPEN."""
+    if rank_chance([(as_good, seeds)]) <= RANDOM_SHARE:
+        return REPRODUCES
+    return DOES_NOT if is_share_above(as_good, seeds, RANDOM_SHARE) else OPEN
+
+
+def least_difference(claim, better, than):
+    """By how much `better` is better than the median of `than`, at least and at most: its values have an interval if they differ."""
+    low, high = span_of(than)
+    return (better - high, better - low) if claim.sign > 0 else (low - better, high - better)
+
+
 def decide(claim, better, than, spread):
-    """The verdict on one mesh from the two medians and the values of the spread."""
-    sign = claim.sign
-    difference = sign * (better - than)
-    others = [than, *spread]
-    if difference <= 0 or sign * better <= max(sign * value for value in others):
-        return DOES_NOT
+    """The verdict on one mesh from the median of `better` and the values of the others, and why it is open."""
+    least, most = least_difference(claim, better, than)
+    ranked = rank_state(count_as_good(claim, better, spread), len(spread)) if spread else REPRODUCES
+    if most <= 0 or ranked == DOES_NOT:
+        return DOES_NOT, ""
+    if least <= 0:
+        return OPEN, f"{claim.than} scatters by more than the difference"
+    if ranked == OPEN:
+        return OPEN, f"{len(spread)} seeds cannot tell whether more than 5% of all random orders are at least as good"
     published = claim.published_difference
-    if published is not None and difference < LEAST_SHARE * abs(published):
-        return SIGN_ONLY
-    return REPRODUCES
+    is_large = published is None or least >= LEAST_SHARE * abs(published)
+    return (REPRODUCES if is_large else SIGN_ONLY), ""
 
 
 def judge_mesh(run, claim, mesh, sweep):
@@ -133,13 +169,14 @@ def judge_mesh(run, claim, mesh, sweep):
     spread_cases = equal_cases(groups[claim.spread], better_tets, tolerance_of(run)) if claim.spread else []
     spread = values_of(groups[claim.spread], claim.measure, spread_cases) if claim.spread else []
     left_out = len(groups[claim.spread].cases()) - len(spread_cases) if claim.spread else 0
-    outcome, reason = decide(claim, better, than, spread), ""
+    outcome, reason = decide(claim, better, values[claim.than], spread)
     if not is_equal(than_tets, better_tets, tolerance_of(run)):
         outcome, reason = UNDECIDED, unequal_text(claim.better, better_tets, claim.than, than_tets)
     elif claim.spread and not spread:
         outcome = UNDECIDED
         reason = unequal_text(claim.better, better_tets, claim.spread, tets_of(groups[claim.spread]))
-    return MeshVerdict(mesh, sweep, input_value, better, than, spread, outcome, reason, better_tets, than_tets, left_out)
+    return MeshVerdict(mesh, sweep, input_value, better, than, spread, outcome, reason, better_tets, than_tets, left_out,
+                       count_as_good(claim, better, spread))
 
 
 def unequal_text(better, better_tets, other, other_tets):
@@ -159,7 +196,7 @@ def judge_run(run, claim):
 def overall(verdicts):
     """One verdict for all meshes: the weakest."""
     found = {verdict.verdict for verdict in verdicts}
-    for outcome in (DOES_NOT, UNDECIDED, SIGN_ONLY, REPRODUCES):
+    for outcome in (DOES_NOT, UNDECIDED, OPEN, SIGN_ONLY, REPRODUCES):
         if outcome in found:
             return outcome
     return UNDECIDED
@@ -192,7 +229,16 @@ def mesh_sentence(claim, verdict):
     if claim.spread:
         text += f"; {claim.spread} {spread_text(verdict.spread)}"
         text += f" ({verdict.left_out} at another count left out)" if verdict.left_out else ""
-    return f"{text}. {verdict.verdict.capitalize()}."
+        text += f", {verdict.as_good} of them at least as good ({ranks_text([verdict])})"
+    return f"{text}. {verdict.verdict.capitalize()}{': ' if verdict.reason else ''}{verdict.reason}."
+
+
+def ranks_text(verdicts):
+    """The chance of such ranks, and the share of random orders that are at least as good, with its interval."""
+    seen, seeds = sum(verdict.as_good for verdict in verdicts), sum(len(verdict.spread) for verdict in verdicts)
+    low, high = share_interval(seen, seeds)
+    chance = rank_chance([(verdict.as_good, len(verdict.spread)) for verdict in verdicts])
+    return f"{100 * low:.1f}% to {100 * high:.1f}% of all; rank test p = {chance:.2g}"
 
 
 def overall_sentence(claim, verdicts):
@@ -203,7 +249,7 @@ def overall_sentence(claim, verdicts):
     counts = {}
     for verdict in decided:
         counts[verdict.verdict] = counts.get(verdict.verdict, 0) + 1
-    said = ", ".join(f"{outcome} on {count}" for outcome, count in counts.items())
+    said = ", ".join(f"{'is ' if outcome == OPEN else ''}{outcome} on {count}" for outcome, count in counts.items())
     published = ""
     if claim.published_difference is not None:
         published = (f"Published: {claim.published_better:.2f} against {claim.published_than:.2f} "
@@ -211,8 +257,12 @@ def overall_sentence(claim, verdicts):
     differences = [verdict.difference for verdict in decided]
     measured = (f"Measured: {signed(min(differences), claim.unit)} to {signed(max(differences), claim.unit)} over "
                 f"{len(decided)} {'mesh' if len(decided) == 1 else 'meshes'}; the claim {said}. ")
+    ranked = [verdict for verdict in decided if verdict.spread]
+    if len(ranked) > 1:
+        seen, seeds = sum(verdict.as_good for verdict in ranked), sum(len(verdict.spread) for verdict in ranked)
+        measured += f"Of {claim.spread}, {seen} of {seeds} are at least as good as {claim.better} ({ranks_text(ranked)}). "
     left = f"{len(verdicts) - len(decided)} cannot be decided. " if len(decided) < len(verdicts) else ""
-    return f"{published}{measured}{left}Verdict: the claim {overall(verdicts)}."
+    return f"{published}{measured}{left}Verdict: the claim {'is ' if overall(verdicts) == OPEN else ''}{overall(verdicts)}."
 
 
 def verdict_text(claim, verdicts):
@@ -227,18 +277,27 @@ def verdict_text(claim, verdicts):
     return "\n".join(lines)
 
 
+def failed_requirements(claim, verdicts):
+    """A sentence if the claim has `required: true` and does not reproduce on each mesh, in size too."""
+    if claim and claim.required and overall(verdicts) != REPRODUCES:
+        yield f"the claim that {claim.better} beats {claim.than}: it {'is ' if overall(verdicts) == OPEN else ''}{overall(verdicts)}"
+
+
 def write_verdict(claim, verdicts, folder):
     """Writes verdict.csv and verdict.txt."""
     header = ["mesh", "sweep", "measure", "input", "better_label", "better", "than_label", "than", "better_tets", "than_tets", "difference",
-              "spread_label", "spread_n", "spread_mean", "spread_sd", "spread_min", "spread_max", "published_better",
+              "spread_label", "spread_n", "spread_mean", "spread_sd", "spread_min", "spread_max", "at_least_as_good",
+              "share_low", "share_high", "rank_chance", "published_better",
               "published_than", "published_difference", "verdict", "reason"]
     rows = []
     for verdict in verdicts:
         spread = verdict.spread
+        ranks = [verdict.as_good, *share_interval(verdict.as_good, len(spread)),
+                 rank_chance([(verdict.as_good, len(spread))])] if spread else [None] * 4
         rows.append([verdict.mesh, verdict.sweep, claim.measure, verdict.input_value, claim.better, verdict.better,
                      claim.than, verdict.than, verdict.better_tets, verdict.than_tets, verdict.difference, claim.spread, len(spread),
                      statistics.fmean(spread) if spread else None, statistics.stdev(spread) if len(spread) > 1 else None,
-                     min(spread, default=None), max(spread, default=None), claim.published_better, claim.published_than,
+                     min(spread, default=None), max(spread, default=None), *ranks, claim.published_better, claim.published_than,
                      claim.published_difference, verdict.verdict, verdict.reason])
     write_csv(folder / "verdict.csv", header, rows)
     write_atomically(folder / "verdict.txt", verdict_text(claim, verdicts) + "\n")

@@ -8,6 +8,11 @@ import synthetic
 from synthetic import answer
 
 
+def rounds(line, times=9):
+    """An answer with that many repeats, whose times are all alike."""
+    return [{**line, "repeat": i} for i in range(times)]
+
+
 class Contest(ReportTest):
     def run_contest(self, lines, plan=None):
         """The rows of contest.csv by label, and what the report prints."""
@@ -110,8 +115,8 @@ class Comparisons(ReportTest):
         return {row["measure"]: row for row in self.table("comparisons.csv")}, text
 
     def test_against_the_best_peer_figure_by_figure(self):
-        rows, out = self.compare([answer("refined", 96, 0.5, mean=0.66, least=12, kernel_s=0.02),
-                                  answer("cgal_1", 95, 0.5, mean=0.64, least=18, kernel_s=0.21),
+        rows, out = self.compare([*rounds(answer("refined", 96, 0.5, mean=0.66, least=12, kernel_s=0.02)),
+                                  *rounds(answer("cgal_1", 95, 0.5, mean=0.64, least=18, kernel_s=0.21)),
                                   answer("cgal_2", 94, 0.5, mean=0.68, least=17, kernel_s=0.4)])
         self.assertEqual([rows[m]["verdict"] for m in ("percent_above_0_5", "mean_quality", "min_dihedral_deg", "time")],
                          ["met", "short", "short", "met"])
@@ -130,7 +135,7 @@ class Comparisons(ReportTest):
         self.assertIn("by 1e-07", out)
 
     def test_too_slow_is_short(self):
-        rows, out = self.compare([answer("refined", 96, 0.5, kernel_s=0.1), answer("cgal_1", 95, 0.5, kernel_s=0.5)])
+        rows, out = self.compare(rounds(answer("refined", 96, 0.5, kernel_s=0.1)) + rounds(answer("cgal_1", 95, 0.5, kernel_s=0.5)))
         self.assertEqual(rows["time"]["verdict"], "short")
         self.assertIn("5.00 times as fast as cgal_1, 10 times is asked for.", out)
 
@@ -144,12 +149,64 @@ class Comparisons(ReportTest):
 
     def test_the_time_ratio_is_taken_round_by_round(self):
         lines = []
-        for i, load in enumerate((1, 5, 1)):  # the machine is five times slower in the second round
+        for i, load in enumerate((1, 5, 1, 2, 1, 7, 1, 1, 1)):  # the machine is five times slower in the second round
             lines += [answer("refined", 96, 0.5, repeat=i, kernel_s=0.01 * load), answer("cgal_1", 95, 0.5, repeat=i, kernel_s=0.12 * load)]
         rows, _ = self.compare(lines)
         self.assertAlmostEqual(float(rows["time"]["value"]), 12)
         self.assertAlmostEqual(float(rows["time"]["ratio_low"]), 12)
-        self.assertEqual(rows["time"]["repeats"], "3")
+        self.assertEqual((rows["time"]["rounds"], rows["time"]["ratio_covers"]), ("9", "0.9609375"))
+        self.assertIn("order statistics, 2nd to 8th of 9 rounds, covers 96.0%", self.printed)
+
+    def ratios(self, values):
+        """The finding on time of such ratios, round by round, where a factor of 10 is asked for."""
+        lines = [line for i, ratio in enumerate(values)
+                 for line in (answer("refined", 96, 0.5, repeat=i, kernel_s=0.01), answer("cgal_1", 95, 0.5, repeat=i, kernel_s=0.01 * ratio))]
+        rows, out = self.compare(lines)
+        return rows["time"]["verdict"], rows["time"]["reason"], out
+
+    def test_a_ratio_whose_interval_holds_the_factor_is_open(self):
+        self.assertEqual(self.ratios([11, 12, 13, 11, 12, 13, 11, 12, 9])[0], "met")  # the 2nd to the 8th of 9 are above
+        verdict, reason, out = self.ratios([11, 12, 13, 11, 12, 13, 11, 9, 9])
+        self.assertEqual((verdict, reason), ("open", "the interval of the time ratio, [9, 13], holds 10"))
+        self.assertIn("11x [9, 13] OPEN", self.printed)
+        self.assertIn("in 0 of 1; 1 open.", out)
+        self.assertEqual(self.ratios([7, 8, 9, 7, 8, 9, 7, 8, 13])[0], "short")
+
+    def test_a_comparison_that_is_required_decides_the_exit_code(self):
+        entry = {"of": "refined", "against_best_of": ["cgal_1"], "measures": ["percent_above_0_5"], "required": True}
+        plan = {**synthetic.CONTEST, "comparisons": [entry]}
+        last = "required, and does not hold: the comparison of refined with cgal_1: "
+        cases = (([answer("refined", 96), answer("cgal_1", 95)], 0, None), ([answer("refined", 94), answer("cgal_1", 95)], 1, "1 short"),
+                 ([answer("refined", 96), answer("cgal_1", 95, tets=5000)], 1, "1 cannot be decided"),
+                 ([answer("cgal_1", 95)], 1, "it was not run"),
+                 ([*(answer("refined", 90 + i, output_hash=f"h{i}", repeat=i) for i in range(9)), answer("cgal_1", 95)], 1, "1 open"))
+        for lines, code, said in cases:
+            synthetic.write_run(self.folder, lines, plan)
+            found, out, _ = self.report("--no-charts")
+            self.assertEqual(found, code, said)
+            self.assertEqual(out.strip().splitlines()[-1] == f"{last}{said}", code == 1, out[-300:])
+        synthetic.write_run(self.folder, cases[1][0], {**plan, "comparisons": [{**entry, "required": False}]})
+        self.assertEqual(self.report("--no-charts")[0], 0)
+
+    def test_few_rounds_decide_nothing_on_time(self):
+        self.assertEqual(self.ratios([12, 12, 13, 12, 12])[:2], ("open", "5 rounds are too few for a 95% interval"))
+        self.assertEqual(self.ratios([12, 12, 13, 12, 12, 14])[0], "met")
+
+    def test_a_label_with_seeds_is_timed_by_its_median_over_them(self):
+        lines = [answer("refined", 96, 0.5, seed=seed, repeat=i, kernel_s=0.01 * seed) for i in range(9) for seed in (1, 2, 3)]
+        rows, _ = self.compare(lines + rounds(answer("cgal_1", 95, 0.5, kernel_s=0.3)))
+        self.assertEqual((rows["time"]["verdict"], float(rows["time"]["value"])), ("met", 15))
+
+    def test_figures_that_scatter_by_more_than_their_difference_are_open(self):
+        def compare(own, peer):
+            lines = [answer("refined", percent, 0.5, repeat=i, output_hash=f"r{i}") for i, percent in enumerate(own)]
+            lines += [answer("cgal_1", percent, 0.5, repeat=i, output_hash=f"c{i}") for i, percent in enumerate(peer)]
+            row = self.compare(lines)[0]["percent_above_0_5"]
+            return row["verdict"], row["reason"]
+        self.assertEqual(compare([90, 91, 92, 93, 94, 95], [80, 81, 82, 83, 84, 85]), ("met", ""))
+        self.assertEqual(compare([80, 81, 82, 83, 84, 85], [86]), ("short", ""))
+        self.assertEqual(compare([80, 81, 82, 83, 84, 85], [83]), ("open", "the figures scatter by more than the difference"))
+        self.assertEqual(compare([90, 91, 92], [80]), ("open", "too few values for a 95% interval"))
 
     def test_a_peer_at_another_count_or_rejected_is_left_out_and_said(self):
         rows, out = self.compare([answer("refined", 90, 0.5), answer("cgal_1", 99, 0.5, tets=4100),
@@ -188,7 +245,8 @@ class Comparisons(ReportTest):
 
     def test_a_measure_where_less_is_better(self):
         plan = {**synthetic.CONTEST, "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["kernel_s"]}]}
-        lines = [answer("refined", 90, kernel_s=0.3), answer("cgal_1", 90, kernel_s=0.2), answer("cgal_2", 90, kernel_s=0.4)]
+        lines = [line for label, time in (("refined", 0.3), ("cgal_1", 0.2), ("cgal_2", 0.4))
+                 for line in rounds(answer(label, 90, kernel_s=time))]
         rows, _ = self.compare(lines, plan)
         self.assertEqual((rows["kernel_s"]["verdict"], rows["kernel_s"]["best_label"]), ("short", "cgal_1"))
         self.assertAlmostEqual(float(rows["kernel_s"]["margin"]), -0.1)

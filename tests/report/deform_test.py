@@ -146,8 +146,8 @@ class Targets(DeformTest):
         return [reference_record(scene, own, other.get("nu", 0.25), other.get("sweep")), deformed(scene, label, error, own=own, **other)]
 
     def test_met_if_the_worst_scene_is_within_the_bound(self):
-        row = self.judge(self.problem("one", 0.012) + self.problem("two", 0.02))
-        self.assertEqual((row["state"], row["worst"], row["worst_on"]), ("met", "0.02", "two, nu 0.25"))
+        row = self.judge(self.problem("one", 0.012) + self.problem("two", 0.0189))
+        self.assertEqual((row["state"], row["worst"], row["worst_on"]), ("met", "0.0189", "two, nu 0.25"))
 
     def test_missed_by_how_much(self):
         row = self.judge(self.problem("one", 0.012) + self.problem("two", 0.03))
@@ -164,6 +164,33 @@ class Targets(DeformTest):
         self.assertEqual(self.judge(self.problem("one", 0.018, own=0.004))["state"], "open")
         self.assertEqual(self.judge(self.problem("one", 0.021, own=0.0045))["state"], "open")
         self.assertEqual(self.judge(self.problem("one", 0.018, own=None))["state"], "open")
+
+    def test_a_margin_smaller_than_the_references_error_is_open_even_if_the_figure_is_not_marked(self):
+        for error, state in ((0.0188, "met"), (0.0195, "open"), (0.0205, "open"), (0.0212, "missed")):
+            row = self.judge(self.problem("one", error, own=0.001))
+            self.assertEqual((row["state"], "open: one" in row["note"]), (state, state == "open"), error)
+
+    def test_answers_that_scatter_across_the_bound_leave_it_open(self):
+        def state(errors):
+            lines = [reference_record("one", own=0.0001)]
+            return self.judge(lines + [deformed("one", "a", error, own=0.0001, seed=i, output_hash=f"h{i}")
+                                       for i, error in enumerate(errors)])["state"]
+        self.assertEqual(state([0.010, 0.011, 0.012, 0.013, 0.014, 0.015]), "met")
+        self.assertEqual(state([0.015, 0.016, 0.017, 0.018, 0.019, 0.021]), "open")
+        self.assertEqual(state([0.03, 0.04, 0.05, 0.06, 0.07, 0.08]), "missed")
+        self.assertEqual(state([0.010, 0.011, 0.012]), "open", "three values have no 95% interval")
+
+    def test_a_target_that_is_required_decides_the_exit_code(self):
+        target = {"text": "near enough", "labels": ["a"], "at_most": 0.02, "required": True}
+        for error, code, said in ((0.012, 0, ""), (0.0195, 1, "open, 0.0500 under with a"), (0.03, 1, "missed, 1.00 over (1.50 x) with a"),
+                                  (None, 1, "missed")):
+            synthetic.write_run(self.folder, self.problem("one", error), {**synthetic.DEFORM, "targets": [target]})
+            found, out, _ = self.report("--no-charts")
+            self.assertEqual(found, code, error)
+            wanted = f'required, and does not hold: the target "near enough": {said}'
+            self.assertEqual(out.strip().splitlines()[-1] == wanted, code == 1, out[-200:])
+        synthetic.write_run(self.folder, self.problem("one", 0.03), {**synthetic.DEFORM, "targets": [{**target, "required": False}]})
+        self.assertEqual(self.report("--no-charts")[0], 0)
 
     def test_where_the_bound_is_outside_of_what_the_reference_leaves_open_it_is_decided(self):
         self.assertEqual(self.judge(self.problem("one", 0.002, own=0.001))["state"], "met")
@@ -211,7 +238,7 @@ class Targets(DeformTest):
     def test_sets_of_scenes_and_other_errors(self):
         lines = self.problem("one", 0.01) + self.problem("two", 0.5)
         _, _ = self.run_deform(lines, scene_sets={"near": ["one"]}, targets=[
-            {"text": "t", "labels": "a", "scenes": "near", "measure": "displacement_max", "at_most": 0.014}])
+            {"text": "t", "labels": "a", "scenes": "near", "measure": "displacement_max", "at_most": 0.0125}])
         row = self.table("targets.csv")[0]  # max is 1.5 times the L2 error
         self.assertEqual((row["state"], row["worst"]), ("missed", "0.015"))
 

@@ -1,6 +1,7 @@
 """The report on made-up records: tables, verdict, charts, and what it says of a run that is not whole."""
 
 import json
+import math
 import unittest
 from unittest import mock
 
@@ -8,7 +9,6 @@ from support import ReportTest
 import equal_count
 import records
 import synthetic
-import tables
 import verdict
 
 
@@ -49,12 +49,29 @@ class Tables(ReportTest):
             row, = self.table("timing.csv")
             self.assertEqual((row["wall_median_s"], row["peak_rss_max_bytes"], row["n"]), (wall, memory, str(len(chosen))))
 
-    def test_interval_of_the_median_is_repeatable_and_holds_the_median(self):
-        values = [0.01 * (i % 7 + 1) for i in range(20)]
-        low, high = tables.median_interval(values)
-        self.assertEqual((low, high), tables.median_interval(values))
-        self.assertTrue(min(values) <= low <= 0.04 <= high <= max(values))
-        self.assertEqual(tables.median_interval(values[:4]), (None, None))
+    def test_the_interval_of_the_median_says_its_kind_and_what_it_covers(self):
+        lines = [synthetic.record("kidney", "nine", 70, repeat=i, kernel_s=0.001 * (9 - i)) for i in range(9)]
+        lines += [synthetic.record("kidney", "five", 70, repeat=i, kernel_s=0.001 * (5 - i)) for i in range(5)]
+        lines += [synthetic.record("kidney", "one", 70)]
+        synthetic.write_run(self.folder, lines, {})
+        _, out, _ = self.report("--no-charts")
+        rows = {row["label"]: row for row in self.table("timing.csv")}
+        cells = lambda label: [rows[label][f"kernel_median_{end}_s"] for end in ("low", "high")] + [
+            rows[label]["interval_covers"], rows[label]["interval_kind"]]
+        self.assertEqual(cells("nine"), ["0.002", "0.008", "0.9609375", "order statistics, 2nd to 8th of 9 repeats"])
+        self.assertEqual(cells("five"), ["0.001", "0.005", "0.9375", "order statistics, 1st to 5th of 5 repeats"])
+        self.assertEqual(cells("one"), ["", "", "", "none: one value"])
+        self.assertIn("[2.00 ms, 8.00 ms]   96.0%", out)
+        self.assertIn("[1.00 ms, 5.00 ms]   93.7%", out)
+
+    def test_the_interval_of_a_label_with_seeds_is_over_the_seeds(self):
+        lines = [synthetic.record("kidney", "a", 70, seed=seed, repeat=i, kernel_s=0.001 * seed + 0.0001 * i)
+                 for seed in range(1, 7) for i in range(3)]
+        synthetic.write_run(self.folder, lines, {})
+        self.report("--no-charts")
+        row, = self.table("timing.csv")
+        self.assertEqual((row["n"], row["interval_kind"]), ("18", "order statistics, 1st to 6th of 6 seeds"))
+        self.assertEqual([round(float(row[f"kernel_median_{end}_s"]), 6) for end in ("low", "high")], [0.0011, 0.0061])
 
     def test_validity_lists_every_outcome_and_why(self):
         lines = [synthetic.record("kidney", "a", 70),
@@ -89,18 +106,57 @@ class Tables(ReportTest):
 class Verdict(ReportTest):
     CLAIM = verdict.Claim("", "", "percent_above_0_5", "a", "b", "c", 63.33, 45.71)
 
+    def decide(self, better, than, spread, claim=None):
+        return verdict.decide(claim or self.CLAIM, better, [than], spread)[0]
+
     def test_rule(self):
-        cases = [((80, 60, [58, 62]), verdict.REPRODUCES), ((70, 61, [58, 62]), verdict.REPRODUCES),
-                 ((68, 60, [58, 62]), verdict.SIGN_ONLY), ((80, 60, [58, 81]), verdict.DOES_NOT),
-                 ((80, 60, [58, 80]), verdict.DOES_NOT), ((60, 60, [50, 51]), verdict.DOES_NOT),
-                 ((50, 60, [40, 45]), verdict.DOES_NOT), ((69, 60, []), verdict.REPRODUCES)]
+        low = [55 + 0.1 * i for i in range(39)]  # 55 to 58.8
+        cases = [((80, 60, low), verdict.REPRODUCES), ((70, 61, low), verdict.REPRODUCES), ((68, 60, low), verdict.SIGN_ONLY),
+                 ((80, 60, [*low[1:], 81]), verdict.REPRODUCES), ((80, 60, [*low[2:], 80, 81]), verdict.OPEN),
+                 ((80, 60, [*low[6:], *[85] * 6]), verdict.DOES_NOT), ((60, 60, low), verdict.DOES_NOT),
+                 ((50, 60, low), verdict.DOES_NOT), ((69, 60, []), verdict.REPRODUCES), ((80, 60, low[:18]), verdict.OPEN),
+                 ((80, 60, low[:19]), verdict.REPRODUCES), ((80, 60, [90] * 3), verdict.DOES_NOT)]
         for values, expected in cases:
-            self.assertEqual(verdict.decide(self.CLAIM, *values), expected, values)
+            self.assertEqual(self.decide(*values), expected, values)
 
     def test_rule_for_a_measure_where_the_published_side_is_lower(self):
         claim = verdict.Claim("", "", "kernel_s", "a", "b", "c", 1.0, 3.0)
-        self.assertEqual(verdict.decide(claim, 1.0, 2.5, [2.4, 2.6]), verdict.REPRODUCES)
-        self.assertEqual(verdict.decide(claim, 1.0, 2.5, [0.9, 2.6]), verdict.DOES_NOT)
+        self.assertEqual(self.decide(1.0, 2.5, [2.4] * 19, claim), verdict.REPRODUCES)
+        self.assertEqual(self.decide(1.0, 2.5, [0.9] * 19, claim), verdict.DOES_NOT)
+
+    def test_what_is_held_against_it_may_scatter(self):
+        decide = lambda values: verdict.decide(self.CLAIM, 80, values, [])[0]
+        self.assertEqual(decide([60, 61, 62, 60.5, 61.5, 62.5]), verdict.REPRODUCES)
+        self.assertEqual(decide([60, 61, 62, 79, 81, 82]), verdict.OPEN)
+        self.assertEqual(decide([81, 82, 83, 84, 85, 86]), verdict.DOES_NOT)
+        self.assertEqual(decide([60, 61]), verdict.OPEN, "two values have no 95% interval")
+
+    def chance(self, rule, seeds, share):
+        """The chance of "reproduces" if each of so many random orders is at least as good with that share: counted out."""
+        return sum(math.comb(seeds, k) * share**k * (1 - share) ** (seeds - k)
+                   for k in range(seeds + 1) if rule(k, seeds) == verdict.REPRODUCES)
+
+    def test_more_seeds_do_not_make_the_rule_harder(self):
+        old = lambda k, _: verdict.DOES_NOT if k else verdict.REPRODUCES  # b above the best of all seeds
+        sizes = (19, 39, 79, 159, 319, 639)
+        now = [self.chance(verdict.rank_state, n, 0.01) for n in sizes]
+        self.assertTrue(all(after >= before - 0.06 for before, after in zip(now, now[1:])), now)
+        self.assertTrue(now[0] > 0.8 and now[-1] > 0.999, now)
+        before = [self.chance(old, n, 0.01) for n in sizes]
+        self.assertTrue(before[0] > 0.8 and before[-1] < 0.002, "the old rule has to fail this test")
+
+    def test_an_order_that_is_no_better_than_random_passes_as_rarely_at_any_number_of_seeds(self):
+        # Drawn from the random ones itself, it is at most k-th among n with the chance (k + 1) / (n + 1).
+        for n in (19, 39, 40, 99, 400, 999):
+            passed = sum(verdict.rank_state(k, n) == verdict.REPRODUCES for k in range(n + 1)) / (n + 1)
+            self.assertTrue(0.05 - 1 / (n + 1) < passed <= 0.05, (n, passed))
+
+    def test_what_is_refuted_is_so_for_certain(self):
+        # If just 5% of the orders are as good, "does not reproduce" is wrong in at most 2.5%.
+        for n in (10, 40, 200):
+            wrong = sum(math.comb(n, k) * 0.05**k * 0.95 ** (n - k) for k in range(n + 1)
+                        if verdict.rank_state(k, n) == verdict.DOES_NOT)
+            self.assertLessEqual(wrong, 0.025)
 
     def test_against_the_claim(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(better=75, than=80))
@@ -113,7 +169,8 @@ class Verdict(ReportTest):
         rows = self.table("verdict.csv")
         self.assertEqual([row["verdict"] for row in rows], [verdict.DOES_NOT] * 2)
         self.assertAlmostEqual(float(rows[0]["difference"]), -5.0, 6)
-        self.assertEqual(rows[0]["spread_n"], "12")
+        self.assertEqual((rows[0]["spread_n"], rows[0]["at_least_as_good"], float(rows[0]["rank_chance"])), ("39", "39", 1.0))
+        self.assertIn("78 of 78 are at least as good as hierarchical (95.4% to 100.0% of all; rank test p = 1)", out)
 
     def test_a_claim_that_the_provenance_holds_itself(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(), {})
@@ -123,6 +180,18 @@ class Verdict(ReportTest):
     def test_for_the_claim(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(better=80, than=60, spread=(55, 65)))
         self.assertIn("Verdict: the claim reproduces.", self.report("--no-charts")[1])
+
+    def test_a_claim_that_is_required_decides_the_exit_code(self):
+        plan = {**synthetic.PLAN, "claim": {**synthetic.PLAN["claim"], "required": True}}
+        for better, code, said in ((80, 0, None), (66, 1, "it reproduces in sign only"), (50, 1, "it does not reproduce")):
+            lines = synthetic.thesis_records(better=better, than=60, spread=(55, 65))
+            synthetic.write_run(self.folder, lines, plan)
+            found, out, _ = self.report("--no-charts")
+            self.assertEqual(found, code, out)
+            last = "required, and does not hold: the claim that hierarchical beats sequential: "
+            self.assertEqual(out.strip().splitlines()[-1] == f"{last}{said}", code == 1)
+        synthetic.write_run(self.folder, [], plan)
+        self.assertEqual(self.report("--no-charts")[0], 1, "what was not run does not hold")
 
     def test_in_sign_only_if_one_mesh_is_weaker(self):
         lines = synthetic.thesis_records(better=80, than=60, spread=(55, 65), meshes=("kidney",))
@@ -192,8 +261,9 @@ class Verdict(ReportTest):
         lines.append(self.stopped_early("kidney", "sequential random", 90, 7630, seed=99))
         synthetic.write_run(self.folder, lines)
         _, out, _ = self.report("--no-charts")
-        self.assertIn("over 12 seeds (1 at another count left out). Reproduces.", out)
-        self.assertIn("stopped early: 1 of 13 seeds", out)
+        self.assertIn("over 39 seeds (1 at another count left out), 0 of them at least as good (0.0% to 9.0% of all; "
+                      "rank test p = 0.025). Reproduces.", out)
+        self.assertIn("stopped early: 1 of 40 seeds", out)
 
     def test_an_answer_short_of_its_fusions_is_said_without_a_reference(self):
         line = synthetic.record("kidney", "a", 70)
@@ -207,6 +277,7 @@ class Verdict(ReportTest):
         self.assertEqual(verdict.overall([make(verdict.REPRODUCES), make(verdict.UNDECIDED)]), verdict.UNDECIDED)
         self.assertEqual(verdict.overall([make(verdict.DOES_NOT), make(verdict.UNDECIDED)]), verdict.DOES_NOT)
         self.assertEqual(verdict.overall([make(verdict.REPRODUCES), make(verdict.SIGN_ONLY)]), verdict.SIGN_ONLY)
+        self.assertEqual(verdict.overall([make(verdict.REPRODUCES), make(verdict.OPEN)]), verdict.OPEN)
 
     def test_a_plan_without_a_claim_has_no_verdict(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(), {})
@@ -306,6 +377,13 @@ class BrokenRuns(ReportTest):
         self.assertEqual(code, 0)
         self.assertIn("cut off", out)
         self.assertEqual(self.table("timing.csv")[0]["n"], "2")
+
+    def test_a_fault_of_the_report_is_not_taken_for_a_requirement_that_does_not_hold(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
+        with mock.patch.object(verdict, "judge_run", side_effect=ZeroDivisionError("made up")):
+            code, _, err = self.report("--no-charts")
+        self.assertEqual(code, 3)
+        self.assertIn("ZeroDivisionError: made up", err)
 
     def test_a_folder_that_cannot_be_written(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("kidney",)))
