@@ -134,6 +134,72 @@ Tangent9 linear_tangent(const Moduli& moduli) {
   return out;
 }
 
+/// 2 mu d + lambda tr d I.
+Mat3 viscous_stress(const Moduli& viscous, const Mat3& d) {
+  return (2.0 * viscous.mu_pa) * d + (viscous.lambda_pa * trace(d)) * kIdentity;
+}
+
+Mat3 symmetric_part(const Mat3& a) {
+  return 0.5 * (a + transpose(a));
+}
+
+/// The vector w with [w]x = a - a^T.
+Vec3 axial_of(const Mat3& a) {
+  return {a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1)};
+}
+
+/// [w]x.
+Mat3 cross_matrix(const Vec3& w) {
+  return {{0.0, -w.z, w.y, w.z, 0.0, -w.x, -w.y, w.x, 0.0}};
+}
+
+/// The rate of the right stretch U of one gradient F = Q U, as a linear map of dF/dt, and its transpose.
+///
+///   dU/dt = sym(B - [w]x U),  B = Q^T dF/dt,  G w = axial of B,  G = tr U I - U
+class StretchRate {
+ public:
+  explicit StretchRate(const Mat3& h) {
+    const Mat3 f = kIdentity + h;
+    const bool is_mirrored = determinant(f) < 0.0;
+    turn_ = is_mirrored ? (-1.0) * nearest_rotation((-1.0) * f) : nearest_rotation(f);
+    stretch_ = symmetric_part(multiply_transposed(turn_, f));
+    const Mat3 g = trace(stretch_) * kIdentity - stretch_;
+    const double det = determinant(g);
+    const double size = trace(g);
+    // G has the sums of two stretches. Where two of them vanish, so does a sum: the turn is undefined.
+    constexpr double kVanishing = 1e-9;
+    inverse_ = det > kVanishing * size * size * size ? (1.0 / det) * cofactors(g) : inverse_symmetric(g);
+  }
+
+  Mat3 of(const Mat3& rate) const {
+    const Mat3 b = multiply_transposed(turn_, rate);
+    return symmetric_part(b - multiply(cross_matrix(inverse_ * axial_of(b)), stretch_));
+  }
+
+  /// The stress whose power with dF/dt is that of the symmetric `t` with dU/dt.
+  Mat3 pull_back(const Mat3& t) const {
+    return multiply(turn_, t - cross_matrix(inverse_ * axial_of(multiply(t, stretch_))));
+  }
+
+ private:
+  Mat3 turn_;
+  Mat3 stretch_;
+  Mat3 inverse_;
+};
+
+/// Column by column from the stresses of unit rates.
+template <typename StressOf>
+Tangent9 tabulate(const StressOf& stress_of) {
+  Tangent9 out{};
+  for (std::size_t column = 0; column < 9; ++column) {
+    Mat3 rate;
+    rate.m[column] = 1.0;
+    const Mat3 p = stress_of(rate);
+    for (std::size_t row = 0; row < 9; ++row) out[9 * row + column] = p.m[row];
+  }
+  return out;
+}
+
 }  // namespace
 
 StrainLaw parse_strain_law(std::string_view name) {
@@ -186,6 +252,27 @@ Mat3 stress(StrainLaw law, const Moduli& moduli, const Mat3& h) {
   const Corotated c = corotate(h);
   return multiply(c.rotation,
                   (2.0 * moduli.mu_pa) * c.strain + (moduli.lambda_pa * trace(c.strain)) * kIdentity);
+}
+
+Mat3 damping_stress(StrainLaw law, const Moduli& viscous, const Mat3& h, const Mat3& rate) {
+  if (law == StrainLaw::kLinear) return stress(StrainLaw::kLinear, viscous, rate);
+  if (law == StrainLaw::kCorotated) {
+    const StretchRate stretch(h);
+    return stretch.pull_back(viscous_stress(viscous, stretch.of(rate)));
+  }
+  const Mat3 f = kIdentity + h;
+  const Mat3 inverse_transposed = (1.0 / determinant(f)) * cofactors(f);
+  const Mat3 d = symmetric_part(multiply(rate, transpose(inverse_transposed)));
+  return multiply(viscous_stress(viscous, d), inverse_transposed);
+}
+
+Tangent9 damping_tangent(StrainLaw law, const Moduli& viscous, const Mat3& h) {
+  if (law == StrainLaw::kLinear) return linear_tangent(viscous);
+  if (law == StrainLaw::kNeoHookean)
+    return tabulate([&](const Mat3& rate) { return damping_stress(law, viscous, h, rate); });
+  const StretchRate stretch(h);
+  return tabulate(
+      [&](const Mat3& rate) { return stretch.pull_back(viscous_stress(viscous, stretch.of(rate))); });
 }
 
 Tangent9 tangent(StrainLaw law, const Moduli& moduli, const Mat3& h) {

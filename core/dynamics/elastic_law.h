@@ -41,6 +41,25 @@ double energy_density(StrainLaw law, const Moduli& moduli, const Mat3& h);
 /// First Piola-Kirchhoff stress dW/dF, in Pa. Requires: a finite energy.
 Mat3 stress(StrainLaw law, const Moduli& moduli, const Mat3& h);
 
+/// Stress of damping, in Pa, of the strain rate that belongs to the energy; `viscous` has Pa s, `rate` is
+/// dF/dt. With d the rate below, the dissipation is mu d : d + lambda/2 (tr d)^2 and this its derivative by
+/// dF/dt:
+///
+///   kLinear      d = sym(dF/dt), the rate of eps;                      P = 2 mu d + lambda tr d I
+///   kCorotated   d = dU/dt, F = Q U with U positive (Q a rotation, or a mirrored one where det F < 0);
+///                P = Q (T - [y]x), T = 2 mu d + lambda tr d I, (tr U I - U) y = axial of T U
+///   kNeoHookean  d = sym(dF/dt F^-1), whose trace is d(ln J)/dt;       P = (2 mu d + lambda tr d I) F^-T
+///
+/// The last two don't change when a spin W F is added to dF/dt, and P F^T is symmetric: a rotation is not
+/// resisted, and no moment is exerted. P : dF/dt >= 0 where no modulus is negative. At F = I all are the
+/// first.
+/// Requires: a finite energy.
+/// Source:   kCorotated: dU/dt as A. Hoger and D. Carlson, Quart. Appl. Math. 42 (1984), have it.
+Mat3 damping_stress(StrainLaw law, const Moduli& viscous, const Mat3& h, const Mat3& rate);
+
+/// The matrix of damping_stress, which is linear in `rate`. Symmetric.
+Tangent9 damping_tangent(StrainLaw law, const Moduli& viscous, const Mat3& h);
+
 /// dP/dF. Requires: a finite energy.
 Tangent9 tangent(StrainLaw law, const Moduli& moduli, const Mat3& h);
 

@@ -60,7 +60,7 @@ ImplicitResult LinearisedStep::find_velocity(MotionForces& forces, const MotionS
   stiffness_.blocks = pattern_.blocks;
   add_motion_stiffness(model, state.displacement_m, TangentKind::kProjected, stiffness_);
   system_.blocks = constant_.blocks;
-  add_spring_damping(model, state.displacement_m, system_);
+  add_changing_damping(model, state.displacement_m, system_);
   for (std::size_t k = 0; k < system_.blocks.size(); ++k)
     system_.blocks[k] = h * system_.blocks[k] + (h * h) * stiffness_.blocks[k];
   for (std::size_t v = 0; v < model.mass_kg.size(); ++v)

@@ -41,16 +41,9 @@ std::vector<Triangle> all_support_faces(const MotionModel& model) {
   return faces;
 }
 
-/// Adds b x the linear stiffness of the strain terms.
-void add_strain_damping(const MotionModel& model, BlockMatrix& matrix) {
-  if (model.strain_damping_s == 0.0 || model.elastic.strain_terms.empty()) return;
-  ElasticModel linear{model.elastic.rest, {}, true, model.elastic.strain_terms, {}};
-  for (StrainTerm& term : linear.strain_terms) {
-    term.law = StrainLaw::kLinear;
-    term.moduli = {model.strain_damping_s * term.moduli.lambda_pa,
-                   model.strain_damping_s * term.moduli.mu_pa};
-  }
-  add_tangent(linear, std::vector<Vec3>(linear.rest.size()), TangentKind::kExact, matrix);
+/// The moduli of a term's damping, in Pa s.
+Moduli viscous_moduli(const MotionModel& model, const StrainTerm& term) {
+  return {model.strain_damping_s * term.moduli.lambda_pa, model.strain_damping_s * term.moduli.mu_pa};
 }
 
 }  // namespace
@@ -103,14 +96,15 @@ std::size_t MotionForces::pull_springs(std::span<const Vec3> u, std::span<const 
 }
 
 void MotionForces::stress_domains(std::span<const Vec3> u, std::span<const Vec3> v) {
-  const double damping = model_->strain_damping_s;
+  const bool is_damped = model_->strain_damping_s != 0.0;
   for (std::size_t k = 0; k < stress_.size(); ++k) {
     const StrainTerm& term = model_->elastic.strain_terms[k];
-    const Moduli viscous{damping * term.moduli.lambda_pa, damping * term.moduli.mu_pa};
+    const Moduli viscous = viscous_moduli(*model_, term);
     for_ranges(stress_[k].size(), threads_, [&](std::size_t first, std::size_t last, std::size_t) {
       for (std::size_t s = first; s < last; ++s) {
-        Mat3 p = stress(term.law, term.moduli, displacement_gradient(term.op, s, u));
-        if (damping != 0.0) p += stress(StrainLaw::kLinear, viscous, displacement_gradient(term.op, s, v));
+        const Mat3 h = displacement_gradient(term.op, s, u);
+        Mat3 p = stress(term.law, term.moduli, h);
+        if (is_damped) p += damping_stress(term.law, viscous, h, displacement_gradient(term.op, s, v));
         stress_[k][s] = (-term.op.volume_m3[s]) * p;
       }
     });
@@ -199,7 +193,7 @@ void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, Tan
   for (const TimedLoads& group : model.loads) add_support_tangent(group.loads, matrix);
 }
 
-void add_spring_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix) {
+void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix) {
   const ElasticModel& elastic = model.elastic;
   for (std::size_t s = 0; s < model.spring_damping_n_s_per_m.size(); ++s) {
     const auto [a, b] = elastic.springs.springs[s];
@@ -215,13 +209,26 @@ void add_spring_damping(const MotionModel& model, std::span<const Vec3> u, Block
     add_block(matrix, a, b, (-1.0) * block);
     add_block(matrix, b, a, (-1.0) * block);
   }
+  if (model.strain_damping_s == 0.0) return;
+  for (const StrainTerm& term : elastic.strain_terms) {
+    if (term.law == StrainLaw::kLinear) continue;
+    const auto at = [&](std::size_t s) {
+      return damping_tangent(term.law, viscous_moduli(model, term), displacement_gradient(term.op, s, u));
+    };
+    add_domain_tangents(term.op, at, matrix);
+  }
 }
 
 void add_constant_damping(const MotionModel& model, BlockMatrix& matrix) {
   for (std::size_t v = 0; v < model.environment_damping_n_s_per_m.size(); ++v)
     add_block(matrix, static_cast<Index>(v), static_cast<Index>(v),
               model.environment_damping_n_s_per_m[v] * kIdentity);
-  add_strain_damping(model, matrix);
+  if (model.strain_damping_s == 0.0) return;
+  for (const StrainTerm& term : model.elastic.strain_terms) {
+    if (term.law != StrainLaw::kLinear) continue;
+    const Tangent9 c = damping_tangent(term.law, viscous_moduli(model, term), {});
+    add_domain_tangents(term.op, [&c](std::size_t) { return c; }, matrix);
+  }
 }
 
 }  // namespace palpate::dynamics

@@ -70,9 +70,10 @@ BlockMatrix build_motion_pattern(const MotionModel& model);
 void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, TangentKind kind,
                           BlockMatrix& matrix);
 
-/// Adds the damping matrix in N s/m, minus the derivative of the forces by the velocities: the springs' part,
-/// with their directions at `u`, and the part that never changes, of environment and strain terms.
-void add_spring_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix);
+/// Adds the damping matrix in N s/m, minus the derivative of the forces by the velocities: the part that
+/// changes with `u`, of springs and of strain terms at large strain, and the part that never does, of
+/// environment and linear strain terms.
+void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix);
 void add_constant_damping(const MotionModel& model, BlockMatrix& matrix);
 
 }  // namespace palpate::dynamics

@@ -42,7 +42,8 @@ struct MotionModel {
   std::vector<double> spring_damping_n_s_per_m;
   SpringDamping spring_damping = SpringDamping::kAxial;
   std::vector<double> environment_damping_n_s_per_m;
-  double strain_damping_s = 0.0;  ///< b: the strain terms resist with b x their linear stiffness x velocity
+  double strain_damping_s = 0.0;  ///< b: the strain terms resist the rate of their own strain with b x their
+                                  ///< moduli (damping_stress in core/dynamics/elastic_law.h)
   std::vector<TimedLoads> loads;
 };
 

@@ -48,7 +48,7 @@ class RestingBody {
     stiffness_ = build_motion_pattern(model);
     damping_ = stiffness_;
     add_motion_stiffness(model, still, TangentKind::kExact, stiffness_);
-    add_spring_damping(model, still, damping_);
+    add_changing_damping(model, still, damping_);
     add_constant_damping(model, damping_);
     LinearOptions options;
     options.method =

@@ -90,7 +90,7 @@ ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) 
   ScaledBody body{build_motion_pattern(model), {}, norm_of_volume_force(model, u)};
   body.damping = body.stiffness;
   add_motion_stiffness(model, u, TangentKind::kExact, body.stiffness);
-  add_spring_damping(model, u, body.damping);
+  add_changing_damping(model, u, body.damping);
   add_constant_damping(model, body.damping);
   scale_by_mass(model, forces.held_bits(), body.stiffness);
   scale_by_mass(model, forces.held_bits(), body.damping);

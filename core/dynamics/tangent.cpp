@@ -93,19 +93,26 @@ void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, 
     add_block(matrix, a, b, (-1.0) * block);
     add_block(matrix, b, a, (-1.0) * block);
   }
-  std::vector<std::array<std::array<double, 3>, 9>> scratch;
   for (const StrainTerm& term : model.strain_terms) {
-    const bool is_constant = term.law == StrainLaw::kLinear;
-    const auto at = [&](const Mat3& h) {
-      const Tangent9 exact = tangent(term.law, term.moduli, h);
+    if (term.law == StrainLaw::kLinear) {
+      const Tangent9 exact = tangent(term.law, term.moduli, {});
+      const Tangent9 c = kind == TangentKind::kExact ? exact : project_to_semidefinite(exact);
+      add_domain_tangents(term.op, [&c](std::size_t) { return c; }, matrix);
+      continue;
+    }
+    const auto at = [&](std::size_t s) {
+      const Tangent9 exact =
+          tangent(term.law, term.moduli, displacement_gradient(term.op, s, displacement));
       return kind == TangentKind::kExact ? exact : project_to_semidefinite(exact);
     };
-    Tangent9 c = is_constant ? at({}) : Tangent9{};
-    for (std::size_t s = 0; s < term.op.domains(); ++s) {
-      if (!is_constant) c = at(displacement_gradient(term.op, s, displacement));
-      add_domain(term.op, s, c, matrix, scratch);
-    }
+    add_domain_tangents(term.op, at, matrix);
   }
+}
+
+void add_domain_tangents(const StrainOperator& op, const std::function<Tangent9(std::size_t)>& tangent_of,
+                         BlockMatrix& matrix) {
+  std::vector<std::array<std::array<double, 3>, 9>> scratch;
+  for (std::size_t s = 0; s < op.domains(); ++s) add_domain(op, s, tangent_of(s), matrix, scratch);
 }
 
 }  // namespace palpate::dynamics

@@ -1,6 +1,8 @@
 // The stiffness of an elastic model: the second derivative of its energy.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <span>
 
 #include "core/dynamics/block_matrix.h"
@@ -24,5 +26,10 @@ BlockMatrix build_tangent_pattern(const ElasticModel& model, std::span<const Tri
 /// Requires: the pattern of build_tangent_pattern; a finite energy.
 void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, TangentKind kind,
                  BlockMatrix& matrix);
+
+/// Adds V_s g_a . C_s . g_b for each domain s and each pair (a, b) of its vertices; `tangent_of(s)` is C_s.
+/// Requires: the pattern of build_tangent_pattern of a model that has the term.
+void add_domain_tangents(const StrainOperator& op, const std::function<Tangent9(std::size_t)>& tangent_of,
+                         BlockMatrix& matrix);
 
 }  // namespace palpate::dynamics

@@ -99,7 +99,7 @@ TEST(MotionForces, DampingIsMinusItsMatrixTimesVelocity) {
     model.spring_damping = kind;
     model.environment_damping_n_s_per_m = model.mass_kg;
     BlockMatrix matrix = build_motion_pattern(model);
-    add_spring_damping(model, u, matrix);
+    add_changing_damping(model, u, matrix);
     add_constant_damping(model, matrix);
     std::vector<Vec3> product(u.size());
     multiply(matrix, v, product);
