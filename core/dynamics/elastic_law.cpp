@@ -168,7 +168,12 @@ class StretchRate {
     const double size = trace(g);
     // G has the sums of two stretches. Where two of them vanish, so does a sum: the turn is undefined.
     constexpr double kVanishing = 1e-9;
-    inverse_ = det > kVanishing * size * size * size ? (1.0 / det) * cofactors(g) : inverse_symmetric(g);
+    constexpr double kNothing = 1e-200;
+    if (det > kVanishing * size * size * size) {
+      inverse_ = (1.0 / det) * cofactors(g);
+    } else if (size > kNothing) {
+      inverse_ = inverse_symmetric(g);
+    }
   }
 
   Mat3 of(const Mat3& rate) const {

@@ -227,7 +227,8 @@ void add_constant_damping(const MotionModel& model, BlockMatrix& matrix) {
   for (const StrainTerm& term : model.elastic.strain_terms) {
     if (term.law != StrainLaw::kLinear) continue;
     const Tangent9 c = damping_tangent(term.law, viscous_moduli(model, term), {});
-    add_domain_tangents(term.op, [&c](std::size_t) { return c; }, matrix);
+    add_domain_tangents(
+        term.op, [&c](std::size_t) { return c; }, matrix);
   }
 }
 

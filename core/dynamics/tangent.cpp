@@ -97,12 +97,12 @@ void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, 
     if (term.law == StrainLaw::kLinear) {
       const Tangent9 exact = tangent(term.law, term.moduli, {});
       const Tangent9 c = kind == TangentKind::kExact ? exact : project_to_semidefinite(exact);
-      add_domain_tangents(term.op, [&c](std::size_t) { return c; }, matrix);
+      add_domain_tangents(
+          term.op, [&c](std::size_t) { return c; }, matrix);
       continue;
     }
     const auto at = [&](std::size_t s) {
-      const Tangent9 exact =
-          tangent(term.law, term.moduli, displacement_gradient(term.op, s, displacement));
+      const Tangent9 exact = tangent(term.law, term.moduli, displacement_gradient(term.op, s, displacement));
       return kind == TangentKind::kExact ? exact : project_to_semidefinite(exact);
     };
     add_domain_tangents(term.op, at, matrix);
