@@ -2,6 +2,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <iostream>
 #include <memory>
 #include <sstream>
+#include <thread>
 
 #include "core/base/error.h"
 #include "experiments/case_list.h"
@@ -180,11 +182,18 @@ int check(const std::vector<std::string>& files) {
   return code;
 }
 
-/// Runs ctest on the build that this program comes from, with its output passed through.
-int test(const std::vector<std::string>& extra) {
+/// Runs ctest on the build that this program comes from, with its output passed through. `full` takes nothing
+/// as known.
+int test(bool full, const std::vector<std::string>& extra) {
   const fs::path build = fs::path(program_folder()).parent_path();
-  std::vector<std::string> arguments{"ctest", "--test-dir", build.string(), "--output-on-failure",
-                                     "--no-tests=error"};
+  std::vector<std::string> arguments{"ctest",
+                                     "--test-dir",
+                                     build.string(),
+                                     "--output-on-failure",
+                                     "--no-tests=error",
+                                     "--parallel",
+                                     std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
+  if (full) ::setenv("PALPATE_FULL", "1", 1);
   arguments.insert(arguments.end(), extra.begin(), extra.end());
   std::vector<char*> pointers;
   pointers.reserve(arguments.size() + 1);
@@ -237,9 +246,11 @@ void add_check_command(CLI::App& app, int& exit_code) {
 
 void add_test_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("test", "Run the project's tests");
+  auto full = std::make_shared<bool>(false);
+  command->add_flag("--full", *full, "Hold every source against every tool, as if none had passed before");
   command->footer("Anything else goes to ctest: palpate test -R runner");
   command->prefix_command();
-  command->callback([command, &exit_code] { exit_code = test(command->remaining()); });
+  command->callback([command, full, &exit_code] { exit_code = test(*full, command->remaining()); });
 }
 
 }  // namespace palpate::experiments

@@ -1,6 +1,7 @@
 """Holds the C++ sources against the tools, and remembers what passed.
 
     sources.py headers|format|tidy ROOT BUILD [FILE...]
+    sources.py headers|tidy ROOT BUILD --record
 
 headers  every header of ours compiles alone, with the compiler and the include paths of the build
 format   clang-format 14 would change nothing
@@ -9,6 +10,10 @@ tidy     clang-tidy 14 finds nothing, with the compile commands of the build
 A file that passed is not looked at again until its text, a header of ours that it includes, the settings, the command or
 the tool changes; the marks are kept below BUILD/checked. Without FILE all files that git tracks are held (or, outside
 a git checkout, all that are there). Exits with 1 if a file fails, with 2 if a tool is missing.
+
+A fresh checkout has no marks. For it tests/house/held.txt lists the keys of what has passed, written by --record from the marks of
+a build that has looked at the files itself; a file that is not in the list as it stands is looked at. With PALPATE_FULL=1 in the
+environment (`palpate test --full`) the list counts for nothing.
 """
 
 import concurrent.futures
@@ -24,6 +29,9 @@ import sys
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 FOLDERS = ("core", "reference", "experiments", "tests")
+HELD = "tests/house/held.txt"
+RECORDED = ("headers", "tidy")
+KEY_LENGTH = 20
 # Left out of tests: what costs half of the time there and asks about paths through a program. They are run, with sanitizers too
 # (preset debug); style, names and modernize stay.
 OF_PROGRAMS = "-clang-analyzer-*,-bugprone-*,-performance-unnecessary-value-param"
@@ -93,6 +101,7 @@ class Check:
     def __init__(self, kind, root, build):
         self.kind, self.root, self.build = kind, root, build
         self.suffixes = {"headers": (".h",), "format": (".h", ".cpp"), "tidy": (".cpp",)}[kind]
+        self.held = {} if os.environ.get("PALPATE_FULL") == "1" else read_held(root, kind)
         self.settings = b""
         if kind != "format":
             self.commands = read_commands(build)
@@ -117,26 +126,49 @@ class Check:
         return [self.tool, "--quiet", *checks, "-p", str(self.build), str(self.root / name)]
 
     def key(self, name, words):
+        """What the outcome depends on, the same in every checkout: the folders' own paths and a compiler's cache count for nothing."""
         build_words = self.commands.get(str(self.root / name), []) if self.kind == "tidy" else []
+        command = "\0".join(word for word in [*words, *build_words] if word != "ccache")
         digest = hashlib.sha256(self.settings)
-        digest.update("\0".join([*words, *build_words]).encode())
+        digest.update(command.replace(str(self.build), "BUILD").replace(str(self.root), "ROOT").encode())
         digest.update((self.root / name).read_bytes() if self.kind == "format" else text_with_headers(self.root, name))
         return digest.hexdigest()
+
+    def mark(self, key):
+        return self.build / "checked" / self.kind / key
 
     def hold(self, name):
         """("passed" | "known" | "left out" | "failed", what the tool said)."""
         words = self.command(name)
         if words is None:
             return "left out", ""
-        mark = self.build / "checked" / self.kind / self.key(name, words)
-        if mark.exists():
+        key = self.key(name, words)
+        mark = self.mark(key)
+        if mark.exists() or self.held.get(name) == key[:KEY_LENGTH]:
             return "known", ""
-        done = subprocess.run(words, capture_output=True, text=True, cwd=self.root)
+        done = subprocess.run([word for word in words if word != "ccache"], capture_output=True, text=True, cwd=self.root)
         if done.returncode != 0:
             return "failed", done.stdout + done.stderr
         mark.parent.mkdir(parents=True, exist_ok=True)
         mark.touch()
         return "passed", ""
+
+    def record(self, names):
+        """Writes the keys of the files that have a mark into the list, beside those of the other kinds; returns their number."""
+        keys = {name: self.key(name, words) for name in names if (words := self.command(name)) is not None}
+        keys = {name: key[:KEY_LENGTH] for name, key in keys.items() if self.mark(key).exists()}
+        lines = [f"{kind} {name} {key}" for kind in RECORDED
+                 for name, key in sorted((keys if kind == self.kind else read_held(self.root, kind)).items())]
+        (self.root / HELD).parent.mkdir(parents=True, exist_ok=True)
+        (self.root / HELD).write_text("\n".join(lines) + "\n", encoding="utf-8")
+        return len(keys)
+
+
+def read_held(root, kind):
+    """The recorded key of each file, by its name."""
+    path = root / HELD
+    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
+    return {name: key for kind_of_line, name, key in map(str.split, filter(None, lines)) if kind_of_line == kind}
 
 
 def find_tool(name):
@@ -152,6 +184,9 @@ def find_tool(name):
 def main():
     kind, root, build = sys.argv[1], pathlib.Path(sys.argv[2]).resolve(), pathlib.Path(sys.argv[3]).resolve()
     check = Check(kind, root, build)
+    if sys.argv[4:] == ["--record"]:
+        print(f"{kind}: {check.record(list_sources(root, check.suffixes))} files recorded")
+        return 0
     names = sys.argv[4:] or list_sources(root, check.suffixes)
     counts = {"passed": 0, "known": 0, "left out": 0, "failed": 0}
     with concurrent.futures.ThreadPoolExecutor(max_workers=len(os.sched_getaffinity(0))) as pool:

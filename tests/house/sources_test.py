@@ -1,7 +1,9 @@
 """Each check of sources.py must refuse a bad file, must pass a good one, and must notice a changed header."""
 
 import json
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -31,9 +33,10 @@ class Sources(unittest.TestCase):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
 
-    def hold(self, kind):
-        done = subprocess.run([sys.executable, "-B", HERE / "sources.py", kind, self.root, self.build],
-                              capture_output=True, text=True)
+    def hold(self, kind, *more, full=""):
+        environment = {**os.environ, "PALPATE_FULL": full}
+        done = subprocess.run([sys.executable, "-B", HERE / "sources.py", kind, self.root, self.build, *more],
+                              capture_output=True, text=True, env=environment)
         return done.returncode, done.stdout
 
     def test_good_files_pass_and_are_remembered(self):
@@ -45,6 +48,26 @@ class Sources(unittest.TestCase):
                 code, said = self.hold(kind)
                 self.assertEqual(code, 0, said)
                 self.assertRegex(said, "0 passed, [1-9] known")
+
+    def test_what_was_recorded_is_known_in_another_checkout_until_it_changes(self):
+        for kind in ("headers", "tidy"):
+            self.assertEqual(self.hold(kind)[0], 0)
+            self.assertIn("1 files recorded", self.hold(kind, "--record")[1])
+        moved = self.root.with_name("moved")
+        shutil.copytree(self.root, moved, ignore=shutil.ignore_patterns("checked"))
+        commands = moved / "build/compile_commands.json"
+        commands.write_text(commands.read_text(encoding="utf-8").replace(str(self.root), str(moved)), encoding="utf-8")
+        self.root, self.build = moved, moved / "build"
+        for kind in ("headers", "tidy"):
+            self.assertIn("0 passed, 1 known", self.hold(kind)[1])
+            self.assertIn("1 passed, 0 known", self.hold(kind, full="1")[1])
+        shutil.rmtree(self.build / "checked")
+        self.write("core/base/good.cpp", "int BadName() { return 0; }\n")
+        self.assertEqual(self.hold("tidy")[0], 1)
+
+    def test_only_what_passed_here_is_recorded(self):
+        self.assertIn("0 files recorded", self.hold("tidy", "--record")[1])
+        self.assertIn("1 passed, 0 known", self.hold("tidy")[1])
 
     def test_a_header_that_needs_another_is_refused(self):
         self.write("core/base/bad.h", "#pragma once\ninline std::vector<int> none() { return {}; }\n")
