@@ -17,6 +17,7 @@
 #include "experiments/commands.h"
 #include "experiments/motion_setup.h"
 #include "experiments/places.h"
+#include "experiments/plan_report.h"
 #include "experiments/process.h"
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
@@ -53,10 +54,14 @@ fs::path choose_folder(const RunArguments& arguments, const Plan& plan) {
   return arguments.resume ? find_run(parent) : new_run_folder(parent);
 }
 
-/// Runs the report over a finished run and prints what it says. Returns false if it failed.
-bool make_report(const fs::path& folder) {
+/// Runs the report over a finished run and prints what it says. Returns kDone, kNotAccepted if something that
+/// the plan requires does not hold, or kCouldNotRun.
+int make_report(const fs::path& folder) {
   const fs::path script = fs::path(source_folder()) / "report" / "make_report.py";
-  if (!fs::exists(script)) return true;
+  if (!fs::exists(script)) {
+    print_note("the report is missing: " + script.string());
+    return kCouldNotRun;
+  }
   ProcessSpec spec;
   spec.arguments = {"/usr/bin/python3", script.string(), folder.string()};
   spec.timeout_s = 1800.0;
@@ -66,17 +71,17 @@ bool make_report(const fs::path& folder) {
   const ProcessResult result = run_process(spec);
   std::cout << std::ifstream(spec.standard_output).rdbuf();
   std::cout.clear();  // an empty summary sets the fail bit
-  if (result.end == ProcessEnd::kExited && result.exit_code == 0) {
+  if (result.end == ProcessEnd::kExited && (result.exit_code == kDone || result.exit_code == kNotAccepted)) {
     std::error_code ignored;
     fs::remove(spec.standard_error, ignored);
-    return true;
+    return result.exit_code;
   }
   std::ostringstream errors;
   errors << std::ifstream(spec.standard_error).rdbuf();
   std::string last = errors.str();
   while (!last.empty() && last.back() == '\n') last.pop_back();
   print_note("the report failed (" + result.message + "): " + last.substr(last.rfind('\n') + 1));
-  return false;
+  return kCouldNotRun;
 }
 
 void print_outcomes(const RunResult& result) {
@@ -127,12 +132,14 @@ int run(const RunArguments& arguments) {
     return kInterrupted;
   }
   progress.show("report");
-  const bool reported = arguments.no_report || make_report(options.folder);
+  if (arguments.no_report && requires_report(plan.file))
+    print_note("without a report, nobody looks at what the plan requires (required: true)");
+  const int reported = arguments.no_report ? kDone : make_report(options.folder);
   progress.say("done");
   print_outcomes(result);
   std::cout << "Run: " << options.folder.string() << '\n';
-  if (result.required_failed || !reported) return kCouldNotRun;
-  return result.required_rejected ? kNotAccepted : kDone;
+  if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
+  return result.required_rejected ? kNotAccepted : reported;
 }
 
 /// Whether a file says that it is a scene; anything else is read as a plan.
@@ -234,6 +241,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
   command->add_flag("--no-report", arguments->no_report, "Leave tables and charts out");
+  command->footer(
+      "Exit codes: 0 done and accepted; 1 a required answer was rejected, or a comparison, a target or the claim\n"
+      "with required: true does not hold (the report's last lines say which); 3 a required case or the report\n"
+      "could not run; 130 interrupted.");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 

@@ -201,6 +201,8 @@ void refuse_keys_of_others(const YamlFields& fields, const std::string& contest)
       {"meshes", {"simplify", "stability"}},
       {"region", {"simplify"}},
       {"equal_count", {"simplify"}},
+      {"claim", {"simplify"}},
+      {"comparisons", {"simplify"}},
       {"scenes", {"deform", "motion", "engine"}},
       {"reference", {"deform", "motion", "engine"}},
       {"simplify", {"deform", "stability"}},
@@ -334,10 +336,11 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto claim = fields.find("claim")) plan.claim = read_claim(*claim, plan.contestants);
   if (const auto comparisons = fields.find("comparisons")) {
-    plan.comparisons = read_comparisons(*comparisons, plan.contestants);
+    plan.comparisons = read_comparisons(*comparisons, plan.contestants, plan.run);
   }
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, plan.contest);
   add_availability_notes(plan, registry);
+  if (std::string note = timing_note(plan); !note.empty()) plan.notes.push_back(std::move(note));
   return plan;
 }
 

@@ -12,6 +12,14 @@ const std::vector<std::string> kCharts{"histograms",   "overview", "timing",
 const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "convergence", "simplified_error"};
 const std::vector<std::string> kMotionCharts{"motion_errors", "motion_histories"};
 
+/// Measures that a clock gives, so that they differ from repeat to repeat.
+const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",     "user_s",       "identify_s",  "solve_s",
+                                           "tick_p50_s", "tick_p99_s", "tick_p99_9_s", "tick_worst_s"};
+
+/// At 9 repeats the 95% interval of a median (report/intervals.py) leaves the least and the greatest out.
+constexpr int kLeastTimedRepeats = 9;
+constexpr int kLeastWarmup = 1;
+
 std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
   labels.reserve(contestants.size());
@@ -31,9 +39,28 @@ void add_once(const YamlValue& at, const char* what, std::string name, std::vect
   names.push_back(std::move(name));
 }
 
-Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
-  const YamlFields fields =
-      value.fields({"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio"});
+bool is_clock_time(const std::string& measure) {
+  return std::find(kClockTimes.begin(), kClockTimes.end(), measure) != kClockTimes.end();
+}
+
+bool has_enough_repeats(const RunSettings& run) {
+  return run.repeats >= kLeastTimedRepeats && run.warmup >= kLeastWarmup;
+}
+
+/// Refuses a comparison of times that has too few repeats to end in anything but "open".
+void require_repeats(const YamlValue& at, const RunSettings& run) {
+  if (has_enough_repeats(run)) return;
+  at.fail("times are compared by at least " + std::to_string(kLeastTimedRepeats) + " repeats and " +
+          std::to_string(kLeastWarmup) + " warm-up: expected run: {repeats: " +
+          std::to_string(kLeastTimedRepeats) + ", warmup: " + std::to_string(kLeastWarmup) +
+          "} or more, found {repeats: " + std::to_string(run.repeats) +
+          ", warmup: " + std::to_string(run.warmup) + "}");
+}
+
+Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
+                           const RunSettings& run) {
+  const YamlFields fields = value.fields({"of", "against_best_of", "measures", "time_against", "time_factor",
+                                          "input_up_to_ratio", "required"});
   Comparison comparison;
   comparison.of = known_label(fields.need("of"), contestants);
   const YamlValue against = fields.need("against_best_of");
@@ -49,15 +76,20 @@ Comparison read_comparison(const YamlValue& value, const std::vector<PlanContest
     if (std::string(measure.better).empty()) {
       item.fail(std::string("of the measure \"") + measure.name + "\" neither more nor less is better");
     }
+    if (is_clock_time(measure.name)) require_repeats(item, run);
     add_once(item, "measure", measure.name, comparison.measures);
   }
   if (comparison.measures.empty()) measures.fail_expected("at least one measure");
   const auto time_against = fields.find("time_against");
   const auto time_factor = fields.find("time_factor");
-  if (time_against) comparison.time_against = known_label(*time_against, contestants);
+  if (time_against) {
+    comparison.time_against = known_label(*time_against, contestants);
+    require_repeats(*time_against, run);
+  }
   if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
   if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
   if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);
+  check_required(fields);
   return comparison;
 }
 
@@ -83,7 +115,7 @@ AcceptBound read_bound(const std::string& measure, const YamlValue& value) {
 
 Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   const YamlFields fields =
-      value.fields({"text", "source", "measure", "better", "than", "spread", "published"});
+      value.fields({"text", "source", "measure", "better", "than", "spread", "published", "required"});
   Claim claim;
   claim.text = fields.need("text").text();
   if (const auto source = fields.find("source")) claim.source = source->text();
@@ -97,15 +129,43 @@ Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& cont
     claim.published_better = figures.need("better").number();
     claim.published_than = figures.need("than").number();
   }
+  check_required(fields);
   return claim;
 }
 
 std::vector<Comparison> read_comparisons(const YamlValue& value,
-                                         const std::vector<PlanContestant>& contestants) {
+                                         const std::vector<PlanContestant>& contestants,
+                                         const RunSettings& run) {
   std::vector<Comparison> comparisons;
-  for (const YamlValue& item : value.items()) comparisons.push_back(read_comparison(item, contestants));
+  for (const YamlValue& item : value.items()) comparisons.push_back(read_comparison(item, contestants, run));
   if (comparisons.empty()) value.fail_expected("at least one comparison");
   return comparisons;
+}
+
+void check_required(const YamlFields& fields) {
+  if (const auto required = fields.find("required")) required->boolean();
+}
+
+bool requires_report(const std::filesystem::path& plan) {
+  const nlohmann::json data = read_yaml(plan).json();
+  const auto is_required = [](const nlohmann::json& entry) { return entry.value("required", false); };
+  for (const char* key : {"comparisons", "targets"}) {
+    const nlohmann::json entries = data.value(key, nlohmann::json::array());
+    if (std::any_of(entries.begin(), entries.end(), is_required)) return true;
+  }
+  return is_required(data.value("claim", nlohmann::json::object()));
+}
+
+std::string timing_note(const Plan& plan) {
+  std::string named;
+  for (const std::string& measure : plan.measure) {
+    if (is_clock_time(measure)) named += (named.empty() ? "" : ", ") + measure;
+  }
+  if (named.empty() || has_enough_repeats(plan.run)) return "";
+  return "times (" + named + ") come from " + std::to_string(plan.run.repeats) +
+         (plan.run.repeats == 1 ? " repeat" : " repeats") +
+         (plan.run.warmup > 0 ? "" : " without a warm-up") + ": they are shown and compare nothing (" +
+         std::to_string(kLeastTimedRepeats) + " and a warm-up are asked for)";
 }
 
 std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest) {

@@ -21,9 +21,23 @@ AcceptBound read_bound(const std::string& measure, const YamlValue& value);
 Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants);
 
 /// Reads the list of comparisons. Throws: InputError with file and line, also where a label is compared with
-/// itself, a measure has no better side, or a time factor is given without a label to time against.
+/// itself, a measure has no better side, a time factor is given without a label to time against, or times are
+/// compared in a plan with fewer than 9 repeats or without a warm-up.
 std::vector<Comparison> read_comparisons(const YamlValue& value,
-                                         const std::vector<PlanContestant>& contestants);
+                                         const std::vector<PlanContestant>& contestants,
+                                         const RunSettings& run);
+
+/// Checks the key `required` of a comparison, a target or a claim. Throws: InputError if it is neither true
+/// nor false.
+void check_required(const YamlFields& fields);
+
+/// Whether a plan (that was read and is good) has a comparison, a target or a claim with `required: true`: the
+/// report then decides the exit code.
+bool requires_report(const std::filesystem::path& plan);
+
+/// What is to be said of a plan whose measures hold times that have too few repeats or no warm-up; "" if it
+/// has none.
+std::string timing_note(const Plan& plan);
 
 /// Reads the list of charts. Throws: InputError with file and line for one that is unknown in this contest
 /// (with the nearest).

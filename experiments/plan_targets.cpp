@@ -78,9 +78,10 @@ void check_targets(const YamlFields& fields, const Plan& plan) {
   labels.reserve(plan.contestants.size());
   for (const PlanContestant& contestant : plan.contestants) labels.push_back(contestant.label);
   for (const YamlValue& item : targets->items()) {
-    const YamlFields target = item.fields({"text", "labels", "scenes", "at", "measure", "at_most"});
+    const YamlFields target = item.fields({"text", "labels", "scenes", "at", "measure", "at_most", "required"});
     if (target.need("text").text().empty()) target.need("text").fail_expected("what is to be reached");
     target.need("at_most").number(0.0, 1e6);
+    check_required(target);
     const YamlValue named = target.need("labels");
     const std::vector<YamlValue> own = one_or_more(named);
     for (const YamlValue& label : own) check_known(label, "label", labels);
