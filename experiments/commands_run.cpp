@@ -242,9 +242,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
   command->add_flag("--no-report", arguments->no_report, "Leave tables and charts out");
   command->footer(
-      "Exit codes: 0 done and accepted; 1 a required answer was rejected, or a comparison, a target or the claim\n"
-      "with required: true does not hold (the report's last lines say which); 3 a required case or the report\n"
-      "could not run; 130 interrupted.");
+      "Exit codes: 0 done and accepted; 1 a required answer was rejected, or a comparison, a target or\n"
+      "the claim with required: true does not hold (the report's last lines say which); 3 a required case\n"
+      "or the report could not run; 130 interrupted.");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 

@@ -13,8 +13,9 @@ const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "conver
 const std::vector<std::string> kMotionCharts{"motion_errors", "motion_histories"};
 
 /// Measures that a clock gives, so that they differ from repeat to repeat.
-const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",     "user_s",       "identify_s",  "solve_s",
-                                           "tick_p50_s", "tick_p99_s", "tick_p99_9_s", "tick_worst_s"};
+const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",       "user_s",
+                                           "identify_s", "solve_s",      "tick_p50_s",
+                                           "tick_p99_s", "tick_p99_9_s", "tick_worst_s"};
 
 /// At 9 repeats the 95% interval of a median (report/intervals.py) leaves the least and the greatest out.
 constexpr int kLeastTimedRepeats = 9;
@@ -59,8 +60,8 @@ void require_repeats(const YamlValue& at, const RunSettings& run) {
 
 Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
                            const RunSettings& run) {
-  const YamlFields fields = value.fields({"of", "against_best_of", "measures", "time_against", "time_factor",
-                                          "input_up_to_ratio", "required"});
+  const YamlFields fields = value.fields(
+      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "required"});
   Comparison comparison;
   comparison.of = known_label(fields.need("of"), contestants);
   const YamlValue against = fields.need("against_best_of");

@@ -31,8 +31,8 @@ std::vector<Comparison> read_comparisons(const YamlValue& value,
 /// nor false.
 void check_required(const YamlFields& fields);
 
-/// Whether a plan (that was read and is good) has a comparison, a target or a claim with `required: true`: the
-/// report then decides the exit code.
+/// Whether a plan (that was read and is good) has a comparison, a target or a claim with `required: true`:
+/// the report then decides the exit code.
 bool requires_report(const std::filesystem::path& plan);
 
 /// What is to be said of a plan whose measures hold times that have too few repeats or no warm-up; "" if it

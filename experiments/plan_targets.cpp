@@ -78,7 +78,8 @@ void check_targets(const YamlFields& fields, const Plan& plan) {
   labels.reserve(plan.contestants.size());
   for (const PlanContestant& contestant : plan.contestants) labels.push_back(contestant.label);
   for (const YamlValue& item : targets->items()) {
-    const YamlFields target = item.fields({"text", "labels", "scenes", "at", "measure", "at_most", "required"});
+    const YamlFields target =
+        item.fields({"text", "labels", "scenes", "at", "measure", "at_most", "required"});
     if (target.need("text").text().empty()) target.need("text").fail_expected("what is to be reached");
     target.need("at_most").number(0.0, 1e6);
     check_required(target);

@@ -278,7 +278,7 @@ def draw_timing(run, claim, folder):
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="x", which="both")
     hollow = "; hollow: at another count" if any(group.count_note for group, _ in entries) else ""
-    ax.set_xlabel(f"time of the method, ms (median, quartiles, range over repeats{hollow})")
+    ax.set_xlabel(f"time of the method, ms (median, quartiles, range over repeats and seeds{hollow})")
     ax.annotate("tets removed\na second", (1.02, 1), xycoords="axes fraction", fontsize=8, va="bottom", color=FAINT)
     fig.tight_layout()
     return save(fig, folder, "timing")

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "experiments/plan_report.h"
 #include "experiments/provenance.h"
 #include "tests/support/experiment_fixture.h"
 
@@ -145,8 +146,21 @@ const BadPlan kBadPlans[] = {
      "comparisons: [{of: a, against_best_of: [b], measures: [mean_qualty]}]", 8,
      "did you mean \"mean_quality\"?"},
     {"comparison_factor_alone", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
-     "comparisons: [{of: a, against_best_of: [b], measures: [kernel_s], time_factor: 10}]", 8,
+     "comparisons: [{of: a, against_best_of: [b], measures: [mean_quality], time_factor: 10}]", 8,
      "\"time_factor\" needs \"time_against\""},
+    {"comparison_required_text", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "comparisons: [{of: a, against_best_of: [b], measures: [mean_quality], required: maybe}]", 8,
+     "required: expected true or false"},
+    {"comparison_few_repeats", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "run: {repeats: 8, warmup: 1}\ncomparisons:\n  - of: a\n    against_best_of: [b]\n    measures: "
+     "[mean_quality]\n    time_against: b",
+     13, "or more, found {repeats: 8, warmup: 1}"},
+    {"comparison_no_warmup", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+     "run: {repeats: 9}\ncomparisons:\n  - of: a\n    against_best_of: [b]\n    measures: [kernel_s]", 12,
+     "at least 9 repeats and 1 warm-up"},
+    {"claim_required_text", "[test.copy]",
+     "claim: {text: t, measure: tets, better: test.copy, than: test.copy, required: 1}", 6,
+     "required: expected true or false"},
     {"comparison_unknown_key", "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
      "comparisons: [{of: a, against_best: [b], measures: [kernel_s]}]", 8,
      "did you mean \"against_best_of\"?"},
@@ -245,17 +259,21 @@ TEST(Plan, HoldsWhatWasWritten) {
   EXPECT_DOUBLE_EQ(*plan.claim->published_better, 2.0);
   EXPECT_FALSE(plan.equal_count.has_value());
   EXPECT_TRUE(plan.comparisons.empty());
+  EXPECT_THAT(plan.notes, testing::ElementsAre(testing::HasSubstr("times (kernel_s) come from 3 repeats: ")));
 }
 
 TEST(Plan, HoldsWhatItAsksOfTheReport) {
   const test::ExperimentFixture fixture;
-  const Plan plan =
-      read_plan(fixture.add_plan("\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
-                                 "equal_count: 0.005\ncharts: [scaling, cut_away]\ncomparisons:\n"
-                                 "  - {of: a, against_best_of: [b], measures: [p1_dihedral_deg, kernel_s], "
-                                 "time_against: b, time_factor: 10, input_up_to_ratio: 0.22}\n"),
-                fixture.registry());
+  const Plan plan = read_plan(
+      fixture.add_plan("\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b}",
+                       "equal_count: 0.005\ncharts: [scaling, cut_away]\n"
+                       "run: {repeats: 9, warmup: 1}\nmeasure: [kernel_s]\ncomparisons:\n"
+                       "  - {of: a, against_best_of: [b], measures: [p1_dihedral_deg, kernel_s], "
+                       "time_against: b, time_factor: 10, input_up_to_ratio: 0.22, required: true}\n"),
+      fixture.registry());
   EXPECT_DOUBLE_EQ(plan.equal_count.value(), 0.005);
+  EXPECT_TRUE(plan.notes.empty());
+  EXPECT_TRUE(requires_report(plan.file));
   EXPECT_EQ(plan.charts, (std::vector<std::string>{"scaling", "cut_away"}));
   ASSERT_EQ(plan.comparisons.size(), 1U);
   const Comparison& comparison = plan.comparisons[0];
