@@ -16,7 +16,10 @@ decided.
 
 The time ratio is the median over rounds of kernel(`time_against`) / kernel(`of`), the two of one round taken together (of a label
 with seeds its median over them), with the interval of that median. If the comparison has a `time_factor`, the whole interval is to
-be at least that: below it the ratio is short, across it open. Without a factor the ratio is only shown.
+be at least that: below it the ratio is short, across it open. Without a factor the ratio is only shown, and so are those of the
+other peers that count, each alone.
+
+Being no worse than the best of many is hard; what each peer alone and each measure alone comes to is in standings.py.
 
 A comparison with `required: true` holds if no finding of it is short, open or cannot be decided; the exit code says so.
 """
@@ -28,16 +31,12 @@ import intervals
 from contest import short_sweep
 from equal_count import is_equal, tets_of, tolerance_of
 from intervals import median_interval, percent
+from measure_text import MET, OPEN, SCATTERS, SHORT, SHOWN, TITLES, amount
 from records import figure, median, present
+from standings import standings_text
 from tables import align, outcome_text, write_atomically, write_csv
 
-MET, SHORT, OPEN, SHOWN = "met", "short", "cannot be decided", "shown"
-SCATTERS = "open"  # the figures scatter by more than the margin
-TITLES = {
-    "percent_above_0_5": "% > 0.5", "percent_above_0_6": "% > 0.6", "mean_quality": "mean", "min_dihedral_deg": "least angle",
-    "p1_dihedral_deg": "1% angle", "surface_distance_upper": "distance", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
-}
-DIGITS = {"percent_above_0_5": 2, "percent_above_0_6": 2, "mean_quality": 4, "min_dihedral_deg": 2, "p1_dihedral_deg": 2}
+COLUMNS_A_TABLE = 5  # so that a table stays within some 100 columns
 
 
 @dataclass
@@ -49,6 +48,11 @@ class Comparison:
     time_factor: object = None
     input_up_to_ratio: float = -1.0
     required: bool = False
+
+    @property
+    def timed(self):
+        """The labels whose times are shown: `time_against`, whose ratio a factor judges, then the other peers."""
+        return list(dict.fromkeys([self.time_against, *self.peers])) if self.time_against else []
 
 
 @dataclass
@@ -63,6 +67,7 @@ class Finding:
     margin: object = None  # positive where own is better
     reason: str = ""
     interval: object = None  # of a time ratio
+    by_peer: dict = field(default_factory=dict)  # label: verdict against that peer alone
 
 
 @dataclass
@@ -184,18 +189,19 @@ def scatter_text(own, peers, sign):
     return "the figures scatter by more than the difference"
 
 
-def time_finding(run, comparison, mesh, sweep, own):
-    """The finding on time."""
-    other = find_group(run, mesh, sweep, comparison.time_against)
+def time_finding(run, comparison, mesh, sweep, own, label):
+    """The finding on the time of `label` over that of `own`."""
+    other = find_group(run, mesh, sweep, label)
     own_times, other_times = round_times(own), round_times(other)
     ratios = [other_times[key] / own_times[key] for key in own_times if key in other_times]
     if not ratios:
-        missing = comparison.of if not own_times else comparison.time_against
-        return Finding("time", OPEN, reason=f"no accepted time of {missing}")
-    ratio, interval, factor = median(ratios), median_interval(ratios), comparison.time_factor
+        missing = label if own_times else comparison.of
+        return Finding("time", OPEN, best_label=label, reason=f"no accepted time of {missing}")
+    ratio, interval = median(ratios), median_interval(ratios)
+    factor = comparison.time_factor if label == comparison.time_against else None
     if factor is None:
-        return Finding("time", SHOWN, ratio, interval=interval)
-    finding = Finding("time", SCATTERS, ratio, factor, comparison.time_against, ratio - factor, interval=interval)
+        return Finding("time", SHOWN, ratio, best_label=label, interval=interval)
+    finding = Finding("time", SCATTERS, ratio, factor, label, ratio - factor, interval=interval)
     if interval is None or not interval.keeps_level:
         finding.reason = f"{len(ratios)} rounds are too few for a 95% interval"
     elif interval.low >= factor or interval.high < factor:
@@ -235,11 +241,12 @@ def compare(run, comparison, mesh, sweep):
             spans = [spans.get(label, (value, value)) for label, value in values if value is not None]
             reason = scatter_text(span_of(own, measure), spans, sign_of(run, measure))
             verdict = SCATTERS if reason else verdict
-        findings.append(Finding(measure, verdict, value, best, label, margin, reason))
-    row = Row(comparison, mesh, sweep, own_tets, findings, left_out)
-    if comparison.time_against:
-        findings.append(time_finding(run, comparison, mesh, sweep, own))
-    return row
+        alone = {peer: decide(value, [(peer, theirs)], sign_of(run, measure))[0] for peer, theirs in values if peer != "input"}
+        findings.append(Finding(measure, verdict, value, best, label, margin, reason, by_peer=alone))
+    counted = [label for label, _ in peers]
+    findings += [time_finding(run, comparison, mesh, sweep, own, label) for label in comparison.timed
+                 if label == comparison.time_against or label in counted]
+    return Row(comparison, mesh, sweep, own_tets, findings, left_out)
 
 
 def compare_all(run):
@@ -253,14 +260,6 @@ def compare_all(run):
 
 
 # --- In words -----------------------------------------------------------------------------------------------------------
-
-
-def amount(measure, value):
-    """A difference or figure of a measure, with as many digits as it takes to tell it from zero."""
-    digits = DIGITS.get(measure)
-    if digits is None or (value and round(abs(value), digits) == 0):
-        return f"{value:.2g}" if value else "0"
-    return f"{value:.{digits}f}"
 
 
 def interval_text(interval):
@@ -278,13 +277,24 @@ def cell(finding):
 
 
 def comparison_table(rows):
-    """Margins of `of` over the best peer, one line a mesh and point of the sweep."""
+    """Margins of `of` over the best peer, one line a mesh and point of the sweep; folded where there are many measures."""
     comparison = rows[0].comparison
-    header = ["mesh", "", "tets", *(TITLES.get(measure, measure) for measure in comparison.measures)]
-    header += ["time ratio"] if comparison.time_against else []
-    lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
-              *map(cell, row.findings), row.met_text] for row in rows]
-    return align([*header, "met"], lines)
+    cells = {}  # by row and title
+    for row in rows:
+        for finding in row.findings:
+            title = TITLES.get(finding.measure, finding.measure)
+            if finding.measure == "time":
+                title = f"time, {finding.best_label}" if len(comparison.peers) > 1 else "time ratio"
+            cells[id(row), title] = cell(finding)
+    titles = list(dict.fromkeys(title for _, title in cells))
+    blocks = []
+    for start in range(0, len(titles), COLUMNS_A_TABLE):
+        part = titles[start:start + COLUMNS_A_TABLE]
+        is_last = start + COLUMNS_A_TABLE >= len(titles)
+        lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
+                  *(cells.get((id(row), title), "") for title in part), *([row.met_text] if is_last else [])] for row in rows]
+        blocks.append(align(["mesh", "", "tets", *part, *(["met"] if is_last else [])], lines))
+    return "\n\n".join(blocks)
 
 
 def shortfall_lines(row, with_shortfalls):
@@ -294,12 +304,14 @@ def shortfall_lines(row, with_shortfalls):
     undecided = {}
     for finding in row.findings:
         title = TITLES.get(finding.measure, finding.measure)
+        if finding.measure == "time" and len(comparison.peers) > 1:
+            title += f" against {finding.best_label}"
         if finding.verdict in (OPEN, SCATTERS):
             undecided.setdefault((finding.verdict, finding.reason), []).append(title)
         elif finding.verdict != SHORT or not with_shortfalls:
             continue
         elif finding.measure == "time":
-            yield (f"{place}: {finding.own:.2f} times as fast as {comparison.time_against}, "
+            yield (f"{place}: {finding.own:.2f} times as fast as {finding.best_label}, "
                    f"{comparison.time_factor:g} times is asked for.")
         else:
             yield (f"{place}: {title} {amount(finding.measure, finding.own)}, short of "
@@ -361,7 +373,10 @@ def comparisons_text(run, rows, with_shortfalls=True):
             title += f"; up to {100 * plan.input_up_to_ratio:g}% removed the input is a peer too"
         lines = [line for row in own for line in shortfall_lines(row, with_shortfalls)]
         lines += [line for line in [time_line(own)] if line]
-        blocks.append("\n".join([title, "", comparison_table(own), "", *lines, summary_line(own)]))
+        parts = [title, "", comparison_table(own), "", *lines, summary_line(own)]
+        if len(plan.peers) > 1 or len(own) > 1:
+            parts += ["", standings_text(own)]
+        blocks.append("\n".join(parts))
     return "\n\n".join(blocks)
 
 
