@@ -277,7 +277,14 @@ def legend_text(run, sections):
         lines[0] += "; + best of those that keep the boundary to the bit." if BEST_KEPT in marks else "."
     if REJECTED in states:
         lines.append("(in brackets): the judge rejects the answer, for the reason beside it; its figures decide nothing.")
+    counts = [timing["n"] for timing in (timing_of(standing.group) for section in sections for standing in section.standings) if timing]
+    if counts:
+        said = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
+        lines.append(f"Times: medians over {said} accepted repeats (and seeds); contest.csv has their intervals and what they cover.")
     return "\n".join(lines)
+
+
+TIMING_INTERVAL = ["n", "kernel_median_low_s", "kernel_median_high_s", "interval_covers", "interval_kind"]
 
 
 def write_contest(run, sections, folder):
@@ -285,12 +292,14 @@ def write_contest(run, sections, folder):
     rows = []
     for section in sections:
         for standing in section.standings:
+            timing = timing_of(standing.group) or {}
             rows.append([section.mesh, section.sweep, section.asked, standing.label, standing.group.contestant,
                          standing.state, *(standing.values.get(column.name) for column in COLUMNS),
                          " ".join(name for name, mark in standing.marks.items() if mark == BEST),
-                         " ".join(name for name, mark in standing.marks.items() if mark == BEST_KEPT), standing.note])
+                         " ".join(name for name, mark in standing.marks.items() if mark == BEST_KEPT),
+                         *(timing.get(name) for name in TIMING_INTERVAL), standing.note])
     write_csv(folder / "contest.csv",
               ["mesh", "sweep", "tets_asked", "label", "method", "state", *(column.name for column in COLUMNS), "best_in",
-               "best_with_boundary_kept_in", "note"], rows)
+               "best_with_boundary_kept_in", *TIMING_INTERVAL, "note"], rows)
     write_atomically(folder / "contest.txt", contest_text(run, sections) + "\n")
     return {"contest.csv", "contest.txt"}

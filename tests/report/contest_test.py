@@ -37,6 +37,14 @@ class Contest(ReportTest):
         self.assertIn("95.00*", self.line_of(out, "cgal_1"))
         self.assertIn("0.6600*", self.line_of(out, "refined"))
 
+    def test_the_interval_of_a_time_and_its_repeats_stand_beside_it(self):
+        lines = [answer("refined", 90, repeat=i, kernel_s=0.01 * (i + 1)) for i in range(9)] + [answer("cgal_1", 80, kernel_s=0.2)]
+        rows, out = self.run_contest(lines)
+        self.assertEqual([rows["refined"][name] for name in ("n", "kernel_median_low_s", "kernel_median_high_s", "interval_covers")],
+                         ["9", "0.02", "0.08", "0.9609375"])
+        self.assertEqual((rows["cgal_1"]["n"], rows["cgal_1"]["interval_kind"]), ("1", "none: one value"))
+        self.assertIn("Times: medians over 1 to 9 accepted repeats", out)
+
     def test_a_tie_marks_both(self):
         rows, _ = self.run_contest([answer("refined", 90), answer("cgal_1", 90)])
         for label in ("refined", "cgal_1"):
