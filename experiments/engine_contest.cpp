@@ -3,6 +3,7 @@
 #include <array>
 #include <map>
 
+#include "core/judge/reference_estimate.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/medit.h"
 #include "experiments/contest.h"
@@ -172,8 +173,13 @@ class EngineContest : public Contest {
     const Vec3& expected = force->second.force_n;
     const double size = length(expected);
     figures["reference_force_size_n"] = size;
-    if (size > 0.0)
-      figures["force_error"] = length(Vec3{held.at(0), held.at(1), held.at(2)} - expected) / size;
+    const std::optional<double>& change = force->second.change;
+    if (change) figures["reference_force_change"] = *change;
+    if (size > 0.0) {
+      const double error = length(Vec3{held.at(0), held.at(1), held.at(2)} - expected) / size;
+      figures["force_error"] = error;
+      figures["reference_too_coarse"] = judge::is_reference_too_coarse(error, change);
+    }
     return figures;
   }
 
@@ -183,10 +189,10 @@ class EngineContest : public Contest {
     record["outcome"] = force.outcome;
     record["message"] = force.failure;
     record["judge"] = nullptr;
-    if (force.failure.empty()) {
+    if (!force.levels.empty() && (force.failure.empty() || !force.faults.empty())) {
       record["judge"] = {{"kind", "pad_force"},
-                         {"valid", true},
-                         {"findings", json::array()},
+                         {"valid", force.faults.empty()},
+                         {"findings", force.faults},
                          {"level_reports", force.levels}};
       record["judge"]["force_n"] = {force.force_n.x, force.force_n.y, force.force_n.z};
       record["judge"]["force_change"] = force.change ? json(*force.change) : json();

@@ -110,6 +110,8 @@ constexpr std::array kMeasures{
             "decay rate of the probe's oscillation over the reference's, less 1"},
     Measure{"damping_ratio_error", "1", "", "/judge/damping_ratio_error",
             "damping ratio of the probe's oscillation less the reference's"},
+    Measure{"unexplained", "1", "", "/judge/unexplained",
+            "what the fitted oscillations leave over of the probe's motion, rms over rms"},
     Measure{"steps", "1", "lower", "/report/steps", "time steps taken"},
     Measure{"identify_s", "s", "lower", "/report/identify_s", "time to identify the model's constants"},
     Measure{"solve_s", "s", "lower", "/report/solve_s",
@@ -165,6 +167,8 @@ constexpr std::array kMeasures{
             "force of the tool on the body that it holds"},
     Measure{"reference_force_size_n", "N", "", "/judge/reference_force_size_n",
             "the same of the finite elements"},
+    Measure{"reference_force_change", "1", "", "/judge/reference_force_change",
+            "change of the finite elements' force by their last refinement, relative"},
     Measure{"force_error", "1", "lower", "/judge/force_error",
             "difference of the two forces over the size of the finite elements'"},
 };

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 
 #include "core/base/error.h"
+#include "core/mesh/medit.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
@@ -172,6 +174,111 @@ TEST_F(EngineContest, AForceOfTheReferenceStandsBesideTheEngines) {
   EXPECT_EQ(all.at("held/reference").at("outcome"), "bad_answer");
   EXPECT_EQ(all.at("held/ticks").at("outcome"), "accepted");
   EXPECT_FALSE(all.at("held/ticks").at("judge").contains("force_error"));
+}
+
+/// The judge's figures of fem.p2 on two levels, for a pad with `region` that goes 10 mm into a cube of 0.1 m.
+json judge_pad(const test::ExperimentFixture& fixture, const std::string& strain, double poisson_ratio,
+               const std::string& region) {
+  std::filesystem::remove_all(fixture.folder() / "run");
+  write_medit(fixture.folder() / "coarse.mesh", build_kuhn_cube(2, 0.2, 3));
+  SceneText text;
+  text.mesh = "{file: coarse.mesh, length_m: 0.1}";
+  text.material =
+      "{young_modulus_pa: 10000, poisson_ratio: " + std::to_string(poisson_ratio) + ", density_kg_m3: 1000}";
+  text.rest = "strain: " + strain + "\nmodel: {springs: van_gelder}\n";
+  text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e6}]";
+  text.load =
+      "[{displace: {" + region +
+      ", by_m: [0, 0, -0.01], elastic_pa_per_m: 5.0e6}, profile: {times_s: [0, 0.02], shares: [0, 1]}}]";
+  text.analysis = "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.01}}";
+  fixture.folder().add("pad.yaml", text.yaml());
+  fixture.run(fixture.folder().add(
+      "pad_plan.yaml",
+      "schema: palpate/plan/1\nquestion: How hard?\ncontest: engine\nscenes: [{name: pad, file: pad.yaml}]\n"
+      "reference: {method: fem.p2, levels: 2}\n"
+      "contestants: [{method: engine.ticks, label: ticks, set: {ticks: 100}}]\n"));
+  const json record = fixture.records().at("pad/reference");
+  EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
+  return record.at("judge");
+}
+
+const std::string kTop = "half_space: {normal: [0, 0, -1], offset_m: -0.1}";
+
+// Without lateral contraction the cube is a bar between two beds of springs, and its field is linear:
+// support, body and pad in series. In the large P = mu (s - 1 / s) at the stretch s.
+TEST_F(EngineContest, TheForceOfAPadIsThatOfABarInClosedForm) {
+  constexpr double kArea = 0.01;
+  constexpr double kSide = 0.1;
+  const double linear = 0.01 * kArea / (1.0 / 1e6 + kSide / 10000.0 + 1.0 / 5e6);
+  double low = 0.0;  // force a unit of area
+  double high = 0.01 * 1e6;
+  for (int k = 0; k < 200; ++k) {
+    const double pressure = 0.5 * (low + high);
+    const double s = 1.0 - (0.01 - pressure / 1e6 - pressure / 5e6) / kSide;
+    (5000.0 * (1.0 / s - s) > pressure ? low : high) = pressure;
+  }
+  for (const auto& [strain, size] : {std::pair{"small", linear}, std::pair{"large", low * kArea}}) {
+    const json judged = judge_pad(fixture_, strain, 0.0, kTop);
+    ASSERT_EQ(judged.at("level_reports").size(), 2U);
+    for (const json& level : judged.at("level_reports")) {
+      EXPECT_NEAR(level.at("force_n").at(2).get<double>(), -size, 1e-8 * size) << strain;
+      EXPECT_NEAR(level.at("by_force_j").get<double>(), 0.01 * size, 1e-8 * size) << strain;
+      EXPECT_NEAR(level.at("reaction_n").at(2).get<double>(), size, 1e-8 * size) << strain;
+    }
+    EXPECT_LT(judged.at("force_change").get<double>(), 1e-7);
+  }
+}
+
+// Part of the face, and a body that bulges: no closed form, but energies that refinement can only lower.
+TEST_F(EngineContest, RefinementLowersTheEnergyAndTheForceOfAPad) {
+  for (const char* strain : {"small", "large"}) {
+    const json judged =
+        judge_pad(fixture_, strain, 0.3, "sphere: {center_m: [0.03, 0.03, 0.1], radius_m: 0.04}");
+    const json& coarse = judged.at("level_reports").at(0);
+    const json& fine = judged.at("level_reports").at(1);
+    EXPECT_LT(fine.at("by_force_j").get<double>(), coarse.at("by_force_j").get<double>()) << strain;
+    EXPECT_LT(fine.at("potential_j").get<double>(), coarse.at("potential_j").get<double>()) << strain;
+    EXPECT_GT(judged.at("force_change").get<double>(), 1e-4) << strain;
+    EXPECT_TRUE(judged.at("findings").empty());
+  }
+}
+
+/// A problem of a pad alone, in small strain.
+BoundaryProblem pad_alone() {
+  BoundaryProblem problem;
+  problem.supports.resize(2);
+  problem.supports.back().by_m = {0.0, 0.0, -0.002};
+  return problem;
+}
+
+PadLevel pad_level(double size_n, double potential_j) {
+  return {{0.0, 0.0, -size_n}, {0.0, 0.0, size_n}, 0.002 * size_n, potential_j};
+}
+
+TEST(PadFaults, AreFoundWhereLevelsContradictMechanics) {
+  BoundaryProblem problem = pad_alone();
+  const std::vector<PadLevel> good{pad_level(0.555, 0.555e-3), pad_level(0.544, 0.544e-3)};
+  EXPECT_TRUE(find_pad_faults(problem, good).empty());
+
+  // A refined solution that is integrated as if it were a coarse one.
+  std::vector<PadLevel> broken{good[0], pad_level(0.590, 0.544e-3)};
+  broken[1].reaction_n = {0.0, 0.0, 0.544};
+  const std::vector<std::string> faults = find_pad_faults(problem, broken);
+  EXPECT_THAT(faults,
+              ElementsAre(HasSubstr("level 1: the supports' reactions leave 0.046 N"),
+                          HasSubstr("twice the energy of a linear body"), HasSubstr("raised by . F")));
+  broken = {good[1], good[0]};
+  EXPECT_THAT(find_pad_faults(problem, broken),
+              ElementsAre(HasSubstr("raised the least energy"), HasSubstr("raised by . F")));
+  broken = good;
+  broken[0].potential_j = std::nan("");
+  EXPECT_FALSE(find_pad_faults(problem, broken).empty());
+
+  problem.strain = StrainSize::kLarge;  // by . F is then not twice the energy
+  broken = {pad_level(0.6, 0.5e-3), pad_level(0.59, 0.49e-3)};
+  EXPECT_TRUE(find_pad_faults(problem, broken).empty());
+  problem.gravity_m_s2 = {0.0, 0.0, -9.81};  // and with a weight nothing of this is known
+  EXPECT_TRUE(find_pad_faults(problem, {{good[1], good[0]}}).empty());
 }
 
 TEST(PadForce, IsExactForQuadraticFields) {
