@@ -11,6 +11,9 @@ from records import figure
 from tables import first_reason, seconds_text, write_atomically, write_csv
 
 REPLAY, REST, TICKS = "engine.replay", "engine.rest", "engine.ticks"
+COARSE = "~"
+FORCE_NOTE = ("\n\nreference: the pad's force by finite elements; its change: by their last refinement (none: one level alone); "
+              f"{COARSE} less than five times that, or that is not known: the reference cannot tell.")
 HOLDS = [("median", "tick_p50_s"), ("99%", "tick_p99_s"), ("99.9%", "tick_p99_9_s"), ("none missed", "tick_worst_s")]
 
 
@@ -127,15 +130,22 @@ def rest_lines(cases):
 
 def tick_lines(cases):
     lines = [["scene", "label", "precision", "threads", "vertices", "steps", "p50", "p99", "p99.9", "worst", "missed", "of", "force",
-              "reference", "off by", ""]]
+              "reference", "its change", "off by", ""]]
     for case in cases:
         times = [tick_text(case.number(name)) for _, name in HOLDS]
         lines.append([case.scene, case.label, str(case.option("precision")), str(case.option("engine_threads")), number_text(case.vertices, ",.0f"),
                       number_text(case.number("steps_per_tick"), ".0f"), *times, number_text(case.number("ticks_missed"), ",.0f"),
                       number_text(case.number("ticks"), ",.0f"), number_text(case.number("held_force_size_n"), ".4f", unit=" N"),
                       number_text(case.number("reference_force_size_n"), ".4f", unit=" N"),
-                      number_text(case.number("force_error"), ".2f", 100, "%"), case.note])
+                      number_text(case.number("reference_force_change"), ".2f", 100, "%"), force_error_text(case), case.note])
     return lines
+
+
+def force_error_text(case):
+    """The error of the force, marked where the reference cannot tell it."""
+    judge = case.record.get("judge") if isinstance(case.record.get("judge"), dict) else {}
+    mark = COARSE if judge.get("reference_too_coarse", True) else ""
+    return number_text(case.number("force_error"), ".2f", 100, "%" + mark)
 
 
 def largest_meshes(cases):
@@ -171,7 +181,10 @@ def engine_text(found):
         parts.append("At rest (the slowest decay falls to 1/e; watched: with one step each 5 ms, as the thesis's timer has it)\n\n" +
                      pad_columns(rest_lines(found.rests)))
     if found.ticks:
-        parts.append("Ticks of a haptic loop\n\n" + pad_columns(tick_lines(found.ticks)))
+        text = "Ticks of a haptic loop\n\n" + pad_columns(tick_lines(found.ticks))
+        if any(case.number("force_error") is not None for case in found.ticks):
+            text += FORCE_NOTE
+        parts.append(text)
         parts.append("Vertices of the largest mesh that holds the deadline\n\n" + pad_columns(largest_lines(largest_meshes(found.ticks))))
     return "\n\n".join(parts) if parts else "no records"
 

@@ -86,16 +86,26 @@ def draw_returns(run, cases, folder):
     return save(fig, folder, "returns")
 
 
-def times_of_pictures(case):
-    """(title, time): undeformed, then each palpation held, let go and at its end."""
-    found = [("undeformed", 0.0)]
+def choose_pictures(case, frames):
+    """(title, frame): the first frame, then of each palpation the last one held, one let go and the last one. None stands for another
+    side of the moment at which the tool lets go; a title says when its frame is, not when it was wanted."""
+    frames = sorted(frames, key=lambda each: each["time_s"])
+    found = [("undeformed" if frame["time_s"] == 0 else "first frame", frame) for frame in frames[:1]]
+    before = 0.0
     for number, each in enumerate(returns_of(case), start=1):
         released, end = figure(each, "released_s"), figure(each, "end_s")
         if released is None or end is None:
             continue
-        found += [(f"palpation {number}, held", released), (f"let go, {0.2 * (end - released):.2g} s", released + 0.2 * (end - released)),
-                  (f"let go, {end - released:.2g} s", end)]
-    return found
+        rounding = 1e-9 * end
+        held = [frame for frame in frames if before + rounding < frame["time_s"] <= released + rounding]
+        free = [frame for frame in frames if released + rounding < frame["time_s"] <= end + rounding]
+        found += [(f"palpation {number}, held", frame) for frame in held[-1:]]
+        wanted = released + 0.2 * (end - released)
+        nearest = min(range(len(free)), key=lambda k: abs(free[k]["time_s"] - wanted), default=None)
+        for k in sorted({nearest, len(free) - 1} if free else ()):
+            found.append((f"let go, {free[k]['time_s'] - released:.3g} s", free[k]))
+        before = end
+    return [(f"{title}\n{frame['time_s']:.4g} s", frame) for title, frame in found]
 
 
 def draw_body(ax, points, faces, view, size, norm):
@@ -134,13 +144,13 @@ def draw_phases(run, case, folder):
         return []
     faces, _ = outer_faces(mesh.tets)
     view = choose_view(mesh)
-    frames = motion["frames"]
     pictures = []
-    for title, time in times_of_pictures(case):
-        frame = min(frames, key=lambda each: abs(each["time_s"] - time))
+    for title, frame in choose_pictures(case, motion["frames"]):
         field = np.array(frame["displacement_m"], dtype=float).reshape(-1, 3)
         if len(field) == len(mesh.points):
-            pictures.append((f"{title}\n{frame['time_s']:.2f} s", field))
+            pictures.append((title, field))
+    if not pictures:
+        return []
     most = max((np.linalg.norm(field, axis=1).max() for _, field in pictures), default=0.0)
     norm = Normalize(0.0, 1000 * most if most > 0 else 1.0)
     fig, grid = plt.subplots(1, len(pictures), figsize=(1.8 * len(pictures) + 0.9, 1.9), squeeze=False, layout="constrained")
@@ -271,20 +281,27 @@ def draw_largest(cases, folder):
 
 
 def draw_force(cases, folder):
-    """The held force by the engine and by finite elements, and their difference."""
-    points = sorted({(case.vertices, case.number("held_force_size_n"), case.number("reference_force_size_n"), case.number("force_error"))
-                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None})
+    """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
+    names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
+    points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
+                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None}, key=str)
+    scenes = sorted({point[0] for point in points})
     if len(points) < 2:
         return []
-    size, own, other, error = (np.array(values) for values in zip(*points))
     fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
-    grid[0].plot(size, own, "o-", color=COLORS[0], linewidth=1.3, markersize=4, label="engine")
-    grid[0].plot(size, other, "s--", color=COLORS[1], linewidth=1.3, markersize=4, label="finite elements, same mesh")
+    for scene, color in zip(scenes, COLORS):
+        chosen = sorted(point[1:] for point in points if point[0] == scene)
+        size, own, other, error, change = (np.array(values) for values in zip(*chosen))
+        suffix = f", {scene}" if len(scenes) > 1 else ""
+        grid[0].plot(size, own, "o-", color=color, linewidth=1.3, markersize=4, label=f"engine{suffix}")
+        grid[0].plot(size, other, "s--", color=color, linewidth=1.3, markersize=4, label=f"finite elements{suffix}")
+        grid[1].plot(size, 100 * error, "o-", color=color, linewidth=1.3, markersize=4)
+        grid[1].plot(size, 500 * change, "v:", color=color, linewidth=1.0, markersize=4)
     grid[0].set_ylabel("force of the pad in N")
     grid[0].set_ylim(bottom=0)
-    grid[0].legend(fontsize=8)
-    grid[1].plot(size, 100 * error, "o-", color=COLORS[0], linewidth=1.3, markersize=4)
+    grid[0].legend(fontsize=7)
     grid[1].set_ylabel("difference in %")
+    grid[1].set_title("dotted: 5 x the finite elements' change", loc="left", fontsize=8, color=INK)
     grid[1].set_ylim(bottom=0)
     for ax in grid:
         ax.set_xscale("log")

@@ -1,9 +1,11 @@
 """The report of a contest of the engine, on made-up records."""
 
 import json
+import types
 import unittest
 
 from support import ReportTest
+import engine_charts
 import synthetic
 
 PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],
@@ -25,9 +27,10 @@ def replay(scene, left, twentieth):
                 {"engine": "general", "time_step_s": 3e-4, "returns": returns}, mesh_file=f"motions/{scene}/replay.json")
 
 
-def ticks(vertices, threads, median, worst, error=0.05):
+def ticks(vertices, threads, median, worst, error=0.05, **force):
     judged = {"steps_per_tick": 2, "tick_p50_s": median, "tick_p99_s": 2 * median, "tick_p99_9_s": 3 * median, "tick_worst_s": worst,
-              "ticks": 100, "ticks_missed": int(worst > 1e-3), "held_force_size_n": 0.5, "reference_force_size_n": 0.52, "force_error": error}
+              "ticks": 100, "ticks_missed": int(worst > 1e-3), "held_force_size_n": 0.5, "reference_force_size_n": 0.52, "force_error": error,
+              **force}
     report = {"tick_s": 1e-3, "bucket_ends_s": [median, worst], "buckets": [99, 1]}
     return line("soft", "ticks", "engine.ticks", judged, report, {"precision": "single", "engine_threads": threads}, vertices,
                 sweep={"option.vertices": vertices, "option.engine_threads": threads})
@@ -80,6 +83,13 @@ class Engine(ReportTest):
         self.assertEqual([(row["threads"], row["vertices"]) for row in self.table("ticks.csv")],
                          [("1", "1,000"), ("1", "2,000"), ("1", "4,000"), ("1", "8,000"), ("2", "1,000")])
 
+    def test_a_force_that_the_reference_cannot_tell_is_marked(self):
+        self.run_report([ticks(1000, 1, 1e-4, 8e-4), ticks(2000, 1, 1e-4, 8e-4, reference_force_change=0.02, reference_too_coarse=True),
+                         ticks(4000, 1, 1e-4, 8e-4, reference_force_change=0.002, reference_too_coarse=False)])
+        self.assertEqual([(row["its change"], row["off by"]) for row in self.table("ticks.csv")],
+                         [("", "5.00%~"), ("2.00%", "5.00%~"), ("0.20%", "5.00%")])
+        self.assertIn("the reference cannot tell", self.printed)
+
     def test_what_gave_no_answer_keeps_its_row(self):
         self.run_report([{**self.LINES[0], "outcome": "timed_out", "judge": None, "report": None, "message": "timed out", "mesh_file": None}])
         self.assertEqual(self.table("replays.csv")[0]["note"], "timed_out: timed out")
@@ -91,6 +101,19 @@ class Engine(ReportTest):
                          ["budget.svg", "force.svg", "largest.svg", "margins.svg", "phases_soft.svg", "phases_stiff.svg", "returns.svg", "tick_times.svg"])
         self.run_report(charts=True)
         self.assertEqual(self.charts(), first)
+
+    def test_pictures_say_when_their_frames_are(self):
+        case = types.SimpleNamespace(told=lambda name: [{"released_s": 1.0, "end_s": 4.0}, {"released_s": 5.0, "end_s": 6.0}])
+        at = lambda *times: [{"time_s": time} for time in times]
+        titles = lambda frames: [title for title, _ in engine_charts.choose_pictures(case, frames)]
+        # Wanted: 1, 1.6 and 4 s, then 5, 5.2 and 6 s.
+        self.assertEqual(titles(at(0, 0.5, 1.0, 1.55, 3.0, 4.0, 4.9, 5.3, 6.0)),
+                         ["undeformed\n0 s", "palpation 1, held\n1 s", "let go, 0.55 s\n1.55 s", "let go, 3 s\n4 s",
+                          "palpation 2, held\n4.9 s", "let go, 0.3 s\n5.3 s", "let go, 1 s\n6 s"])
+        # No frame is said to be held when the tool is gone, or of a palpation that it is not of.
+        self.assertEqual(titles(at(0, 1.01, 3.9)), ["undeformed\n0 s", "let go, 0.01 s\n1.01 s", "let go, 2.9 s\n3.9 s"])
+        self.assertEqual(titles(at(0.7)), ["first frame\n0.7 s", "palpation 1, held\n0.7 s"])
+        self.assertEqual(titles([]), [])
 
     def test_a_motion_that_cannot_be_read_is_noted(self):
         self.run_report()
