@@ -1,7 +1,8 @@
 // What a step of a body of springs costs, in one process: the plain engine in single and double precision, on
 // one thread and two, with AVX2 and without; the engine that takes every force; objects that point to each
-// other, as the thesis has them; Bullet's soft body; and what the memory could deliver. PALPATE_BENCH_LARGE=1
-// adds 1M vertices. docs/engine_speed.md says how to read it; tests/dynamics/speed_table.py makes its table.
+// other, as the thesis has them; Bullet's springs and its constraints of position; and what the memory could
+// deliver. PALPATE_BENCH_LARGE=1 adds 1M vertices. docs/engine_speed.md says how to read it;
+// tests/dynamics/speed_table.py makes its table.
 //
 // Counters: ns_per_spring of one step, the median by the wall clock; cpu_ns_per_spring, by the time that the
 // first thread ran. Rows of ours carry the hash of the state after 100 steps from the same start.
@@ -17,6 +18,7 @@
 #include <ctime>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <thread>
 #include <vector>
 
@@ -28,6 +30,7 @@
 #include "tests/support/motion_cases.h"
 #include "tests/support/pointer_springs.h"
 #ifdef PALPATE_HAS_BULLET
+#include "reference/bullet/mass_springs.h"
 #include "reference/bullet/soft_body.h"
 #endif
 
@@ -205,24 +208,44 @@ void bench_pointers_shuffled(benchmark::State& state) {
 }
 
 #ifdef PALPATE_HAS_BULLET
-reference::BulletBody make_bullet(const Body& body) {
-  reference::BulletBody out(body.model.elastic.rest, body.model.elastic.springs, body.model.mass_kg, {});
-  out.set_velocities(body.start.velocity_m_s);
-  return out;
-}
-
-void bench_bullet_step(benchmark::State& state) {
-  const Body& body = body_of(static_cast<int>(state.range(0)));
-  reference::BulletBody soft = make_bullet(body);
+template <typename Bullet>
+void time_bullet(benchmark::State& state, const Body& body, Bullet soft) {
+  soft.set_velocities(body.start.velocity_m_s);
   soft.step(body.step_s);
   time_steps(state, body, [&](std::uint64_t steps) {
     for (std::uint64_t k = 0; k < steps; ++k) soft.step(body.step_s);
   });
 }
 
-void bench_bullet_links(benchmark::State& state) {
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Springs in N/m with damping along them: those of the body, with the mean of its constants.
+void bench_bullet_springs(benchmark::State& state) {
   const Body& body = body_of(static_cast<int>(state.range(0)));
-  reference::BulletBody soft = make_bullet(body);
+  const MotionModel& model = body.model;
+  time_bullet(state, body,
+              reference::BulletSprings(
+                  model.elastic.rest, model.elastic.springs, model.mass_kg,
+                  {mean(model.elastic.springs.stiffness_n_per_m), mean(model.spring_damping_n_s_per_m)}));
+}
+
+reference::BulletBody make_constraints(const Body& body) {
+  return {body.model.elastic.rest, body.model.elastic.springs, body.model.mass_kg, {}};
+}
+
+/// Constraints of position: a step as Bullet's world takes it, with the upkeep of its tree.
+void bench_bullet_constraints_step(benchmark::State& state) {
+  const Body& body = body_of(static_cast<int>(state.range(0)));
+  time_bullet(state, body, make_constraints(body));
+}
+
+/// One sweep over the same constraints.
+void bench_bullet_constraints_sweep(benchmark::State& state) {
+  const Body& body = body_of(static_cast<int>(state.range(0)));
+  reference::BulletBody soft = make_constraints(body);
+  soft.set_velocities(body.start.velocity_m_s);
   soft.step(body.step_s);
   time_steps(state, body, [&](std::uint64_t steps) {
     for (std::uint64_t k = 0; k < steps; ++k) soft.sweep_links();
@@ -287,8 +310,9 @@ BENCHMARK(bench_every_force)->Apply(up_to_100k);
 BENCHMARK(bench_pointers)->Apply(on_one);
 BENCHMARK(bench_pointers_shuffled)->Apply(on_one);
 #ifdef PALPATE_HAS_BULLET
-BENCHMARK(bench_bullet_step)->Apply(on_one);
-BENCHMARK(bench_bullet_links)->Apply(on_one);
+BENCHMARK(bench_bullet_springs)->Apply(on_one);
+BENCHMARK(bench_bullet_constraints_step)->Apply(on_one);
+BENCHMARK(bench_bullet_constraints_sweep)->Apply(on_one);
 #endif
 BENCHMARK(bench_triad)->Args({100, 1})->Args({100, 2})->UseManualTime()->Iterations(1);
 
