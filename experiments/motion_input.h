@@ -55,7 +55,8 @@ struct JudgedMotion {
 /// relative), frequency_first, frequency_mean and frequency_worst (of their sizes), probe_l2, force_l2 (of
 /// the worst tool; absent without one), and of the oscillation of the first probe along its main direction
 /// amplitude_error, phase_error_deg, oscillation_error, damping_ratio_error and decay_error (absent where
-/// there is none), with oscillation_hz and unexplained.
+/// there is none, or where the fit of one of the two explains too little), with oscillation_hz and
+/// unexplained.
 nlohmann::json compare_motions(const reference::MotionProblem& problem, const JudgedMotion& found,
                                const JudgedMotion& truth);
 

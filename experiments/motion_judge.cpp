@@ -128,6 +128,9 @@ void compare_oscillation(const MotionProblem& problem, const JudgedMotion& found
                                       {"decay_per_s", main.decay_per_s},
                                       {"unexplained", expected->unexplained}};
   if (!measured) return;
+  figures["unexplained"] = measured->unexplained;
+  // What is not the sum of a few oscillations has no amplitude, phase and decay that could be compared.
+  if (judge::explains_too_little(*expected) || judge::explains_too_little(*measured)) return;
   const judge::OscillationError error = judge::compare_oscillations(measured->oscillations[0], main);
   figures["amplitude_error"] = error.amplitude;
   figures["phase_error_deg"] = error.phase_deg;
@@ -135,7 +138,6 @@ void compare_oscillation(const MotionProblem& problem, const JudgedMotion& found
   figures["damping_ratio_error"] = error.damping_ratio;
   if (error.decay) figures["decay_error"] = *error.decay;
   figures["oscillation_hz"] = measured->oscillations[0].frequency_hz;
-  figures["unexplained"] = measured->unexplained;
 }
 
 }  // namespace

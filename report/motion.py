@@ -27,7 +27,9 @@ class Measure:
 MEASURES = [Measure("frequency_first", "f1 %", 100, False), Measure("frequency_mean", "f1-10 %", 100, False),
             Measure("frequency_worst", "worst f %", 100, False), Measure("probe_l2", "probe %", 100, False),
             Measure("force_l2", "force %", 100, False), Measure("amplitude_error", "amplitude %", 100, True),
-            Measure("phase_error_deg", "phase deg", 1, True), Measure("decay_error", "decay %", 100, True)]
+            Measure("phase_error_deg", "phase deg", 1, True), Measure("decay_error", "decay %", 100, True),
+            Measure("unexplained", "unexplained %", 100, False)]
+UNMARKED = {"unexplained"}  # a part of the signal, not an error
 
 
 @dataclass
@@ -44,6 +46,7 @@ class Row:
     integrator: str
     note: str
     history: object  # path of its history, or None
+    oscillation: dict  # the reference's, that it was held against
     marks: dict = field(default_factory=dict)
 
 
@@ -69,7 +72,10 @@ class Section:
     @property
     def own(self):
         judge = self.reference.get("judge") if isinstance(self.reference.get("judge"), dict) else {}
-        return {measure.name: figure(judge, "own_error", measure.name) for measure in MEASURES}
+        own = {measure.name: figure(judge, "own_error", measure.name) for measure in MEASURES}
+        # What the reference's own oscillation leaves over, as the rows' leave of theirs.
+        left = [figure(row.oscillation, "unexplained") for row in self.rows]
+        return {**own, "unexplained": next((value for value in left if value is not None), None)}
 
     @property
     def has_measure(self):
@@ -99,11 +105,14 @@ def read_row(run, group):
     values = {measure.name: median(group.figures("judge", measure.name)) for measure in MEASURES}
     timing = timing_of(group)
     report = record.get("report") if isinstance(record.get("report"), dict) else {}
+    judge = record.get("judge") if isinstance(record.get("judge"), dict) else {}
+    oscillation = judge.get("reference_oscillation")
     accepted = group.cases() and set(group.outcomes()) == {"accepted"}
     note = "" if accepted else f"{outcome_text(group)}: {first_reason(group)}" if group.cases() else first_reason(group) or "not run"
     return Row(label_of(record), group.contestant, values, median(present(figure(r, "report", "solve_s") for r in group.accepted())),
                timing["kernel_median_s"] if timing else None, figure(report, "steps"), figure(report, "time_step_s"),
-               str(report.get("integrator", "")), note, history_of(run, record) if group.cases() else None)
+               str(report.get("integrator", "")), note, history_of(run, record) if group.cases() else None,
+               oscillation if isinstance(oscillation, dict) else {})
 
 
 def mark_rows(section):
@@ -114,7 +123,7 @@ def mark_rows(section):
         for row in section.rows:
             value = row.values[measure.name]
             row.marks[measure.name] = ""
-            if value is None:
+            if value is None or measure.name in UNMARKED:
                 continue
             if len(sizes) > 1 and abs(value) == min(sizes):
                 row.marks[measure.name] += BEST
@@ -170,7 +179,9 @@ def table_text(sections):
                           row.note])
     return (pad_columns(lines) + f"\n\n{BEST} least of the column; {COARSE} less than {MARGIN:g} times the reference's own error, or no "
             "estimate of it: the reference cannot tell.\nf1, f1-10, worst f: natural frequencies; probe: its displacement over the whole "
-            "history (L2); force: the tool's, while it is there (L2); amplitude, phase, decay: of the probe's strongest oscillation.")
+            "history (L2); force: the tool's, while it is there (L2); amplitude, phase, decay: of the probe's strongest oscillation;\n"
+            "unexplained: what the fitted oscillations leave over of its motion (rms); above 20% there is no amplitude, phase and decay to "
+            "compare.")
 
 
 def write_tables(sections, folder):

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include "core/base/error.h"
@@ -51,6 +53,50 @@ struct Model {
   double left = std::numeric_limits<double>::infinity();  ///< sum of squares that it leaves over
 };
 
+/// exp((-decay + i omega) t) at all samples, for one omega after the other.
+class FrequencyScan {
+ public:
+  FrequencyScan(const std::vector<double>& time, double decay, double first, double stride) {
+    for (const double t : time) {
+      at_.push_back(std::polar(std::exp(-decay * t), first * t));
+      turn_.push_back(std::polar(1.0, stride * t));
+    }
+  }
+
+  void advance() {
+    for (std::size_t k = 0; k < at_.size(); ++k) {
+      const double re = at_[k].real() * turn_[k].real() - at_[k].imag() * turn_[k].imag();
+      const double im = at_[k].real() * turn_[k].imag() + at_[k].imag() * turn_[k].real();
+      at_[k] = {re, im};
+    }
+  }
+
+  /// How much of `rest` a term of this omega explains.
+  double gain(const std::vector<double>& rest) const {
+    double cc = 0.0;
+    double cs = 0.0;
+    double ss = 0.0;
+    double rc = 0.0;
+    double rs = 0.0;
+    for (std::size_t k = 0; k < at_.size(); ++k) {
+      const double c = at_[k].real();
+      const double s = at_[k].imag();
+      cc += c * c;
+      cs += c * s;
+      ss += s * s;
+      rc += rest[k] * c;
+      rs += rest[k] * s;
+    }
+    const double determinant = cc * ss - cs * cs;
+    if (!(determinant > 1e-12 * cc * ss)) return 0.0;
+    return (rc * rc * ss - 2.0 * rc * rs * cs + rs * rs * cc) / determinant;
+  }
+
+ private:
+  std::vector<std::complex<double>> at_;
+  std::vector<std::complex<double>> turn_;
+};
+
 /// A signal in a window, with its mean taken off.
 class Fitting {
  public:
@@ -78,22 +124,35 @@ class Fitting {
   /// Adds one oscillation to a model: the best of a scan, in what the model leaves over.
   Model add_term(const Model& model) const {
     const double bin = kTwoPi / time_.back();
-    const double high = bin * std::min(0.25 * static_cast<double>(time_.size()), 200.0);
+    const double low = 0.5 * bin;
+    const double high = 0.5 * bin * static_cast<double>(time_.size() - 1);  // two samples a period
+    const double stride = 0.2 * bin;  // a fifth of what the window tells apart
     const std::vector<double> rest = left_over(model);
     Term best;
     double most = -1.0;
-    const auto count = static_cast<int>((high - 0.5 * bin) / (0.1 * bin)) + 1;
-    for (int k = 0; k < count; ++k) {
-      const double omega = (0.5 + 0.1 * k) * bin;
-      for (const double decay : {0.0, 3.0 / time_.back()}) {
-        const Term term{0.0, 0.0, omega, decay};
-        const double gain = gain_of(term, rest);
-        if (gain > most) std::tie(most, best) = std::pair{gain, term};
+    const auto count = static_cast<int>((high - low) / stride) + 1;
+    for (const double decay : {0.0, 3.0 / time_.back()}) {
+      FrequencyScan scan(time_, decay, low, stride);
+      for (int k = 0; k < count; ++k, scan.advance()) {
+        const double gain = scan.gain(rest);
+        if (gain > most) std::tie(most, best) = std::pair{gain, Term{0.0, 0.0, low + stride * k, decay}};
       }
     }
     Model more = model;
     more.terms.push_back(best);
     return refine(std::move(more));
+  }
+
+  /// Terms of a scan until enough is explained, or there are `most`.
+  Model scan_terms(std::size_t most) const {
+    constexpr double kEnough = 0.02;
+    Model model = add_term({});
+    while (model.terms.size() < most && unexplained(model) > kEnough) {
+      Model more = add_term(model);
+      if (!(more.left < model.left)) break;
+      model = std::move(more);
+    }
+    return model;
   }
 
   /// The nearest best fit: offset and a, b first, which are linear, then all together.
@@ -147,28 +206,6 @@ class Fitting {
     double sum = 0.0;
     for (const double r : left_over(model)) sum += r * r;
     return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-  }
-
-  /// How much of `rest` one more term explains.
-  double gain_of(const Term& term, const std::vector<double>& rest) const {
-    double cc = 0.0;
-    double cs = 0.0;
-    double ss = 0.0;
-    double rc = 0.0;
-    double rs = 0.0;
-    for (std::size_t k = 0; k < time_.size(); ++k) {
-      const double size = std::exp(-term.decay * time_[k]);
-      const double c = size * std::cos(term.omega * time_[k]);
-      const double s = size * std::sin(term.omega * time_[k]);
-      cc += c * c;
-      cs += c * s;
-      ss += s * s;
-      rc += rest[k] * c;
-      rs += rest[k] * s;
-    }
-    const double determinant = cc * ss - cs * cs;
-    if (!(determinant > 1e-12 * cc * ss)) return 0.0;
-    return (rc * rc * ss - 2.0 * rc * rs * cs + rs * rs * cc) / determinant;
   }
 
   /// The derivatives of the model at t: by the offset, then by a, b, omega and decay of each term.
@@ -236,55 +273,73 @@ class Fitting {
   double spread_ = 0.0;
 };
 
-/// The order by frequency, as places.
-std::vector<std::size_t> places_by_frequency(const std::vector<Oscillation>& oscillations) {
-  std::vector<std::size_t> places(oscillations.size());
-  for (std::size_t k = 0; k < places.size(); ++k) places[k] = k;
-  std::stable_sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
-    return oscillations[a].frequency_hz < oscillations[b].frequency_hz;
-  });
-  return places;
+/// Mean square over a window of that length, but for a factor.
+double strength(const Oscillation& o, double length_s) {
+  const double x = 2.0 * o.decay_per_s * length_s;
+  return o.amplitude * o.amplitude * (std::fabs(x) < 1e-6 ? 1.0 : -std::expm1(-x) / x);
 }
 
-/// Puts the lowest where the lowest of `like` stands, and so on: a fit may have found them in another order.
-void order_like(const std::vector<Oscillation>& like, std::vector<Oscillation>& found) {
-  const std::vector<std::size_t> to = places_by_frequency(like);
-  const std::vector<std::size_t> from = places_by_frequency(found);
-  const std::vector<Oscillation> before = found;
-  for (std::size_t k = 0; k < to.size(); ++k) found[to[k]] = before[from[k]];
+/// What pairing `found` with `like` costs: the sum of how many times as high and as strong the one is.
+double pairing_cost(const Oscillation& like, const Oscillation& found, double length_s) {
+  constexpr double kFarthest = 20.0;  // also where one of them has no frequency or no strength
+  const auto ratio = [](double a, double b) {
+    const double log = std::fabs(std::log(a / b));
+    return std::isfinite(log) && log < kFarthest ? log : kFarthest;
+  };
+  return ratio(found.frequency_hz, like.frequency_hz) +
+         0.5 * ratio(strength(found, length_s), strength(like, length_s));
+}
+
+/// Puts each where its partner in `like` stands. As many places as `like` has, and no more found.
+std::vector<Oscillation> pair_with(const std::vector<Oscillation>& like,
+                                   const std::vector<Oscillation>& found, double length_s) {
+  std::vector<std::size_t> partner(like.size());  // of each of `like`; beyond the found ones: none
+  std::iota(partner.begin(), partner.end(), std::size_t{0});
+  std::vector<std::size_t> best = partner;
+  double least = std::numeric_limits<double>::infinity();
+  do {
+    if (partner[0] >= found.size()) continue;
+    double cost = 0.0;
+    for (std::size_t k = 0; k < like.size(); ++k) {
+      if (partner[k] < found.size()) cost += pairing_cost(like[k], found[partner[k]], length_s);
+    }
+    if (cost < least) std::tie(least, best) = std::pair{cost, partner};
+  } while (std::next_permutation(partner.begin(), partner.end()));
+  std::vector<Oscillation> paired;
+  for (std::size_t k = 0; k < like.size(); ++k) {
+    paired.push_back(best[k] < found.size()
+                         ? found[best[k]]
+                         : Oscillation{0.0, 0.0, like[k].frequency_hz, like[k].decay_per_s});
+  }
+  return paired;
 }
 
 }  // namespace
 
 std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, std::span<const double> value,
                                                const FitWindow& window, std::size_t most) {
-  constexpr double kEnough = 0.02;
   require(time_s.size() == value.size() && most > 0, "one value a time, and at least one oscillation");
   const Fitting fitting(time_s, value, window);
   if (fitting.is_empty()) return std::nullopt;
-  Model model = fitting.add_term({});
-  while (model.terms.size() < most && fitting.unexplained(model) > kEnough) {
-    Model more = fitting.add_term(model);
-    if (!(more.left < model.left)) break;
-    model = std::move(more);
-  }
-  OscillationFit fit = fitting.describe(model);
-  const auto strength = [&](const Oscillation& o) {
-    const double x = 2.0 * o.decay_per_s * (window.to_s - window.from_s);
-    return o.amplitude * o.amplitude * (std::fabs(x) < 1e-6 ? 1.0 : -std::expm1(-x) / x);
-  };
+  OscillationFit fit = fitting.describe(fitting.scan_terms(most));
+  const double length_s = window.to_s - window.from_s;
   std::stable_sort(fit.oscillations.begin(), fit.oscillations.end(),
-                   [&](const Oscillation& a, const Oscillation& b) { return strength(a) > strength(b); });
+                   [&](const Oscillation& a, const Oscillation& b) {
+                     return strength(a, length_s) > strength(b, length_s);
+                   });
   return fit;
 }
 
 std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time_s,
                                                     std::span<const double> value, const FitWindow& window,
                                                     const OscillationFit& like) {
-  require(time_s.size() == value.size(), "one value a time");
+  constexpr std::size_t kMostPaired = 6;
+  require(
+      time_s.size() == value.size() && !like.oscillations.empty() && like.oscillations.size() <= kMostPaired,
+      "one value a time, and one to six oscillations");
   const Fitting fitting(time_s, value, window);
   if (fitting.is_empty()) return std::nullopt;
-  Model best;
+  Model best = fitting.scan_terms(like.oscillations.size());
   for (const double factor : {1.0, 0.94, 1.06, 0.87, 1.14, 0.8, 1.25}) {
     Model start;
     for (const Oscillation& each : like.oscillations)
@@ -292,10 +347,14 @@ std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time
     Model found = fitting.refine(std::move(start));
     if (found.left < best.left) best = std::move(found);
   }
-  if (best.terms.empty()) return std::nullopt;
   OscillationFit fit = fitting.describe(best);
-  order_like(like.oscillations, fit.oscillations);
+  fit.oscillations = pair_with(like.oscillations, fit.oscillations, window.to_s - window.from_s);
   return fit;
+}
+
+bool explains_too_little(const OscillationFit& fit) {
+  constexpr double kMostUnexplained = 0.2;
+  return !(fit.unexplained <= kMostUnexplained);
 }
 
 OscillationError compare_oscillations(const Oscillation& found, const Oscillation& reference) {

@@ -31,20 +31,26 @@ struct FitWindow {
 };
 
 /// Fits at most `most` oscillations to the samples in the window by least squares: each is found by a scan
-/// over all frequencies that window and samples can tell apart, in what the others leave over; all are then
-/// refined together by the method of Levenberg and Marquardt. No more are added once less than 2% of the
-/// signal is unexplained.
+/// over all frequencies that window and samples can tell apart, from half a period in the window to two
+/// samples a period, in what the others leave over; all are then refined together by the method of Levenberg
+/// and Marquardt. No more are added once less than 2% of the signal is unexplained.
 ///
 /// Returns: nothing for fewer than 8 samples in the window, or a signal that doesn't change there.
 std::optional<OscillationFit> fit_oscillations(std::span<const double> time_s, std::span<const double> value,
                                                const FitWindow& window, std::size_t most);
 
-/// Fits as many oscillations as `like` has, from where those are. The k-th belongs to the k-th of `like`
-/// afterwards: the lowest to the lowest, and so on. Starts at frequencies up to a quarter beside them are
-/// tried too; the best counts.
+/// Fits at most as many oscillations as `like` has: from a scan of its own, as above, and from where those of
+/// `like` are and up to a quarter beside them; what leaves least over counts. The k-th belongs to the k-th of
+/// `like` afterwards, by the pairing with the least sum of |ln f / f'| + |ln s / s'| of frequencies and
+/// strengths; the first always has its partner, another that has none has the frequency of `like` and no
+/// amplitude.
 std::optional<OscillationFit> fit_oscillations_like(std::span<const double> time_s,
                                                     std::span<const double> value, const FitWindow& window,
                                                     const OscillationFit& like);
+
+/// Does the fit explain so little that its figures say nothing? More than a fifth unexplained, 4% of the
+/// squares: an amplitude or phase may be off by as much.
+bool explains_too_little(const OscillationFit& fit);
 
 /// Errors of an oscillation against that of a reference in the same window.
 struct OscillationError {

@@ -242,6 +242,32 @@ TEST(CompareMotions, FiguresOfSignalsInClosedForm) {
   EXPECT_NEAR(off.at("frequency_worst"), 0.05, 1e-12);
   EXPECT_EQ(off.at("frequency_first"), 0.0);
   EXPECT_NEAR(off.at("frequency_mean"), 0.025, 1e-12);
+  EXPECT_LT(off.at("unexplained"), 1e-6);
+}
+
+// A probe that jerks about has no amplitude and no phase: what is left over says so, and the rest stays.
+TEST(CompareMotions, WhatDoesNotOscillateIsNotComparedAsIfItDid) {
+  Rod rod(1);
+  rod.problem.loads = {};
+  rod.problem.duration_s = 4.0;
+  const auto motion = [&](const auto& probe) {
+    JudgedMotion made{{reference::history_columns(rod.problem), {}}, {1.0}};
+    for (int k = 0; k <= 800; ++k) {
+      const double t = rod.problem.duration_s * k / 800;
+      made.history.rows.push_back({t, 0, 0, 0, 0, probe(t), 0, 0});
+    }
+    return made;
+  };
+  const auto ring = motion([](double t) { return 1e-3 * std::cos(2.0 * kPi * 2.0 * t); });
+  const auto jerk = motion([](double t) { return 1e-3 * std::cos(2.0 * kPi * (2.0 + 9.0 * t) * t); });
+  for (const auto& [found, truth] : {std::pair{jerk, ring}, std::pair{ring, jerk}}) {
+    const json figures = compare_motions(rod.problem, found, truth);
+    EXPECT_FALSE(figures.contains("amplitude_error")) << figures.dump();
+    EXPECT_FALSE(figures.contains("phase_error_deg"));
+    EXPECT_TRUE(figures.contains("unexplained"));
+    EXPECT_GT(figures.at("probe_l2"), 0.1);
+  }
+  EXPECT_TRUE(compare_motions(rod.problem, ring, ring).contains("amplitude_error"));
 }
 
 TEST(JudgingWindow, OfLoadsThatNeverRestIsTheSecondHalf) {

@@ -74,6 +74,58 @@ TEST(Oscillation, SeveralAreToldApart) {
     EXPECT_NEAR(faster.oscillations[k].frequency_hz / fit.oscillations[k].frequency_hz, 1.08, 1e-3);
 }
 
+// Up to two samples a period: 340 periods in 700 samples.
+TEST(Oscillation, AllFrequenciesThatTheSamplesTellApartAreScanned) {
+  const std::vector<double> t = times(2.0, 700);
+  for (const double hz : {110.0, 170.0}) {
+    const OscillationFit fit = *fit_oscillations(t, values(t, ringing(hz, 0.5)), {0.0, 2.0}, 2);
+    EXPECT_NEAR(fit.oscillations[0].frequency_hz, hz, 1e-6 * hz);
+    EXPECT_LT(fit.unexplained, 1e-6);
+  }
+}
+
+// A motion far from what it is held against is found where it is, not where it was expected.
+TEST(Oscillation, FarFromTheReferencesItIsStillFound) {
+  const std::vector<double> t = times(2.0, 800);
+  const OscillationFit like = *fit_oscillations(t, values(t, ringing(9.0, 0.5)), {0.0, 2.0}, 3);
+  for (const double hz : {2.0, 4.1, 31.0}) {
+    const OscillationFit fit = *fit_oscillations_like(t, values(t, ringing(hz, 2.0)), {0.0, 2.0}, like);
+    ASSERT_EQ(fit.oscillations.size(), like.oscillations.size());
+    EXPECT_NEAR(fit.oscillations[0].frequency_hz, hz, 1e-6 * hz);
+    EXPECT_NEAR(fit.oscillations[0].decay_per_s, 2.0, 1e-5);
+    EXPECT_FALSE(explains_too_little(fit));
+  }
+}
+
+// One of two modes is missing: the other is paired with its own, wherever that stands.
+TEST(Oscillation, WhatHasNoPartnerHasNoAmplitude) {
+  const std::vector<double> t = times(2.0, 800);
+  const auto mode = [](double x, double size, double hz) { return size * std::cos(2.0 * kPi * hz * x); };
+  const std::vector<double> both = values(t, [&](double x) { return mode(x, 2.0, 3.0) + mode(x, 1.0, 8.0); });
+  const OscillationFit like = *fit_oscillations(t, both, {0.0, 2.0}, 2);
+  ASSERT_EQ(like.oscillations.size(), 2U);
+  const OscillationFit fit =
+      *fit_oscillations_like(t, values(t, [&](double x) { return mode(x, 2.0, 3.1); }), {0.0, 2.0}, like);
+  EXPECT_NEAR(fit.oscillations[0].frequency_hz, 3.1, 1e-5);
+  EXPECT_NEAR(fit.oscillations[1].amplitude, 0.0, 1e-5);
+}
+
+// A frequency that runs from 2 to 40 Hz is no sum of two oscillations, and noise is none at all.
+TEST(Oscillation, WhatIsNoneExplainsTooLittle) {
+  const std::vector<double> t = times(2.0, 800);
+  const auto sweep = [](double x) { return std::cos(2.0 * kPi * (2.0 + 9.5 * x) * x); };
+  EXPECT_TRUE(explains_too_little(*fit_oscillations(t, values(t, sweep), {0.0, 2.0}, 2)));
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise;
+  std::vector<double> x(t.size());
+  for (double& v : x) v = noise(random);
+  EXPECT_TRUE(explains_too_little(*fit_oscillations(t, x, {0.0, 2.0}, 4)));
+  EXPECT_FALSE(explains_too_little(*fit_oscillations(t, values(t, ringing(5.0, 1.0)), {0.0, 2.0}, 1)));
+  OscillationFit none;
+  none.unexplained = std::nan("");
+  EXPECT_TRUE(explains_too_little(none));
+}
+
 // What is gone in a moment is not the strongest, however large it starts.
 TEST(Oscillation, TheStrongestIsThatOfTheWholeWindow) {
   const std::vector<double> t = times(1.0, 1000);

@@ -44,7 +44,7 @@ class Motion(ReportTest):
     A = {"probe_l2": 0.2, "force_l2": 0.05, "frequency_first": 0.01, "frequency_mean": 0.02, "frequency_worst": 0.04,
          "amplitude_error": -0.3, "phase_error_deg": -12.0, "decay_error": 0.5}
     B = {"probe_l2": 0.02, "force_l2": 0.02, "frequency_first": 0.02, "frequency_mean": 0.03, "frequency_worst": 0.05,
-         "amplitude_error": 0.1, "phase_error_deg": 3.0}
+         "amplitude_error": 0.1, "phase_error_deg": 3.0, "unexplained": 0.03, "reference_oscillation": {"unexplained": 0.015}}
 
     def write(self, *more):
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -68,6 +68,14 @@ class Motion(ReportTest):
         self.write()
         self.assertRegex(self.printed, r"2\.00\*~")  # twice the reference's own error, and the least
         self.assertNotRegex(self.printed, r"20\.0~")
+
+    def test_what_a_fit_leaves_over_is_shown_and_not_ranked(self):
+        rows = self.write(moved("c", None, {"probe_l2": 0.5, "unexplained": 0.71}))
+        self.assertEqual([float(rows[label]["unexplained"] or -1) for label in "abc"], [-1, 0.03, 0.71])
+        self.assertEqual(float(rows["b"]["own_unexplained"]), 0.015)
+        self.assertEqual(rows["c"]["amplitude_error"], "")
+        self.assertRegex(self.printed, r"3\.00 ")
+        self.assertNotRegex(self.printed, r"3\.00[*~]|71\.0[*~]")
 
     def test_what_gave_no_answer_keeps_its_row(self):
         failed = moved("c", None, {}, outcome="bad_input", judge=None, report=None, message="a step over the bound", kernel_s=None)
