@@ -32,6 +32,7 @@ const char* type_name(OptionType type) {
 }
 
 std::string text_of(const json& value) {
+  if (value.is_null()) return "not given";
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
@@ -42,6 +43,7 @@ json describe_option(const OptionSpec& option) {
                 {"help", option.help}};
   if (!option.choices.empty()) value["choices"] = option.choices;
   if (option.min) value["min"] = *option.min;
+  if (option.above) value["above"] = *option.above;
   if (option.max) value["max"] = *option.max;
   return value;
 }

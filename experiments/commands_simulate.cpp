@@ -187,6 +187,10 @@ int simulate(const SimulateArguments& arguments) {
   } else {
     print_result(report);
   }
+  if (report.at("outcome") == "buckled")
+    print_note(
+        "buckled: the body can give way in some direction without resistance. A vertex that hangs on too few "
+        "springs is the usual cause, and palpate springs names them; docs/scenes.md says what to do");
   return report.at("outcome") == "converged" ? kDone : kNotAccepted;
 }
 

@@ -145,6 +145,7 @@ json figures_of(const SpringsArguments& arguments, const TetMesh& mesh, const Sp
                {"geometric_center_m", triple(springs::geometric_center(mesh))},
                {"center_of_mass_m", triple(springs::center_of_mass(mesh))},
                {"degenerate_vertices", report.degenerate_vertices},
+               {"hanging_vertices", report.hanging_vertices},
                {"warnings", report.warnings},
                {"file", arguments.out}};
   if (arguments.has_density) figures["mass_kg"] = arguments.density * total_volume(mesh);
@@ -202,7 +203,7 @@ int identify(const SpringsArguments& arguments) {
     print_figures(figures);
     std::cout << "Written: " << arguments.out << '\n';
   }
-  return report.converged ? kDone : kNotAccepted;
+  return report.converged && report.hanging_vertices.empty() ? kDone : kNotAccepted;
 }
 
 std::string springs_footer() {
@@ -220,7 +221,8 @@ std::string springs_footer() {
          "from "
          "0.\n"
          "Springs alone give Poisson's ratio 0.25. Formulas and what they satisfy: docs/springs.md.\n"
-         "Exit codes: 0 done; 1 written, but the solver did not reach the optimum; 2 bad input.";
+         "Exit codes: 0 done; 1 written, but the solver did not reach the optimum, or vertices hang on too "
+         "little; 2 bad input.";
 }
 
 }  // namespace

@@ -40,7 +40,8 @@ std::vector<std::string> read_texts(const YamlValue& value) {
 }
 
 OptionSpec read_option(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "type", "choices", "min", "max", "default", "help"});
+  const YamlFields fields =
+      value.fields({"name", "type", "choices", "min", "above", "max", "default", "help"});
   OptionSpec option;
   option.name = fields.need("name").identifier();
   option.type = read_type(fields.need("type"));
@@ -50,9 +51,12 @@ OptionSpec read_option(const YamlValue& value) {
   }
   if (const auto min = fields.find("min")) option.min = min->number();
   if (const auto max = fields.find("max")) option.max = max->number();
+  if (const auto above = fields.find("above")) option.above = above->number();
   const YamlValue preset = fields.need("default");
-  option.default_value =
-      parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));
+  const bool is_left_out = option.type == OptionType::kNumber && preset.text() == "none";
+  if (!is_left_out)
+    option.default_value =
+        parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));
   option.help = fields.need("help").text();
   return option;
 }
@@ -128,6 +132,7 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest, const
 std::string bounds_text(const OptionSpec& option) {
   std::ostringstream text;
   text << (option.type == OptionType::kInteger ? "a whole number" : "a number");
+  if (option.above) text << " above " << *option.above;
   if (option.min && option.max) {
     text << " from " << *option.min << " to " << *option.max;
   } else if (option.min) {
@@ -145,7 +150,7 @@ json parse_bounded(const OptionSpec& option, const std::string& text, const std:
   const bool whole = error == std::errc() && end == text.data() + text.size();
   const auto real = static_cast<double>(value);
   if (!whole || !std::isfinite(real) || (option.min && real < *option.min) ||
-      (option.max && real > *option.max)) {
+      (option.max && real > *option.max) || (option.above && !(real > *option.above))) {
     throw InputError(where + ": " + option.name, 0, bounds_text(option), "\"" + text + "\"");
   }
   return value;
@@ -287,7 +292,9 @@ json parse_option(const OptionSpec& option, const std::string& text, const std::
 
 json resolve_options(const MethodSpec& method, const std::map<std::string, GivenOption>& given) {
   json options = json::object();
-  for (const OptionSpec& option : method.options) options[option.name] = option.default_value;
+  for (const OptionSpec& option : method.options) {
+    if (!option.default_value.is_null()) options[option.name] = option.default_value;
+  }
   for (const auto& [name, value] : given) {
     const OptionSpec* option = method.find_option(name);
     if (option == nullptr) {

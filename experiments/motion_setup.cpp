@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "core/base/error.h"
@@ -52,23 +53,40 @@ nlohmann::json dynamic_options(const Scene& scene, const Registry& registry) {
   return options;
 }
 
+/// Springs of the scene's own in the place of Table 4.1's: scaled to the mean that is asked for, or as they
+/// are. The volume force keeps the table's constant, whatever the springs'.
+void scale_to_table(const Scene& scene, dynamics::ElasticModel& model) {
+  std::vector<double>& stiffness = model.springs.stiffness_n_per_m;
+  const double mean =
+      std::accumulate(stiffness.begin(), stiffness.end(), 0.0) / static_cast<double>(stiffness.size());
+  if (!(mean > 0.0))
+    throw InputError(scene.analysis_where + ": expected springs with a stiffness, found none");
+  model.volume_force->stiffness_n_per_m3 *= ThesisTable::kStiffnessNPerM / mean;
+  if (!scene.dynamic.spring_mean_n_per_m) return;
+  for (double& k : stiffness) k *= *scene.dynamic.spring_mean_n_per_m / mean;
+}
+
 SceneElastic build_elastic(const Scene& scene, const TetMesh& mesh, const Registry& registry) {
   SceneElastic out;
   nlohmann::json options;
   StrainSize strain = scene.strain;
-  if (scene.dynamic.preset.empty()) {
+  const bool is_preset = !scene.dynamic.preset.empty();
+  if (!is_preset || scene.model) {
     options = dynamic_options(scene, registry);
     out.method = scene.model->method;
   } else {
     out.method = "springs.uniform";
+    options = {{"stiffness_n_per_m", ThesisTable::kStiffnessNPerM}};
+  }
+  if (is_preset) {
     strain = StrainSize::kLarge;
-    options = {{"stiffness_n_per_m", ThesisTable::kStiffnessNPerM},
-               {"volume", "thesis"},
-               {"volume_force_ratio", ThesisTable::kVolumeForceRatio}};
+    options["volume"] = "thesis";
+    options["volume_force_ratio"] = ThesisTable::kVolumeForceRatio;
   }
   const reference::ModelRequest wanted = reference::take_model_request(out.method, strain, options);
   require(options.empty(), "a model takes all of its options");
   out.built = reference::build_requested_model(mesh, scene.material, wanted, out.response);
+  if (is_preset) scale_to_table(scene, out.built.model);
   return out;
 }
 
@@ -222,8 +240,8 @@ MotionSetup build_motion(const Scene& placed, const TetMesh& mesh, const Registr
   MotionSetup setup;
   setup.method = elastic.method;
   setup.report = elastic.response.report;
-  // A preset's springs are not meant to be the scene's material; what they lack of it is no news.
-  if (placed.dynamic.preset.empty()) setup.notes = elastic.response.notes;
+  // A preset's own springs are not meant to be the scene's material; what they lack of it is no news.
+  if (placed.dynamic.preset.empty() || placed.model) setup.notes = elastic.response.notes;
   const MotionModel body = build_body(placed, mesh, std::move(elastic.built.model));
   setup.integrator.kind = placed.dynamic.integrator;
   setup.integrator.threads = threads;

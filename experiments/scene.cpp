@@ -149,6 +149,23 @@ void read_analysis(const YamlValue& value, Scene& scene) {
   if (value.text() != "static") value.fail_expected("static or {dynamic: ...}");
 }
 
+/// A preset has springs of its own, or takes the scene's; the rest of the model is the preset's.
+void check_preset(const Scene& scene) {
+  if (!scene.is_dynamic || scene.dynamic.preset.empty()) return;
+  const std::string preset = scene.analysis_where + ": the preset " + scene.dynamic.preset;
+  if (!scene.model) {
+    if (scene.dynamic.spring_mean_n_per_m)
+      throw InputError(preset +
+                       " gives all springs one constant; spring_mean_n_per_m needs a model of springs");
+    return;
+  }
+  if (!scene.model->method.starts_with("springs."))
+    throw InputError(preset + " takes springs alone as a model, not " + scene.model->method);
+  for (const char* key : {"volume", "volume_force_ratio", "law", "theta", "shear"}) {
+    if (scene.model->set.contains(key)) throw InputError(preset + " sets " + key + " by itself");
+  }
+}
+
 /// What fits a dynamic scene alone, or not to its preset.
 void check_times(const Scene& scene) {
   for (const SceneLoad& load : scene.loads) {
@@ -156,9 +173,7 @@ void check_times(const Scene& scene) {
     if (has_times && !scene.is_dynamic)
       throw InputError(load.where + ": profile, from_s and until_s belong to a dynamic analysis");
   }
-  if (scene.is_dynamic && !scene.dynamic.preset.empty() && scene.model)
-    throw InputError(scene.analysis_where + ": the preset " + scene.dynamic.preset +
-                     " sets the model by itself");
+  check_preset(scene);
 }
 
 StrainSize read_strain(const YamlValue& value) {

@@ -23,6 +23,17 @@ std::string percent(double error) {
   return text.data();
 }
 
+/// What was written, and why.
+std::string verdict(const TrainingOutcome& outcome) {
+  const RidgeResult& best = outcome.ridges[outcome.chosen];
+  if (outcome.start_is_kept)
+    return "Training did not help: on the validation set the start is at " +
+           percent(outcome.start_validate_rms) + "%, the best fit at " + percent(best.validate_rms) +
+           "%. The start was written, untrained.\n";
+  return "Ridge " + short_number(best.ridge) +
+         ", chosen by the validation set alone; no choice looked at the test sets.\n";
+}
+
 json describe_split(const TrainingOutcome& outcome, const SplitErrors& split) {
   json out = {{"cases", split.cases}};
   for (std::size_t m = 0; m < outcome.models.size(); ++m) {
@@ -56,7 +67,9 @@ json build_training_report(const TrainingInput& input, const TrainingOutcome& ou
   json report{{"vertices", input.mesh.points.size()},
               {"springs", springs},
               {"moduli", outcome.constant.size() - springs},
-              {"ridge", outcome.ridges[outcome.chosen].ridge}};
+              {"kept", outcome.start_is_kept ? "start" : "trained"},
+              {"start_validate_rms", outcome.start_validate_rms},
+              {"ridge", outcome.start_is_kept ? json(nullptr) : json(outcome.ridges[outcome.chosen].ridge)}};
   for (const RidgeResult& result : outcome.ridges)
     report["ridges"].push_back({{"ridge", result.ridge},
                                 {"train_rms", result.train_rms},
@@ -83,8 +96,7 @@ std::string training_tables(const TrainingOutcome& outcome) {
     ridges.add({short_number(result.ridge), percent(result.train_rms), percent(result.validate_rms),
                 std::to_string(result.lbfgs.iterations)});
   return "Relative L2 error of the displacement against quadratic elements\n" + table.text() + '\n' +
-         ridges.text() + "Ridge " + short_number(outcome.ridges[outcome.chosen].ridge) +
-         ", chosen by the validation set alone; no choice looked at the test sets.\n";
+         ridges.text() + verdict(outcome);
 }
 
 }  // namespace palpate::experiments

@@ -263,6 +263,8 @@ TrainingInput build_training_input(const TrainingPlan& plan, const TrainingSetti
 TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& plan,
                              const TrainingSetting& setting) {
   TrainingOutcome outcome;
+  outcome.start_validate_rms =
+      root_mean_square(errors_with(input.start.terms, input.start.terms.constant, input.splits[1].set));
   Progress& progress = setting.progress;
   progress.start(plan.ridges.size());
   StepClock clock(plan.ridges.size());
@@ -286,6 +288,8 @@ TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& pla
     outcome.ridges.push_back(result);
     progress.step(clock.seconds_left());
   }
+  outcome.start_is_kept = outcome.start_validate_rms <= outcome.ridges[outcome.chosen].validate_rms;
+  if (outcome.start_is_kept) outcome.constant = input.start.terms.constant;
   std::vector<std::string> ignored;
   const SpringStart opposite = build_spring_start(input.mesh, plan, true, true, ignored);
   outcome.models = {"start", "calibrated_opposite", "fem_p1", "trained"};

@@ -84,14 +84,16 @@ struct RidgeResult {
 struct TrainingOutcome {
   std::vector<RidgeResult> ridges;
   std::size_t chosen = 0;  ///< the ridge of the least validation error
-  std::vector<double> constant;
+  double start_validate_rms = 0.0;
+  bool start_is_kept = false;       ///< on the validation set no fit is better than the start
+  std::vector<double> constant;     ///< of the chosen ridge, or of the start where that is kept
   std::vector<std::string> models;  ///< "start", "calibrated_opposite", "fem_p1", "trained"
   std::vector<SplitErrors> errors;
 };
 
-/// Fits with each ridge; the validation set alone chooses, and the test sets are solved once, at the end.
-/// Beside the trained constants stand those to start from, the start method with face-opposite springs
-/// calibrated on its own mesh, and linear elements.
+/// Fits with each ridge; the validation set alone chooses, among the start and the fits, and the test sets
+/// are solved once, at the end. Beside the trained constants stand those to start from, the start method with
+/// face-opposite springs calibrated on its own mesh, and linear elements.
 TrainingOutcome run_training(const TrainingInput& input, const TrainingPlan& plan,
                              const TrainingSetting& setting);
 

@@ -57,6 +57,12 @@ void run_thesis(const TetMesh& mesh, double young_modulus_pa, ThesisRows rows, c
   thesis.rows = rows;
   thesis.stiffness_row_weight = options.stiffness_row_weight;
   thesis.solve.tolerance = options.tolerance;
+  if (options.face_opposite) {
+    thesis.ridge_relative = kOppositeRidge;
+    report.warnings.push_back(
+        "with face_opposite the thesis's rows leave constants open; a ridge of 1% takes the smallest that "
+        "fit");
+  }
   take_solver_report(identify_thesis(mesh, young_modulus_pa, thesis, network), report);
 }
 
@@ -84,7 +90,7 @@ void run_method(const TetMesh& mesh, const Material& material, const IdentifyOpt
     case SpringMethod::kStiffnessFit:
       return set_stiffness_fit(mesh, material, network);
     case SpringMethod::kThesisPrinted:
-      return run_thesis(mesh, young, ThesisRows::kPrinted, options, network, report);
+      return run_thesis(mesh, young, options.printed_rows, options, network, report);
     case SpringMethod::kThesisCorrected:
       return run_thesis(mesh, young, ThesisRows::kCorrected, options, network, report);
     case SpringMethod::kIsotropy:
@@ -109,17 +115,34 @@ void warn_of_stiffness(IdentifyReport& report) {
                             " times as stiff as the solid (mean over vertices of sum k U^2 / (12 E V))");
 }
 
+/// The first few of them.
+std::string named(const std::vector<Index>& vertices) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min(vertices.size(), kNamedVertices); ++i)
+    text += (i > 0 ? ", " : "") + std::to_string(vertices[i]);
+  return vertices.size() > kNamedVertices ? text + ", ..." : text;
+}
+
 void warn_of_degenerate(IdentifyReport& report) {
   if (report.degenerate_vertices.empty()) return;
   const std::size_t count = report.degenerate_vertices.size();
-  std::string text =
+  const std::string text =
       std::to_string(count) + (count == 1 ? " vertex rests" : " vertices rest") +
       " on too few directions (one tetrahedron, or a flat fan), and the constants there on less "
       "than the method wants: ";
-  for (std::size_t i = 0; i < std::min(count, kNamedVertices); ++i)
-    text += (i > 0 ? ", " : "") + std::to_string(report.degenerate_vertices[i]);
-  if (count > kNamedVertices) text += ", ...";
-  report.warnings.push_back(text);
+  report.warnings.push_back(text + named(report.degenerate_vertices));
+}
+
+void warn_of_hanging(IdentifyReport& report) {
+  if (report.hanging_vertices.empty()) return;
+  const std::size_t count = report.hanging_vertices.size();
+  report.warnings.push_back(
+      std::to_string(count) + (count == 1 ? " vertex hangs" : " vertices hang") +
+      " on too little, free to move in some direction by springs alone (simulate: \"buckled\"): " +
+      named(report.hanging_vertices) +
+      "; face_opposite=true, a method whose constants are all positive (van_gelder, lloyd), a coarser skin "
+      "or a "
+      "volume model holds them");
 }
 
 void fill_report(const TetMesh& mesh, const Material& material, const SpringNetwork& network,
@@ -133,7 +156,9 @@ void fill_report(const TetMesh& mesh, const Material& material, const SpringNetw
   report.degenerate_vertices = find_degenerate_vertices(mesh, network);
   warn_of_ratio(material, report);
   warn_of_stiffness(report);
+  report.hanging_vertices = find_hanging_vertices(mesh, network, material.young_modulus_pa);
   warn_of_degenerate(report);
+  warn_of_hanging(report);
   if (!report.converged) {
     report.warnings.push_back("the solver stopped at a KKT residual of " + rounded(report.kkt_relative) +
                               ": the constants are not the optimum");

@@ -11,6 +11,7 @@
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/spring_network.h"
 #include "core/mesh/tet_mesh.h"
+#include "core/springs/thesis_rows.h"
 
 namespace palpate::springs {
 
@@ -39,8 +40,9 @@ struct IdentifyOptions {
   std::optional<double>
       uniform_stiffness_n_per_m{};    ///< kUniform: given; else the best fit to sum k U^2 = 6 E V
   double stiffness_row_weight = 1.0;  ///< kThesisPrinted, kThesisCorrected: of the stiffness row
-  double patch_length = 1.0;          ///< kIsotropyPatch: weight of the patch rows, in mean rest lengths
-  double tolerance = 1e-10;           ///< of the KKT residual
+  ThesisRows printed_rows = ThesisRows::kPrinted;  ///< kThesisPrinted: how appendix B is read
+  double patch_length = 1.0;  ///< kIsotropyPatch: weight of the patch rows, in mean rest lengths
+  double tolerance = 1e-10;   ///< of the KKT residual
 };
 
 /// What came of it.
@@ -52,8 +54,9 @@ struct IdentifyReport {
   bool converged = true;
   double stiffness_ratio_mean = 0.0;  ///< over vertices, of sum over its springs of k U^2 / (12 E V_m)
   std::vector<Index>
-      degenerate_vertices;            ///< one tet, or a flat fan: their constants rest on too few directions
-  std::vector<std::string> warnings;  ///< one line each; they name the first few vertices
+      degenerate_vertices;  ///< one tet, or a flat fan: their constants rest on too few directions
+  std::vector<Index> hanging_vertices;  ///< find_hanging_vertices
+  std::vector<std::string> warnings;    ///< one line each; they name the first few vertices
 };
 
 /// Throws: InputError unless 0 < E < infinity, -1 < nu < 0.5 and density >= 0, naming what is wrong; `prefix`

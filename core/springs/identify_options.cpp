@@ -41,7 +41,7 @@ bool takes(const SpringOption& option, SpringMethod method) {
 }  // namespace
 
 std::span<const SpringOption> spring_options() {
-  static const std::array<SpringOption, 4> options{{
+  static const std::array<SpringOption, 5> options{{
       {"face_opposite", "true: also a spring between the two apexes of each interior face", "false",
        all_methods()},
       {"stiffness_n_per_m",
@@ -52,6 +52,10 @@ std::span<const SpringOption> spring_options() {
        "of the stiffness row, above 0",
        "1",
        {SpringMethod::kThesisPrinted, SpringMethod::kThesisCorrected}},
+      {"rows",
+       "how appendix B is read: letter, b4_sign or substituted",
+       "letter",
+       {SpringMethod::kThesisPrinted}},
       {"patch_length",
        "weight of the patch rows in mean rest lengths, above 0",
        "1",
@@ -68,6 +72,13 @@ std::vector<std::string> spring_option_names(SpringMethod method) {
   return names;
 }
 
+ThesisRows parse_thesis_rows(std::string_view text, const std::string& where) {
+  if (text == "letter") return ThesisRows::kPrinted;
+  if (text == "b4_sign") return ThesisRows::kB4Sign;
+  if (text == "substituted") return ThesisRows::kSubstituted;
+  throw InputError(where, 0, "letter, b4_sign or substituted", quoted(text));
+}
+
 void set_spring_option(SpringMethod method, std::string_view name, std::string_view text,
                        const std::string& where, IdentifyOptions& options) {
   const std::vector<std::string> names = spring_option_names(method);
@@ -81,6 +92,7 @@ void set_spring_option(SpringMethod method, std::string_view name, std::string_v
   if (name == "face_opposite") options.face_opposite = parse_flag(text, place);
   if (name == "stiffness_n_per_m") options.uniform_stiffness_n_per_m = parse_number(text, place);
   if (name == "row_weight") options.stiffness_row_weight = parse_number(text, place);
+  if (name == "rows") options.printed_rows = parse_thesis_rows(text, place);
   if (name == "patch_length") options.patch_length = parse_number(text, place);
 }
 

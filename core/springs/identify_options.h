@@ -18,11 +18,15 @@ struct SpringOption {
   std::vector<SpringMethod> methods;
 };
 
-/// All of them: face_opposite, stiffness_n_per_m, row_weight, patch_length.
+/// All of them: face_opposite, stiffness_n_per_m, row_weight, rows, patch_length.
 std::span<const SpringOption> spring_options();
 
 /// Names of the options that the method takes.
 std::vector<std::string> spring_option_names(SpringMethod method);
+
+/// How thesis_printed reads appendix B: "letter", "b4_sign" or "substituted" (ThesisRows).
+/// Throws: InputError that starts with `where`.
+ThesisRows parse_thesis_rows(std::string_view text, const std::string& where);
 
 /// Sets the option `name` of the method from its text ("true", "0.5"). Ranges are checked by
 /// identify_springs.

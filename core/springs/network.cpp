@@ -155,6 +155,29 @@ std::vector<Index> find_degenerate_vertices(const TetMesh& mesh, const SpringNet
   return found;
 }
 
+std::vector<Index> find_hanging_vertices(const TetMesh& mesh, const SpringNetwork& network,
+                                         double young_modulus_pa) {
+  require(young_modulus_pa > 0.0, "find_hanging_vertices: the modulus must be positive");
+  const std::vector<double> volumes = build_influence_volumes(mesh);
+  const VertexSprings springs = build_vertex_springs(network, mesh.points.size());
+  const std::vector<Vec3> directions = build_spring_directions(mesh, network);
+  std::vector<Index> found;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+    double length_sq_sum = 0.0;
+    for (const Index s : springs.of(v)) {
+      const Eigen::Vector3d e(directions[s].x, directions[s].y, directions[s].z);
+      stiffness += network.stiffness_n_per_m[s] * e * e.transpose();
+      length_sq_sum += network.rest_length_m[s] * network.rest_length_m[s];
+    }
+    const double mean_length_sq = length_sq_sum / static_cast<double>(springs.of(v).size());
+    const double usual = 4.0 * young_modulus_pa * volumes[v] / mean_length_sq;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(stiffness, Eigen::EigenvaluesOnly);
+    if (!(eigen.eigenvalues()[0] >= kHanging * usual)) found.push_back(v);
+  }
+  return found;
+}
+
 std::vector<double> build_stiffness_ratios(const SpringNetwork& network,
                                            std::span<const double> influence_volumes,
                                            double young_modulus_pa) {

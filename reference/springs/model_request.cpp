@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/calibration.h"
+#include "core/springs/identify_options.h"
 #include "core/springs/moduli_csv.h"
 #include "core/springs/springs_csv.h"
 #include "reference/fusion_options.h"
@@ -46,12 +47,16 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
     out.identify.face_opposite = take_bool(options, "face_opposite", false);
     out.calibrate = take_bool(options, "calibrate", false);
     if (*out.method == springs::SpringMethod::kUniform) {
-      const double stiffness = take_number(options, "stiffness_n_per_m", 0.0, kHuge, 0.0);
-      if (stiffness > 0.0) out.identify.uniform_stiffness_n_per_m = stiffness;
+      if (options.contains("stiffness_n_per_m"))
+        out.identify.uniform_stiffness_n_per_m = take_number(options, "stiffness_n_per_m", 0.0, kHuge, 0.0);
     }
     if (*out.method == springs::SpringMethod::kThesisPrinted ||
         *out.method == springs::SpringMethod::kThesisCorrected)
       out.identify.stiffness_row_weight = take_number(options, "row_weight", 0.0, kHuge, 1.0);
+    if (*out.method == springs::SpringMethod::kThesisPrinted)
+      out.identify.printed_rows = springs::parse_thesis_rows(
+          take_option<std::string>(options, "rows", &json::is_string, "a reading of appendix B", "letter"),
+          "rows");
     if (*out.method == springs::SpringMethod::kIsotropyPatch)
       out.identify.patch_length = take_number(options, "patch_length", 0.0, kHuge, 1.0);
   }

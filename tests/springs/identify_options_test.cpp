@@ -16,6 +16,8 @@ TEST(IdentifyOptions, AreSetByName) {
   set_spring_option(SpringMethod::kIsotropyPatch, "patch_length", "0.5", "--set", options);
   set_spring_option(SpringMethod::kUniform, "stiffness_n_per_m", "12.5", "--set", options);
   set_spring_option(SpringMethod::kThesisPrinted, "row_weight", "1e2", "--set", options);
+  set_spring_option(SpringMethod::kThesisPrinted, "rows", "substituted", "--set", options);
+  EXPECT_EQ(options.printed_rows, ThesisRows::kSubstituted);
   EXPECT_TRUE(options.face_opposite);
   EXPECT_EQ(options.patch_length, 0.5);
   EXPECT_EQ(options.uniform_stiffness_n_per_m, 12.5);
@@ -38,6 +40,10 @@ TEST(IdentifyOptions, AreSetByName) {
          "--set: uniform has no option \"row_weight\"; it has face_opposite, stiffness_n_per_m");
   refuse(SpringMethod::kUniform, "stiffness_n_per_m", "1x",
          "--set stiffness_n_per_m: expected a finite number, found \"1x\"");
+  refuse(SpringMethod::kThesisPrinted, "rows", "corrected",
+         "--set rows: expected letter, b4_sign or substituted, found \"corrected\"");
+  refuse(SpringMethod::kThesisCorrected, "rows", "letter",
+         "--set: thesis_corrected has no option \"rows\"; it has face_opposite, row_weight");
   refuse(SpringMethod::kUniform, "face_opposite", "yes",
          "--set face_opposite: expected true or false, found \"yes\"");
 }

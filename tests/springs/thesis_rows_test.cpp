@@ -210,6 +210,28 @@ TEST(ThesisRows, B19ContradictsB4AndIsRight) {
   EXPECT_EQ(rank_of(with_ones(with_b19)), 16);  // then the stiffness row is not contradicted
 }
 
+TEST(ThesisRows, B18ToB23AreB1AndB4ToB8TimesFourWithTheSignOfB4Mended) {
+  for (const Vec3& e : random_directions(40)) {
+    const auto printed = thesis_row_coefficients(e, ThesisRows::kPrinted);
+    const auto mended = thesis_row_coefficients(e, ThesisRows::kB4Sign);
+    const auto substituted = thesis_row_coefficients(e, ThesisRows::kSubstituted);
+    for (std::size_t r = 0; r < kThesisRows; ++r) {
+      // B.22 and B.23 have their signs turned round, which changes nothing in "= 0".
+      const double factor = r == 0 || (r >= 3 && r <= 5) ? 4.0 : (r == 6 || r == 7 ? -4.0 : 1.0);
+      EXPECT_NEAR(substituted[r], factor * mended[r], 1e-12) << r + 1;
+      if (r != 3) EXPECT_EQ(mended[r], printed[r]) << r + 1;
+    }
+    EXPECT_EQ(mended[3], thesis_row_coefficients(e, ThesisRows::kCorrected)[3]);
+  }
+  EXPECT_THROW(thesis_row_coefficients({0, 0, 1}, ThesisRows::kSubstituted, -0.3), ContractError);
+  const std::vector<Vec3> directions = random_directions(400);
+  for (const ThesisRows rows : {ThesisRows::kB4Sign, ThesisRows::kSubstituted}) {
+    const Eigen::MatrixXd matrix = thesis_matrix(directions, rows, kThesisLambda1);
+    EXPECT_EQ(rank_of(matrix), 15);
+    EXPECT_EQ(rank_of(with_ones(matrix)), 16);  // room for stiffness, other than to the letter
+  }
+}
+
 TEST(ThesisRows, OnlyATransverseRatioOfAQuarterLeavesRoomForStiffness) {
   // At lambda1 = -1/4 eq. 3.15 is (2/7)(P2 - P4); elsewhere its mean over n is not zero and forces sum w = 0.
   const std::vector<Vec3> directions = random_directions(60);
@@ -277,7 +299,8 @@ TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
   // The gradient of the dense problem vanishes where k > 0 and points inwards where k = 0.
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 21);
   constexpr double kYoung = 300.0;
-  for (const ThesisRows rows : {ThesisRows::kPrinted, ThesisRows::kCorrected}) {
+  for (const ThesisRows rows :
+       {ThesisRows::kPrinted, ThesisRows::kB4Sign, ThesisRows::kSubstituted, ThesisRows::kCorrected}) {
     for (const double weight : {1.0, 30.0}) {
       SpringNetwork network = build_spring_network(mesh);
       ThesisOptions options;
