@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/commands.h"
+#include "experiments/commands_export.h"
 #include "experiments/provenance.h"
 #include "experiments/usage.h"
 
@@ -37,6 +38,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_simulate_command(app, exit_code);
   add_quality_command(app, exit_code);
   add_springs_command(app, exit_code);
+  add_export_command(app, exit_code);
   add_train_command(app, exit_code);
   add_test_command(app, exit_code);
   name_command_groups(app);

@@ -43,7 +43,6 @@ json describe_option(const OptionSpec& option) {
                 {"help", option.help}};
   if (!option.choices.empty()) value["choices"] = option.choices;
   if (option.min) value["min"] = *option.min;
-  if (option.above) value["above"] = *option.above;
   if (option.max) value["max"] = *option.max;
   return value;
 }

@@ -12,14 +12,14 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/dynamics/calibration.h"
 #include "core/mesh/geometry.h"
 #include "core/springs/identify.h"
 #include "core/springs/identify_options.h"
 #include "core/springs/network.h"
 #include "core/springs/springs_csv.h"
 #include "experiments/commands.h"
-#include "experiments/judge_record.h"
-#include "experiments/mesh_source.h"
+#include "experiments/metre_mesh.h"
 #include "experiments/nearest_name.h"
 #include "experiments/output_file.h"
 #include "experiments/terminal.h"
@@ -29,9 +29,6 @@ namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-
-/// No organ is longer: a bigger box is most likely in millimetres.
-constexpr double kLongestOrganM = 10.0;
 
 /// Of a modulus, a density or a unit, in size.
 constexpr double kMostNumber = 1e15;
@@ -62,9 +59,14 @@ springs::SpringMethod find_spring_method(const std::string& name) {
   return springs::parse_spring_method(name);
 }
 
-springs::IdentifyOptions parse_spring_options(springs::SpringMethod method,
-                                              const std::vector<std::string>& settings) {
-  springs::IdentifyOptions options;
+/// Options of a method, and whether its springs are calibrated on their own mesh.
+struct SpringSettings {
+  springs::IdentifyOptions identify;
+  bool calibrate = false;
+};
+
+SpringSettings parse_spring_options(springs::SpringMethod method, const std::vector<std::string>& settings) {
+  SpringSettings options;
   std::set<std::string> given;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -72,7 +74,14 @@ springs::IdentifyOptions parse_spring_options(springs::SpringMethod method,
       throw InputError("--set", 0, "key=value", "\"" + setting + "\"");
     const std::string key = setting.substr(0, equals);
     if (!given.insert(key).second) throw InputError("--set: option \"" + key + "\" twice");
-    springs::set_spring_option(method, key, setting.substr(equals + 1), "--set", options);
+    const std::string value = setting.substr(equals + 1);
+    if (key != "calibrate") {
+      springs::set_spring_option(method, key, value, "--set", options.identify);
+    } else {
+      if (value != "true" && value != "false")
+        throw InputError("--set calibrate", 0, "true or false", "\"" + value + "\"");
+      options.calibrate = value == "true";
+    }
   }
   return options;
 }
@@ -90,25 +99,6 @@ Material material_of(const SpringsArguments& arguments) {
   if (!arguments.masses.empty() && !arguments.has_density)
     throw InputError("--masses: masses need --density");
   return {arguments.young_pa, arguments.poisson, arguments.density};
-}
-
-/// The mesh, oriented, judged and in metres.
-TetMesh read_mesh_in_metres(const SpringsArguments& arguments) {
-  MeditFile file = read_mesh(arguments.mesh, ReadOrientation::kRestore);
-  for (const std::string& note : file.notes) print_note(arguments.mesh + ": " + note);
-  if (file.isolated_vertices > 0)
-    print_note(arguments.mesh + ": vertices of the output are numbered without those left out");
-  const Judgement judgement = judge_mesh(file.mesh);
-  if (!judgement.violations.empty())
-    throw InputError(arguments.mesh, 0, "a valid mesh", judgement.violations.front());
-  for (Vec3& point : file.mesh.points) point = arguments.unit_m * point;
-  const BoundingBox box = bounding_box(file.mesh.points);
-  const double longest = std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
-  if (longest > kLongestOrganM) {
-    print_note(arguments.mesh + ": the mesh is " + short_number(longest) +
-               " m long; if its unit is the millimetre, say --unit-m 0.001");
-  }
-  return std::move(file.mesh);
 }
 
 void write_masses(const std::string& path, const std::vector<double>& masses) {
@@ -159,7 +149,7 @@ std::string short_milliseconds(double seconds) {
 }
 
 void print_figures(const json& figures) {
-  constexpr std::array<std::pair<const char*, const char*>, 11> kNames{
+  constexpr std::array<std::pair<const char*, const char*>, 12> kNames{
       {{"vertices", "vertices"},
        {"tets", "tetrahedra"},
        {"springs", "springs"},
@@ -167,6 +157,7 @@ void print_figures(const json& figures) {
        {"stiffness_min_n_per_m", "least stiffness, N/m"},
        {"stiffness_max_n_per_m", "greatest stiffness, N/m"},
        {"stiffness_ratio_mean", "stiffness against the solid, mean"},
+       {"calibration_factor", "calibrated by"},
        {"kkt_relative", "KKT residual, relative"},
        {"iterations", "iterations"},
        {"volume_m3", "volume, m^3"},
@@ -179,24 +170,38 @@ void print_figures(const json& figures) {
   std::cout << table.text();
 }
 
+/// Multiplies all springs by the factor that puts their moduli on their own mesh right, and returns it.
+double calibrate(const TetMesh& mesh, const Material& material, SpringNetwork& network) {
+  const dynamics::ElasticModel model{mesh.points, network, true, {}, {}};
+  const double factor = dynamics::calibration_factor(dynamics::measure_moduli(mesh, model, {}),
+                                                     material.young_modulus_pa / 2.5);
+  for (double& stiffness : network.stiffness_n_per_m) stiffness *= factor;
+  return factor;
+}
+
 int identify(const SpringsArguments& arguments) {
   const springs::SpringMethod method = find_spring_method(arguments.method);
-  const springs::IdentifyOptions options = parse_spring_options(method, arguments.set);
+  const SpringSettings options = parse_spring_options(method, arguments.set);
   const Material material = material_of(arguments);
   check_above_zero(arguments.unit_m, "--unit-m");
   check_output_csv(arguments.out);
   if (!arguments.masses.empty()) check_output_csv(arguments.masses);
   if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");
-  const TetMesh mesh = read_mesh_in_metres(arguments);
+  const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
   springs::IdentifyReport report;
   const auto start = std::chrono::steady_clock::now();
-  const SpringNetwork network = springs::identify_springs(mesh, material, method, options, report);
+  SpringNetwork network = springs::identify_springs(mesh, material, method, options.identify, report);
+  const double factor = options.calibrate ? calibrate(mesh, material, network) : 1.0;
   const std::chrono::duration<double> kernel = std::chrono::steady_clock::now() - start;
   springs::write_springs_csv(arguments.out, network);
   if (!arguments.masses.empty())
     write_masses(arguments.masses, springs::build_lumped_masses(mesh, arguments.density));
   for (const std::string& warning : report.warnings) print_note(warning);
-  const json figures = figures_of(arguments, mesh, network, report, kernel.count());
+  json figures = figures_of(arguments, mesh, network, report, kernel.count());
+  if (options.calibrate) {
+    figures["calibration_factor"] = factor;
+    figures["stiffness_ratio_mean"] = factor * report.stiffness_ratio_mean;
+  }
   if (arguments.as_json) {
     print_json(figures);
   } else {
@@ -216,6 +221,9 @@ std::string springs_footer() {
       methods.emplace_back(springs::spring_method_name(method));
     text += joined(methods) + "\n";
   }
+  text +=
+      "  calibrate=: true: all springs times one factor, from the moduli that they have on their own mesh "
+      "(false); all methods\n";
   return text +
          "\nThe CSV has the columns vertex_a, vertex_b, rest_length_m, stiffness_n_per_m; vertices count "
          "from "

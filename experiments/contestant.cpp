@@ -40,8 +40,7 @@ std::vector<std::string> read_texts(const YamlValue& value) {
 }
 
 OptionSpec read_option(const YamlValue& value) {
-  const YamlFields fields =
-      value.fields({"name", "type", "choices", "min", "above", "max", "default", "help"});
+  const YamlFields fields = value.fields({"name", "type", "choices", "min", "max", "default", "help"});
   OptionSpec option;
   option.name = fields.need("name").identifier();
   option.type = read_type(fields.need("type"));
@@ -51,7 +50,6 @@ OptionSpec read_option(const YamlValue& value) {
   }
   if (const auto min = fields.find("min")) option.min = min->number();
   if (const auto max = fields.find("max")) option.max = max->number();
-  if (const auto above = fields.find("above")) option.above = above->number();
   const YamlValue preset = fields.need("default");
   const bool is_left_out = option.type == OptionType::kNumber && preset.text() == "none";
   if (!is_left_out)
@@ -132,7 +130,6 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest, const
 std::string bounds_text(const OptionSpec& option) {
   std::ostringstream text;
   text << (option.type == OptionType::kInteger ? "a whole number" : "a number");
-  if (option.above) text << " above " << *option.above;
   if (option.min && option.max) {
     text << " from " << *option.min << " to " << *option.max;
   } else if (option.min) {
@@ -150,7 +147,7 @@ json parse_bounded(const OptionSpec& option, const std::string& text, const std:
   const bool whole = error == std::errc() && end == text.data() + text.size();
   const auto real = static_cast<double>(value);
   if (!whole || !std::isfinite(real) || (option.min && real < *option.min) ||
-      (option.max && real > *option.max) || (option.above && !(real > *option.above))) {
+      (option.max && real > *option.max)) {
     throw InputError(where + ": " + option.name, 0, bounds_text(option), "\"" + text + "\"");
   }
   return value;

@@ -23,9 +23,8 @@ struct OptionSpec {
   std::vector<std::string> choices;  ///< kChoice
   std::optional<double> min;         ///< kNumber and kInteger
   std::optional<double> max;
-  nlohmann::json default_value;  ///< typed; null: the option is left out unless it is given
+  nlohmann::json default_value;  ///< typed; null: left out unless it is given
   std::string help;
-  std::optional<double> above{};  ///< kNumber: greater than this
 };
 
 /// One method of a contestant.
@@ -89,8 +88,7 @@ Registry load_registry();
 /// Throws: InputError that starts with `where` and names the choices or the bounds.
 nlohmann::json parse_option(const OptionSpec& option, const std::string& text, const std::string& where);
 
-/// Every option of the method, typed: `given` where it is given, the default otherwise (nothing where that is
-/// null).
+/// Every option of the method, typed: `given` where it is given, the default (if not null) otherwise.
 /// `given` maps a name to its text and to the place named in messages.
 /// Throws: InputError for an unknown option (with the nearest) or a bad value.
 struct GivenOption {

@@ -53,17 +53,12 @@ nlohmann::json dynamic_options(const Scene& scene, const Registry& registry) {
   return options;
 }
 
-/// Springs of the scene's own in the place of Table 4.1's: scaled to the mean that is asked for, or as they
-/// are. The volume force keeps the table's constant, whatever the springs'.
-void scale_to_table(const Scene& scene, dynamics::ElasticModel& model) {
-  std::vector<double>& stiffness = model.springs.stiffness_n_per_m;
+/// The volume force keeps Table 4.1's constant, whatever springs the scene has in the place of the table's.
+void keep_table_volume_force(dynamics::ElasticModel& model) {
+  const std::vector<double>& stiffness = model.springs.stiffness_n_per_m;
   const double mean =
       std::accumulate(stiffness.begin(), stiffness.end(), 0.0) / static_cast<double>(stiffness.size());
-  if (!(mean > 0.0))
-    throw InputError(scene.analysis_where + ": expected springs with a stiffness, found none");
-  model.volume_force->stiffness_n_per_m3 *= ThesisTable::kStiffnessNPerM / mean;
-  if (!scene.dynamic.spring_mean_n_per_m) return;
-  for (double& k : stiffness) k *= *scene.dynamic.spring_mean_n_per_m / mean;
+  if (mean > 0.0) model.volume_force->stiffness_n_per_m3 *= ThesisTable::kStiffnessNPerM / mean;
 }
 
 SceneElastic build_elastic(const Scene& scene, const TetMesh& mesh, const Registry& registry) {
@@ -86,7 +81,7 @@ SceneElastic build_elastic(const Scene& scene, const TetMesh& mesh, const Regist
   const reference::ModelRequest wanted = reference::take_model_request(out.method, strain, options);
   require(options.empty(), "a model takes all of its options");
   out.built = reference::build_requested_model(mesh, scene.material, wanted, out.response);
-  if (is_preset) scale_to_table(scene, out.built.model);
+  if (is_preset) keep_table_volume_force(out.built.model);
   return out;
 }
 

@@ -151,14 +151,8 @@ void read_analysis(const YamlValue& value, Scene& scene) {
 
 /// A preset has springs of its own, or takes the scene's; the rest of the model is the preset's.
 void check_preset(const Scene& scene) {
-  if (!scene.is_dynamic || scene.dynamic.preset.empty()) return;
+  if (!scene.is_dynamic || scene.dynamic.preset.empty() || !scene.model) return;
   const std::string preset = scene.analysis_where + ": the preset " + scene.dynamic.preset;
-  if (!scene.model) {
-    if (scene.dynamic.spring_mean_n_per_m)
-      throw InputError(preset +
-                       " gives all springs one constant; spring_mean_n_per_m needs a model of springs");
-    return;
-  }
   if (!scene.model->method.starts_with("springs."))
     throw InputError(preset + " takes springs alone as a model, not " + scene.model->method);
   for (const char* key : {"volume", "volume_force_ratio", "law", "theta", "shear"}) {

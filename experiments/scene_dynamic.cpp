@@ -99,10 +99,9 @@ std::vector<double> read_numbers(const YamlValue& value) {
 
 SceneDynamic read_dynamic(const YamlValue& value) {
   constexpr std::int64_t kMostFrames = 1'000'000'000;
-  const YamlFields fields =
-      value.fields({"integrator", "time_step_s", "safety", "duration_s", "allow_unstable",
-                    "mass_per_vertex_kg", "damping", "speed_limit_m_s", "frames", "samples", "probes_m",
-                    "preset", "engine", "precision", "spring_mean_n_per_m"});
+  const YamlFields fields = value.fields(
+      {"integrator", "time_step_s", "safety", "duration_s", "allow_unstable", "mass_per_vertex_kg", "damping",
+       "speed_limit_m_s", "frames", "samples", "probes_m", "preset", "engine", "precision"});
   SceneDynamic out;
   if (const auto damping = fields.find("damping")) read_damping(*damping, out);
   if (const auto preset = fields.find("preset")) {
@@ -111,11 +110,6 @@ SceneDynamic read_dynamic(const YamlValue& value) {
     out.integrator = read_integrator(fields.need("integrator"));
     const YamlValue step = fields.need("time_step_s");
     if (step.text() != "auto") out.time_step_s = read_above_zero(step);
-  }
-  if (const auto mean = fields.find("spring_mean_n_per_m")) {
-    if (out.preset.empty())
-      mean->fail("spring_mean_n_per_m belongs to a preset with springs of the scene's own");
-    out.spring_mean_n_per_m = read_above_zero(*mean);
   }
   if (const auto safety = fields.find("safety")) out.safety = safety->number(1e-6, 1.0);
   out.duration_s = read_above_zero(fields.need("duration_s"));

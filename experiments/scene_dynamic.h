@@ -41,8 +41,6 @@ struct SceneDynamic {
   std::vector<Vec3> probes_m;    ///< the vertices nearest to these points are written to history.csv
 
   std::string preset;  ///< empty: none
-  /// With a preset and springs of the scene's own: all of them times one factor, so that their mean is this.
-  std::optional<double> spring_mean_n_per_m;
 };
 
 /// The name of the thesis's parameters, Table 4.1, as a preset.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
@@ -13,6 +14,8 @@
 
 namespace palpate::reference {
 namespace {
+
+constexpr double kLeastConstant = 1e-12;  ///< N/m; a spring of less is a mistake
 
 using dynamics::BuiltModel;
 using nlohmann::json;
@@ -46,9 +49,14 @@ SpringRequest take_spring_request(const std::string& method, StrainSize strain, 
     out.method = springs::parse_spring_method(name);
     out.identify.face_opposite = take_bool(options, "face_opposite", false);
     out.calibrate = take_bool(options, "calibrate", false);
+    if (options.contains("mean_n_per_m"))
+      out.mean_n_per_m = take_number(options, "mean_n_per_m", kLeastConstant, kHuge, 0.0);
+    if (out.calibrate && out.mean_n_per_m)
+      throw InputError("mean_n_per_m", 0, "calibrate or mean_n_per_m, not both", "both");
     if (*out.method == springs::SpringMethod::kUniform) {
       if (options.contains("stiffness_n_per_m"))
-        out.identify.uniform_stiffness_n_per_m = take_number(options, "stiffness_n_per_m", 0.0, kHuge, 0.0);
+        out.identify.uniform_stiffness_n_per_m =
+            take_number(options, "stiffness_n_per_m", kLeastConstant, kHuge, 0.0);
     }
     if (*out.method == springs::SpringMethod::kThesisPrinted ||
         *out.method == springs::SpringMethod::kThesisCorrected)
@@ -101,6 +109,15 @@ void add_trained_dilatation(const TetMesh& mesh, const std::string& file,
   model.strain_terms.push_back(std::move(term));
 }
 
+/// All springs times one factor, so that their mean is `mean_n_per_m`.
+void scale_to_mean(double mean_n_per_m, SpringNetwork& net) {
+  std::vector<double>& stiffness = net.stiffness_n_per_m;
+  const double sum = std::accumulate(stiffness.begin(), stiffness.end(), 0.0);
+  if (!(sum > 0.0)) throw InputError("mean_n_per_m", 0, "springs with a stiffness", "none");
+  const double factor = mean_n_per_m * static_cast<double>(stiffness.size()) / sum;
+  for (double& k : stiffness) k *= factor;
+}
+
 /// Identified or read springs with their figures in the report, and their volume model.
 BuiltModel build_springs(const TetMesh& mesh, const Material& material, const SpringRequest& wanted,
                          Response& response) {
@@ -124,6 +141,7 @@ BuiltModel build_springs(const TetMesh& mesh, const Material& material, const Sp
       for (double& stiffness : net.stiffness_n_per_m) stiffness *= factor;
       response.report["calibration_factor"] = factor;
     }
+    if (wanted.mean_n_per_m) scale_to_mean(*wanted.mean_n_per_m, net);
   } else {
     net = springs::read_springs_csv(wanted.file, mesh);
   }

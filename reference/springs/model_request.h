@@ -18,6 +18,7 @@ struct SpringRequest {
   std::string moduli_file;  ///< beside `file`; empty: none
   springs::IdentifyOptions identify;
   bool calibrate = false;
+  std::optional<double> mean_n_per_m;  ///< all springs times one factor, so that their mean is this
   dynamics::SpringModelOptions model;
 };
 

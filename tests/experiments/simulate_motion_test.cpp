@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include <cmath>
 #include <sstream>
 
@@ -166,7 +168,6 @@ TEST_F(SimulateMotion, WhatMakesNoSenseIsRefusedWithItsPlace) {
   EXPECT_THAT(error_of("preset: thesis_table_41" + rest), HasSubstr("did you mean \"thesis_table_4_1\""));
   EXPECT_THAT(error_of("preset: thesis_table_4_1, time_step_s: 0.1" + rest),
               HasSubstr("sets time_step_s by itself"));
-  EXPECT_THAT(error_of("preset: thesis_table_4_1" + rest), HasSubstr("sets the model by itself"));
   EXPECT_THAT(error_of("integrator: implicit_euler, time_step_s: auto" + rest), HasSubstr("has no bound"));
   EXPECT_THAT(error_of("integrator: explicit_euler, time_step_s: auto" + rest),
               HasSubstr("no step of explicit_euler"));
@@ -332,6 +333,45 @@ TEST_F(SimulateMotion, TheThesissPresetIsItsTable) {
   ASSERT_TRUE(model.elastic.volume_force.has_value());
   EXPECT_NEAR(model.elastic.volume_force->stiffness_n_per_m3, 100.0 / (0.05 * 0.05), 1e-6);
   EXPECT_FALSE(model.elastic.springs_are_linear);
+}
+
+TEST_F(SimulateMotion, ThePresetTakesSpringsOfTheScenesOwn) {
+  const std::string dynamic = "preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true";
+  const auto model_of = [&](const std::string& rest) {
+    SceneText text = pressed(dynamic);
+    text.rest = rest;
+    const Scene raw = read_scene(scene(text));
+    const TetMesh made = build_scene_mesh(raw.mesh).mesh;
+    const MotionSetup setup = build_motion(place_scene(raw, made), made, fixture_.registry(), 1);
+    EXPECT_EQ(setup.step_s, 3e-4);
+    return setup.phases.front().model;
+  };
+  const std::string springs = "model: {springs: thesis_corrected, row_weight: 100}\n";
+  const auto as_identified = model_of(springs).elastic;
+  const auto scaled = model_of("model: {springs: thesis_corrected, row_weight: 100, mean_n_per_m: 100}\n");
+  const std::vector<double>& k = as_identified.springs.stiffness_n_per_m;
+  const std::vector<double>& scaled_k = scaled.elastic.springs.stiffness_n_per_m;
+  const double mean = std::accumulate(k.begin(), k.end(), 0.0) / static_cast<double>(k.size());
+  EXPECT_GT(std::abs(mean - 100.0), 1.0);
+  for (std::size_t s = 0; s < k.size(); ++s) EXPECT_NEAR(scaled_k[s], k[s] * 100.0 / mean, 1e-9);
+  EXPECT_GT(*std::max_element(k.begin(), k.end()), 1.5 * mean);  // they are not all alike
+  // Masses, damping and the volume force's constant stay the table's.
+  for (const double mass : scaled.mass_kg) EXPECT_EQ(mass, 1.0);
+  for (const double damping : scaled.spring_damping_n_s_per_m) EXPECT_EQ(damping, 500.0);
+  for (const auto* elastic : {&as_identified, &scaled.elastic})
+    EXPECT_NEAR(elastic->volume_force->stiffness_n_per_m3, 100.0 / (0.05 * 0.05), 1e-6);
+  const auto refusal = [&](const std::string& rest) {
+    try {
+      model_of(rest);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal("model: {springs: lloyd, volume: tet}\n"), HasSubstr("sets volume by itself"));
+  EXPECT_THAT(refusal("model: {smoothed: blend}\n"), HasSubstr("takes springs alone"));
+  EXPECT_THAT(refusal("model: {springs: uniform, stiffness_n_per_m: 0}\n"),
+              HasSubstr("stiffness_n_per_m: expected a number, at least 1e-12"));
 }
 
 }  // namespace

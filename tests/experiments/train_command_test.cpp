@@ -94,9 +94,34 @@ TEST_F(TrainCommand, LearnsFromQuadraticElementsAndReportsEverySetApart) {
   for (const json& ridge : report.at("ridges"))
     least = std::min(least, ridge.at("validate_rms").get<double>());
   EXPECT_EQ(error_of(report, "validate", "trained"), least);
+  EXPECT_EQ(report.at("kept"), "trained");
+  EXPECT_EQ(report.at("start_validate_rms"), error_of(report, "validate", "start"));
+  EXPECT_LT(least, error_of(report, "validate", "start"));
   const TetMesh mesh = build_scene_mesh(read_training_plan(plan).mesh).mesh;
   const SpringNetwork network = springs::read_springs_csv(folder() / "k.csv", mesh);
   EXPECT_GT(*std::min_element(network.stiffness_n_per_m.begin(), network.stiffness_n_per_m.end()), 0.0);
+}
+
+TEST_F(TrainCommand, WhereTrainingDoesNotHelpItSaysSoAndKeepsTheStart) {
+  // Fitted without a ridge to one field, and validated on one that it says nothing of.
+  std::string text = kTraining;
+  const auto put = [&](const std::string& from, const std::string& to) {
+    text.replace(text.find(from), from.size(), to);
+  };
+  put("ridges: [0.01, 0.0001], iterations: 15", "ridges: [0.0], iterations: 60");
+  put("train: {clamps: [low], loads: [weight, wind]}", "train: {clamps: [low], loads: [weight]}");
+  put("validate: {clamps: [low], loads: [push]}", "validate: {clamps: [low], loads: [wind]}");
+  const auto plan = folder().add("training.yaml", text);
+  const ProgramResult result = train(plan, "k.csv");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json report = json::parse(result.out);
+  ASSERT_GT(report.at("ridges").at(0).at("validate_rms"), report.at("start_validate_rms"));
+  EXPECT_EQ(report.at("kept"), "start");
+  EXPECT_TRUE(report.at("ridge").is_null());
+  EXPECT_EQ(error_of(report, "validate", "trained"), error_of(report, "validate", "start"));
+  const ProgramResult table = run_program({"train", plan.string(), "-o", (folder() / "k2.csv").string()});
+  EXPECT_THAT(table.out, HasSubstr("Training did not help: on the validation set the start is at"));
+  EXPECT_EQ(test::bytes_of(folder() / "k.csv"), test::bytes_of(folder() / "k2.csv"));
 }
 
 TEST_F(TrainCommand, TheSameBytesOnOneThreadAndTwo) {

@@ -13,6 +13,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
+#include "core/springs/closed_forms.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::springs {
@@ -122,6 +123,32 @@ TEST(SpringNetwork, VertexSpringsAreAllThatTouchIt) {
     }
     EXPECT_EQ(std::vector<Index>(rows.of(v).begin(), rows.of(v).end()), expected);
   }
+}
+
+TEST(SpringNetwork, HangingAreVerticesThatSpringsLeaveFreeInSomeDirection) {
+  const TetMesh mesh = build_kuhn_cube(3, 0.2, 4);
+  constexpr double kYoung = 1000.0;
+  SpringNetwork network = build_spring_network(mesh);
+  set_van_gelder(mesh, kYoung, network);
+  EXPECT_TRUE(find_hanging_vertices(mesh, network, kYoung).empty());
+  const VertexSprings springs = build_vertex_springs(network, mesh.points.size());
+  constexpr Index kVertex = 21;  // inside
+  const std::vector<double> whole = network.stiffness_n_per_m;
+  const auto hanging_with = [&](std::size_t left) {
+    network.stiffness_n_per_m = whole;
+    for (std::size_t i = left; i < springs.of(kVertex).size(); ++i)
+      network.stiffness_n_per_m[springs.of(kVertex)[i]] = 0.0;
+    return find_hanging_vertices(mesh, network, kYoung);
+  };
+  const std::vector<Index> alone{kVertex};
+  EXPECT_EQ(hanging_with(0), alone);  // without any spring
+  EXPECT_EQ(hanging_with(2), alone);  // two springs leave their normal free
+  EXPECT_TRUE(hanging_with(3).empty());
+  // A softer solid has softer springs: what counts is their share of the solid's.
+  hanging_with(springs.of(kVertex).size());
+  for (double& k : network.stiffness_n_per_m) k *= 1e-12;
+  EXPECT_TRUE(find_hanging_vertices(mesh, network, 1e-12 * kYoung).empty());
+  EXPECT_EQ(find_hanging_vertices(mesh, network, kYoung).size(), mesh.points.size());
 }
 
 TEST(SpringNetwork, DegenerateAreVerticesOfOneTetAndFlatFans) {

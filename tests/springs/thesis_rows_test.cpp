@@ -342,6 +342,34 @@ TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
   }
 }
 
+TEST(ThesisRows, WithOppositeSpringsARidgeMakesTheAnswerOneThatIsFound) {
+  // The ridge moves a well-determined problem little: the answer minimises |A w - b|^2 + r |w|^2.
+  const TetMesh mesh = build_kuhn_cube(5, 0.25, 7);
+  for (const ThesisRows rows : {ThesisRows::kPrinted, ThesisRows::kCorrected}) {
+    SpringNetwork network = build_spring_network(mesh, true);
+    ThesisOptions options;
+    options.rows = rows;
+    options.ridge_relative = kOppositeRidge;
+    const NonnegativeReport report = identify_thesis(mesh, 1000.0, options, network);
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(report.cg_iterations, 20000U);
+    options.ridge_relative = 10.0;
+    SpringNetwork pulled = build_spring_network(mesh, true);
+    EXPECT_TRUE(identify_thesis(mesh, 1000.0, options, pulled).converged);
+    const auto sum = [](const SpringNetwork& of) {
+      double total = 0.0;
+      for (std::size_t s = 0; s < of.springs.size(); ++s)
+        total += of.stiffness_n_per_m[s] * of.rest_length_m[s] * of.rest_length_m[s];
+      return total;
+    };
+    EXPECT_LT(sum(pulled), sum(network));
+  }
+  ThesisOptions negative;
+  negative.ridge_relative = -1.0;
+  SpringNetwork network = build_spring_network(build_bar(1));
+  EXPECT_THROW(identify_thesis(build_bar(1), 1.0, negative, network), ContractError);
+}
+
 TEST(ThesisRows, AWeightOfZeroIsAFaultOfTheCaller) {
   SpringNetwork network = build_spring_network(build_bar(1));
   ThesisOptions options;
