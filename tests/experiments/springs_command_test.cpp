@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/dynamics/calibration.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/shapes.h"
 #include "core/springs/identify.h"
@@ -53,11 +55,12 @@ class SpringsCommand : public testing::Test {
 TEST_F(SpringsCommand, WritesTheConstantsOfEachMethod) {
   for (const std::string& name : springs::spring_method_names()) {
     const ProgramResult result = springs({"--json"}, name);
-    ASSERT_EQ(result.exit_code, 0) << result.error;
     const json report = json::parse(result.out);
     springs::IdentifyReport expected_report;
     const SpringNetwork expected = springs::identify_springs(
         mesh_, {10000.0, 0.25, 0.0}, springs::parse_spring_method(name), {}, expected_report);
+    ASSERT_EQ(result.exit_code, expected_report.hanging_vertices.empty() ? 0 : 1) << result.error;
+    EXPECT_EQ(report.at("hanging_vertices"), json(expected_report.hanging_vertices));
     EXPECT_EQ(springs::read_springs_csv(out(), mesh_), expected) << name;
     EXPECT_EQ(report.at("method"), name);
     EXPECT_EQ(report.at("vertices"), mesh_.points.size());
@@ -86,6 +89,37 @@ TEST_F(SpringsCommand, OptionsUnitsAndMasses) {
   const std::string text = test::bytes_of(masses);
   EXPECT_EQ(text.rfind("vertex,mass_kg\n0,", 0), 0U);
   EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')), mesh_.points.size() + 1);
+}
+
+TEST_F(SpringsCommand, VerticesThatHangOnTooLittleAreNamedAndTheExitCodeSaysSo) {
+  const ProgramResult result = springs({}, "thesis_printed");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("2 vertices hang on too little"));
+  EXPECT_THAT(result.error, HasSubstr("\"buckled\"): 15, "));
+  EXPECT_THAT(result.error, HasSubstr("face_opposite=true"));
+  EXPECT_THAT(result.out, HasSubstr("Written: " + out()));
+  EXPECT_EQ(springs({"--set", "row_weight=100"}, "thesis_printed").exit_code, 0);
+  EXPECT_EQ(springs({}, "van_gelder").exit_code, 0);
+}
+
+TEST_F(SpringsCommand, CalibratedSpringsHaveTheModuliOfTheSolidOnTheirOwnMesh) {
+  const ProgramResult plain = springs({"--json"});
+  const SpringNetwork before = springs::read_springs_csv(out(), mesh_);
+  const ProgramResult result = springs({"--json", "--set", "calibrate=true"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const SpringNetwork after = springs::read_springs_csv(out(), mesh_);
+  const double factor = json::parse(result.out).at("calibration_factor").get<double>();
+  EXPECT_GT(std::abs(factor - 1.0), 1e-3);
+  for (std::size_t s = 0; s < before.springs.size(); ++s)
+    EXPECT_DOUBLE_EQ(after.stiffness_n_per_m[s], factor * before.stiffness_n_per_m[s]);
+  EXPECT_DOUBLE_EQ(json::parse(result.out).at("stiffness_ratio_mean").get<double>(),
+                   factor * json::parse(plain.out).at("stiffness_ratio_mean").get<double>());
+  // Measured again they need no factor: 5 mu = 2 mu_relaxed + 3 K_relaxed / (5/3).
+  const dynamics::ElasticModel model{mesh_.points, after, true, {}, {}};
+  EXPECT_NEAR(dynamics::calibration_factor(dynamics::measure_moduli(mesh_, model, {}), 4000.0), 1.0, 1e-9);
+  const ProgramResult refused = springs({"--set", "calibrate=yes"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("--set calibrate: expected true or false, found \"yes\""));
 }
 
 TEST_F(SpringsCommand, TablesForPeople) {
