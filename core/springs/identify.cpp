@@ -138,7 +138,7 @@ void warn_of_hanging(IdentifyReport& report) {
   const std::size_t count = report.hanging_vertices.size();
   report.warnings.push_back(
       std::to_string(count) + (count == 1 ? " vertex hangs" : " vertices hang") +
-      " on too little, free to move in some direction by springs alone (simulate: \"buckled\"): " +
+      " on too little, free to move in some direction by springs alone (simulate may say \"buckled\"): " +
       named(report.hanging_vertices) +
       "; face_opposite=true, a method whose constants are all positive (van_gelder, lloyd), a coarser skin "
       "or a "
