@@ -348,12 +348,12 @@ TEST_F(SimulateMotion, ThePresetTakesSpringsOfTheScenesOwn) {
   };
   const std::string springs = "model: {springs: thesis_corrected, row_weight: 100}\n";
   const auto as_identified = model_of(springs).elastic;
-  const auto scaled = model_of("model: {springs: thesis_corrected, row_weight: 100, mean_n_per_m: 100}\n");
+  const auto scaled = model_of("model: {springs: thesis_corrected, row_weight: 100, mean_n_per_m: 250}\n");
   const std::vector<double>& k = as_identified.springs.stiffness_n_per_m;
   const std::vector<double>& scaled_k = scaled.elastic.springs.stiffness_n_per_m;
   const double mean = std::accumulate(k.begin(), k.end(), 0.0) / static_cast<double>(k.size());
-  EXPECT_GT(std::abs(mean - 100.0), 1.0);
-  for (std::size_t s = 0; s < k.size(); ++s) EXPECT_NEAR(scaled_k[s], k[s] * 100.0 / mean, 1e-9);
+  EXPECT_GT(std::abs(mean - 250.0), 1.0);
+  for (std::size_t s = 0; s < k.size(); ++s) EXPECT_NEAR(scaled_k[s], k[s] * 250.0 / mean, 1e-9);
   EXPECT_GT(*std::max_element(k.begin(), k.end()), 1.5 * mean);  // they are not all alike
   // Masses, damping and the volume force's constant stay the table's.
   for (const double mass : scaled.mass_kg) EXPECT_EQ(mass, 1.0);
