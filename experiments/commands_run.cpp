@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iostream>
@@ -22,21 +21,13 @@
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
 #include "experiments/scene_problem.h"
+#include "experiments/stop_signals.h"
 #include "experiments/terminal.h"
 #include "experiments/usage.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
-
-volatile std::sig_atomic_t g_stop = 0;
-
-void catch_stop_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { g_stop = 1; };
-  ::sigaction(SIGINT, &action, nullptr);
-  ::sigaction(SIGTERM, &action, nullptr);
-}
 
 struct RunArguments {
   std::string plan;
@@ -67,7 +58,7 @@ int make_report(const fs::path& folder) {
   spec.timeout_s = 1800.0;
   spec.standard_output = folder / "report.txt";
   spec.standard_error = folder / "report_errors.txt";
-  spec.stop_flag = &g_stop;
+  spec.stop_flag = catch_stop_signals();
   const ProcessResult result = run_process(spec);
   std::cout << std::ifstream(spec.standard_output).rdbuf();
   std::cout.clear();  // an empty summary sets the fail bit
@@ -117,13 +108,12 @@ int run(const RunArguments& arguments) {
   }
   require_available(plan, registry);
   for (const std::string& note : plan.notes) print_note(note);
-  catch_stop_signals();
   RunOptions options;
+  options.stop_flag = catch_stop_signals();
   options.folder = choose_folder(arguments, plan);
   options.resume = arguments.resume;
   options.case_id = arguments.case_id;
   if (arguments.threads > 0) options.threads = arguments.threads;
-  options.stop_flag = &g_stop;
   Progress progress;
   const RunResult result = run_plan(plan, registry, options, progress);
   if (result.interrupted) {

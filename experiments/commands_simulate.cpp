@@ -15,6 +15,7 @@
 #include "experiments/scene.h"
 #include "experiments/scene_problem.h"
 #include "experiments/simulate_motion.h"
+#include "experiments/stop_signals.h"
 #include "experiments/terminal.h"
 #include "experiments/usage.h"
 #include "reference/deform_problem.h"
@@ -68,6 +69,7 @@ double largest(const std::vector<Vec3>& field) {
 /// The answer as a report; writes the files where there is a displacement.
 json write_result(const ContestantAnswer& answer, const std::string& method, const TetMesh& mesh,
                   const fs::path& out) {
+  remove_earlier_results(out);
   json report = answer.report;
   report["method"] = method;
   report["kernel_s"] = *answer.kernel_s;
@@ -138,12 +140,40 @@ void print_motion(const json& report) {
             << " more in its folder\n";
 }
 
+/// What there is to say of a run beside its table, on standard error.
+void print_remarks(const json& report, double timeout_s) {
+  const auto outcome = report.at("outcome").get<std::string>();
+  const std::string place = report.at("steps").dump() + " of " + report.at("steps_planned").dump() +
+                            " steps, at " + short_number(report.at("simulated_s").get<double>()) +
+                            " s of the motion; what was computed is written";
+  if (outcome == "timed_out")
+    print_note("stopped after " + duration_text(timeout_s) + ": " + place + "; --timeout allows more");
+  if (outcome == "interrupted") print_note("interrupted: " + place);
+  if (outcome == "unsolved")
+    print_note("the solver did not come to its tolerance in " + report.at("steps_unsolved").dump() + " of " +
+               report.at("steps").dump() + " steps; a shorter step may do");
+  const json& share = report.at("rounding_gain_over_kinetic");
+  constexpr double kNoticed = 0.01;
+  if (share.is_number() && share.get<double>() > kNoticed)
+    print_note("single precision: rounding of positions adds about " +
+               short_number(report.at("rounding_gain_j").get<double>()) + " J in these steps, " +
+               short_number(100.0 * share.get<double>()) +
+               "% of the greatest kinetic energy, less where there is damping; precision: double does not");
+}
+
+int exit_code_of(const json& report) {
+  const auto outcome = report.at("outcome").get<std::string>();
+  if (outcome == "completed") return kDone;
+  if (outcome == "timed_out") return kCouldNotRun;
+  return outcome == "interrupted" ? kInterrupted : kNotAccepted;
+}
+
 int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   const ResultFolder folder(arguments.out);
   SimulateMotionOptions options;
   options.out = arguments.out;
   options.threads = arguments.threads;
-  options.timeout_s = arguments.timeout_s;
+  options.stops = {arguments.timeout_s, catch_stop_signals()};
   options.most_output_bytes = 1e9 * arguments.most_output_gb;
   const json report = simulate_motion(scene, options);
   if (arguments.as_json) {
@@ -151,7 +181,8 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   } else {
     print_motion(report);
   }
-  return report.at("outcome") == "completed" ? kDone : kNotAccepted;
+  print_remarks(report, arguments.timeout_s);
+  return exit_code_of(report);
 }
 
 int simulate(const SimulateArguments& arguments) {
@@ -203,7 +234,9 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", arguments->out, "Folder for what it writes")
       ->required()
       ->type_name("DIR");
-  command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
+  command
+      ->add_option("--timeout", arguments->timeout_s,
+                   "Seconds before the method is stopped; of a motion, between two steps (3600)")
       ->check(number_from(0.01, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
@@ -219,7 +252,9 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
       "the method "
       "found no equilibrium. A dynamic one leaves frames.pvd with its frames, history.csv and summary.json; "
       "the exit "
-      "code is 1 if it diverged or ends with inverted tetrahedra.");
+      "code is 1 if it diverged, ends with inverted tetrahedra or has steps without a solution, 3 after the "
+      "time-out and 130 after Ctrl-C: what was computed until then is written. Results of an earlier run in "
+      "DIR are removed.");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simulate(*arguments); });
 }

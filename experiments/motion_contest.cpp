@@ -47,7 +47,12 @@ json judge_motion(const MotionInput& input, const MotionReference& reference, co
                   const std::filesystem::path& file) {
   json figures = {{"valid", false}, {"findings", json::array()}};
   const std::string outcome = report.at("outcome").get<std::string>();
-  if (outcome != "completed") {
+  const bool is_unsolved = outcome == "unsolved";
+  if (is_unsolved)
+    figures["findings"].push_back("its solver did not come to its tolerance in " +
+                                  report.value("steps_unsolved", json()).dump() + " of " +
+                                  report.value("steps", json()).dump() + " steps");
+  if (outcome != "completed" && !is_unsolved) {
     figures["findings"].push_back("its outcome is " + outcome);
     return figures;
   }
@@ -64,7 +69,7 @@ json judge_motion(const MotionInput& input, const MotionReference& reference, co
   figures.update(compare_motions(input.problem, found, reference.truth));
   figures["frequencies_hz"] = found.frequencies_hz;
   figures["reference_own_error"] = reference.own_error;
-  figures["valid"] = true;
+  figures["valid"] = !is_unsolved;
   return figures;
 }
 

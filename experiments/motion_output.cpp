@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -38,7 +39,31 @@ void append_cells(std::string& row, const Vec3& value) {
   append_cell(row, value.z);
 }
 
+/// "frame_00012.vtu": five digits or more.
+bool is_frame_name(const std::string& name) {
+  constexpr std::string_view kHead = "frame_";
+  constexpr std::string_view kTail = ".vtu";
+  if (!name.starts_with(kHead) || !name.ends_with(kTail)) return false;
+  const std::string digits = name.substr(kHead.size(), name.size() - kHead.size() - kTail.size());
+  return digits.size() >= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
+}
+
 }  // namespace
+
+void remove_earlier_results(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name :
+       {"history.csv", "frames.pvd", "summary.json", "displacement.csv", "displacement.vtu"})
+    found.push_back(folder / name);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (is_frame_name(entry.path().filename().string())) found.push_back(entry.path());
+  }
+  for (const fs::path& file : found) {
+    fs::remove(file, error);
+    if (error) throw InputError(file.string(), 0, "a file that can be removed", error.message());
+  }
+}
 
 double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uint64_t rows,
                              std::size_t columns) {
@@ -98,6 +123,7 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
   }
   level.rms_m = std::sqrt(squares / static_cast<double>(state.displacement_m.size()));
   max_displacement_m_ = std::max(max_displacement_m_, level.largest_m);
+  max_kinetic_j_ = std::max(max_kinetic_j_, energy.kinetic_j);
   levels_.push_back(level);
   for (const double value : {state.time_s, energy.kinetic_j, energy.elastic_j, energy.load_j,
                              energy.total_j(), volume.volume_m3, static_cast<double>(volume.inverted), speed})

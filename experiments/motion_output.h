@@ -23,6 +23,11 @@ double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uin
 /// is left on the disk of `folder`.
 void require_room(const std::filesystem::path& folder, double bytes, double most_bytes);
 
+/// Removes what simulate has written into a folder: history.csv, frames.pvd, frame_00000.vtu and its like,
+/// summary.json, displacement.csv and displacement.vtu. Nothing else. Throws: InputError if one cannot be
+/// removed.
+void remove_earlier_results(const std::filesystem::path& folder);
+
 /// How far a body is from its rest shape at one time.
 struct MotionLevel {
   double time_s = 0.0;
@@ -65,6 +70,7 @@ class MotionOutput {
   const std::vector<MotionFrame>& frames() const { return frames_; }
   std::size_t columns() const { return columns_; }
   double max_displacement_m() const { return max_displacement_m_; }
+  double max_kinetic_j() const { return max_kinetic_j_; }
 
  private:
   std::filesystem::path folder_;
@@ -77,6 +83,7 @@ class MotionOutput {
   std::vector<MotionFrame> frames_;
   std::vector<double> frame_times_;
   double max_displacement_m_ = 0.0;
+  double max_kinetic_j_ = 0.0;
 };
 
 }  // namespace palpate::experiments

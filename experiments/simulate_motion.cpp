@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/base/atomic_file.h"
-#include "core/base/error.h"
 #include "core/dynamics/plain_run.h"
 #include "experiments/commands.h"
 #include "experiments/scene_problem.h"
@@ -56,6 +55,8 @@ void merge(const MotionReport& phase, MotionReport& all) {
   sum.peak_speed_m_s = std::max(sum.peak_speed_m_s, all.peak_speed_m_s);
   sum.inverted_tets_most = std::max(sum.inverted_tets_most, all.inverted_tets_most);
   sum.first_inversion_s = first_inversion;
+  sum.outcome =
+      name_end(sum, phase.outcome != MotionOutcome::kDiverged, phase.outcome == MotionOutcome::kStopped);
   all = sum;
 }
 
@@ -73,16 +74,19 @@ json energy_json(const dynamics::MotionEnergy& energy) {
 /// Runs the phases one after the other.
 class MotionRunner {
  public:
-  MotionRunner(const MotionSetup& setup, const SceneDynamic& wanted, MotionOutput& output, double timeout_s)
-      : setup_(setup), output_(output), strides_(wanted, setup.steps), timeout_s_(timeout_s) {}
+  MotionRunner(const MotionSetup& setup, const SceneDynamic& wanted, MotionOutput& output,
+               const MotionStops& stops)
+      : setup_(setup), output_(output), strides_(wanted, setup.steps), stops_(stops) {}
 
   void run() {
     state_ = start_at_rest(setup_.phases.front().model);
     start_energy_ = measure_energy(setup_.phases.front().model, state_);
     for (const MotionPhase& phase : setup_.phases) {
       run_phase(phase);
-      if (report_.outcome == MotionOutcome::kDiverged) return;
+      last_ = &phase;
+      if (report_.outcome == MotionOutcome::kDiverged || report_.outcome == MotionOutcome::kStopped) break;
     }
+    if (strides_.frame > 0 && report_.is_finite) output_.add_frame(state_);
   }
 
   json report() const {
@@ -92,8 +96,9 @@ class MotionRunner {
     std::array<char, 32> hash{};
     std::snprintf(hash.data(), hash.size(), "fnv1a:%016llx",
                   static_cast<unsigned long long>(report_.state_hash));
-    json out{{"outcome", motion_outcome_name(report_.outcome)},
+    json out{{"outcome", outcome()},
              {"steps", report_.steps},
+             {"steps_planned", setup_.steps},
              {"kernel_s", kernel_s},
              {"simulated_s", state_.time_s},
              {"real_time_factor", number_or_null(state_.time_s / kernel_s)},
@@ -114,13 +119,31 @@ class MotionRunner {
               report_.first_bad_vertex == kNoIndex ? json(nullptr) : json(report_.first_bad_vertex)},
              {"energy_start", energy_json(start_energy_)},
              {"state_hash", hash.data()}};
-    out["energy_end"] = report_.outcome == MotionOutcome::kDiverged
-                            ? json(nullptr)
-                            : energy_json(measure_energy(setup_.phases.back().model, state_));
+    out["energy_end"] = report_.is_finite ? energy_json(measure_energy(last_->model, state_)) : json(nullptr);
+    add_rounding_gain(out);
     return out;
   }
 
  private:
+  const char* outcome() const {
+    if (report_.outcome == MotionOutcome::kStopped) return is_interrupted_ ? "interrupted" : "timed_out";
+    return motion_outcome_name(report_.outcome);
+  }
+
+  void add_rounding_gain(json& out) const {
+    out["rounding_gain_j"] = out["rounding_gain_over_kinetic"] = nullptr;
+    if (!setup_.single_precision) return;
+    const double gain =
+        static_cast<double>(report_.steps) * dynamics::rounding_gain_per_step(setup_.phases.front().model);
+    out["rounding_gain_j"] = number_or_null(gain);
+    out["rounding_gain_over_kinetic"] = number_or_null(gain / output_.max_kinetic_j());
+  }
+
+  bool should_stop() {
+    is_interrupted_ = stops_.stop_flag != nullptr && *stops_.stop_flag != 0;
+    return is_interrupted_ || watch_.seconds() > stops_.timeout_s;
+  }
+
   void run_phase(const MotionPhase& phase) {
     const bool is_first = report_.steps == 0;
     std::optional<dynamics::Integrator> integrator;
@@ -142,14 +165,12 @@ class MotionRunner {
         next_frame_ += strides_.frame;
       }
       watching_s_ += watching.seconds();
-      if (watch_.seconds() > timeout_s_)
-        throw UnavailableError("stopped after " + duration_text(timeout_s_) + " at " +
-                               short_number(state.time_s) + " s of the motion; --timeout allows more");
     };
     dynamics::MotionRunOptions options;
     options.step_s = setup_.step_s;
     options.steps = phase.last_step - done;
     options.observe_every = strides_.row;
+    options.should_stop = [this] { return should_stop(); };
     if (integrator) {
       merge(run_motion(*integrator, state_, options, observe), report_);
     } else {
@@ -164,20 +185,22 @@ class MotionRunner {
   const MotionSetup& setup_;
   MotionOutput& output_;
   Strides strides_;
-  double timeout_s_;
+  MotionStops stops_;
   Stopwatch watch_;
   double watching_s_ = 0.0;  ///< spent on rows and frames
   MotionState state_;
   dynamics::MotionEnergy start_energy_;
   MotionReport report_;
+  const MotionPhase* last_ = nullptr;  ///< in which the run ended
+  bool is_interrupted_ = false;
   std::uint64_t next_frame_ = 0;
 };
 
 }  // namespace
 
-json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup, double timeout_s,
-                      MotionOutput& output) {
-  MotionRunner runner(setup, placed.dynamic, output, timeout_s);
+json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup,
+                      const MotionStops& stops, MotionOutput& output) {
+  MotionRunner runner(setup, placed.dynamic, output, stops);
   runner.run();
   json summary = runner.report();
   summary["schema"] = "palpate/motion/1";
@@ -202,6 +225,7 @@ json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetu
 }
 
 json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
+  const Stopwatch whole;
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
   const Scene placed = place_scene(scene, made.mesh);
@@ -214,7 +238,9 @@ json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
                estimate_output_bytes(made.mesh, frames, setup.steps / strides.row + 2 + setup.phases.size(),
                                      output.columns()),
                options.most_output_bytes);
-  json summary = run_motion_setup(placed, made.mesh, setup, options.timeout_s, output);
+  remove_earlier_results(options.out);
+  json summary = run_motion_setup(
+      placed, made.mesh, setup, {options.stops.timeout_s - whole.seconds(), options.stops.stop_flag}, output);
   summary["files"] = output.finish();
   summary["files"].push_back((options.out / "summary.json").string());
   write_file_atomically(options.out / "summary.json", summary.dump(2) + "\n");

@@ -21,7 +21,7 @@ using nlohmann::json;
 constexpr double kAgreement = 0.02;
 constexpr double kSimplifierTimeout = 300.0;
 constexpr const char* kEndings[] = {"steady",   "oscillating", "energy_growing", "diverged",
-                                    "inverted", "non_finite",  "too_slow"};
+                                    "inverted", "non_finite",  "too_slow",       "growing_slowly"};
 
 bool is_ending(const json& outcome) {
   for (const char* ending : kEndings) {
@@ -42,11 +42,14 @@ json mesh_facts(const RunMesh& mesh) {
 json judge_report(const json& report) {
   json figures{{"valid", true}, {"findings", json::array()}, {"ending", report.value("outcome", json())}};
   json& findings = figures["findings"];
-  if (!is_ending(figures.at("ending"))) findings.push_back("its outcome is none of the seven");
+  if (!is_ending(figures.at("ending"))) findings.push_back("its outcome is none of the eight");
   const json runs = report.value("runs", json::array());
   if (!runs.is_array() || runs.empty()) findings.push_back("it reports no run");
   for (const json& run : runs) {
-    if (!is_ending(run.value("outcome", json()))) findings.push_back("a run's outcome is none of the seven");
+    if (!is_ending(run.value("outcome", json()))) findings.push_back("a run's outcome is none of the eight");
+    if (run.value("outcome", json()) == "too_slow")
+      findings.push_back("a run was given up after " + run.value("steps", json()).dump() +
+                         " steps for want of time: how it ends is not known");
   }
   const json ratio = report.value("measured_over_predicted", json());
   if (ratio.is_number()) figures["measured_over_predicted"] = ratio;
@@ -114,9 +117,10 @@ class StabilityContest : public Contest {
                     const std::vector<json>& earlier) const override {
     json record = start_record(facts, mesh_facts(mesh_of(facts.run_case)), answer);
     if (answer.outcome == "timed_out") {
-      // Being too slow is an ending like the others; the process was ended from outside.
-      record["outcome"] = "accepted";
-      record["judge"] = {{"valid", true}, {"findings", json::array()}, {"ending", "too_slow"}};
+      // The process was ended from outside: how the body ends is not known, which is nothing to accept.
+      record["judge"] = {{"valid", false},
+                         {"findings", {"it was too slow: how it ends is not known"}},
+                         {"ending", "too_slow"}};
       record["null_reasons"] = {{"report", "timed out"}, {"kernel_s", "timed out"}};
       return record;
     }

@@ -7,8 +7,8 @@ from records import figure, median
 from tables import write_atomically, write_csv
 
 SHORT = {"steady": "steady", "oscillating": "moves", "energy_growing": "grows", "diverged": "diverged", "inverted": "inverted",
-         "non_finite": "no number", "too_slow": "too slow"}
-WORST_FIRST = ["too_slow", "non_finite", "diverged", "energy_growing", "inverted", "oscillating", "steady"]
+         "non_finite": "no number", "too_slow": "too slow", "growing_slowly": "grows slowly"}
+WORST_FIRST = ["too_slow", "non_finite", "diverged", "energy_growing", "growing_slowly", "inverted", "oscillating", "steady"]
 NO_ANSWER = "no answer"
 AGREEMENT = 0.02
 
@@ -181,7 +181,7 @@ CASE_FIGURES = ["predicted_step_s", "predicted_at_most_s", "predicted_at_start_s
                 "measured_stable_s", "measured_unstable_s", "measured_over_predicted", "trials", "trial_steps", "vertices", "springs",
                 "min_dihedral_deg", "mass_ratio", "volume_ratio"]
 RUN_FIGURES = ["step_over_predicted", "step_s", "outcome", "steps", "time_s", "vertex", "energy_start_j", "energy_most_j",
-               "kinetic_end_j", "drift_over_size", "inverted_start", "inverted_end"]
+               "kinetic_end_j", "drift_over_size", "inverted_start", "inverted_end", "growth_per_step", "steps_unsolved"]
 
 
 def write_tables(cases, folder):

@@ -9,9 +9,9 @@ from matplotlib.ticker import NullFormatter
 from chart_style import FAINT, INK, STYLE, file_name, save
 from stability import AGREEMENT, NO_ANSWER, SHORT, as_number, plain_label, worst
 
-ENDING_COLORS = {"steady": "#0072B2", "oscillating": "#56B4E9", "inverted": "#CC79A7", "energy_growing": "#E69F00",
+ENDING_COLORS = {"steady": "#0072B2", "oscillating": "#56B4E9", "inverted": "#CC79A7", "energy_growing": "#E69F00", "growing_slowly": "#F0E442",
                  "diverged": "#D55E00", "non_finite": "#222222", "too_slow": "#999999", NO_ANSWER: "#ffffff"}
-ENDING_MARKS = {"steady": "o", "oscillating": "o", "inverted": "s", "energy_growing": "^", "diverged": "X", "non_finite": "P",
+ENDING_MARKS = {"steady": "o", "oscillating": "o", "inverted": "s", "growing_slowly": "v", "energy_growing": "^", "diverged": "X", "non_finite": "P",
                 "too_slow": "d"}
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#222222", "#8B6D00"]
 MARKS = ["o", "s", "^", "D", "v", "P", "X", "*"]

@@ -17,10 +17,14 @@ class IntegratorStepper : public BodyStepper {
       : model_(&model), integrator_(model, options), state_(start_at_rest(model)) {}
 
   const MotionModel& model() const override { return *model_; }
-  void set_state(const MotionState& state) override { state_ = state; }
-  void advance(double step_s, std::uint64_t steps) override {
-    for (std::uint64_t k = 0; k < steps; ++k) integrator_.step(state_, step_s);
+  void set_state(const MotionState& state) override {
+    state_ = state;
+    unsolved_ = 0;
   }
+  void advance(double step_s, std::uint64_t steps) override {
+    for (std::uint64_t k = 0; k < steps; ++k) unsolved_ += integrator_.step(state_, step_s).solved ? 0 : 1;
+  }
+  std::uint64_t steps_unsolved() const override { return unsolved_; }
   const MotionState& state() override { return state_; }
   double rounding() const override { return kDoubleRounding; }
 
@@ -28,6 +32,7 @@ class IntegratorStepper : public BodyStepper {
   const MotionModel* model_;
   Integrator integrator_;
   MotionState state_;
+  std::uint64_t unsolved_ = 0;
 };
 
 template <typename Real>

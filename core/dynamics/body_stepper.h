@@ -26,6 +26,8 @@ class BodyStepper {
   virtual void advance(double step_s, std::uint64_t steps) = 0;
   /// As it stands; good until the next call.
   virtual const MotionState& state() = 0;
+  /// Steps since set_state whose solver did not come to its tolerance.
+  virtual std::uint64_t steps_unsolved() const { return 0; }
   /// Below this share of a body's size a displacement is rounding: 1e-14, single precision 1e-6.
   virtual double rounding() const = 0;
 };

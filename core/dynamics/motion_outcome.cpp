@@ -13,8 +13,8 @@
 namespace palpate::dynamics {
 namespace {
 
-constexpr std::array<const char*, 7> kNames{"steady",   "oscillating", "energy_growing", "diverged",
-                                            "inverted", "non_finite",  "too_slow"};
+constexpr std::array<const char*, 8> kNames{"steady",   "oscillating", "energy_growing", "diverged",
+                                            "inverted", "non_finite",  "too_slow",       "growing_slowly"};
 constexpr double kGrowth = 1.1;
 constexpr double kSteady = 1e-6;
 constexpr double kVisible = 1e-3;
@@ -226,6 +226,8 @@ class Watch {
     } else if (run_.inverted_end > 0) {
       end_at(WatchedOutcome::kInverted, 0, first_inverted_);
       run_.time_s = inverted_s_;
+    } else if (options_.is_known_to_grow) {
+      end_at(WatchedOutcome::kGrowingSlowly, run_.steps, kNoIndex);
     } else {
       end_at(is_still ? WatchedOutcome::kSteady : WatchedOutcome::kOscillating, run_.steps, kNoIndex);
     }
@@ -251,7 +253,7 @@ const char* watched_outcome_name(WatchedOutcome outcome) {
 
 bool is_unstable(WatchedOutcome outcome) {
   return outcome == WatchedOutcome::kEnergyGrowing || outcome == WatchedOutcome::kDiverged ||
-         outcome == WatchedOutcome::kNonFinite;
+         outcome == WatchedOutcome::kNonFinite || outcome == WatchedOutcome::kGrowingSlowly;
 }
 
 WatchedRun watch_motion(BodyStepper& stepper, const MotionState& start, const WatchOptions& options) {

@@ -1,4 +1,4 @@
-// What became of a motion: watched step by step, and called by one of seven names.
+// What became of a motion: watched step by step, and called by one of eight names.
 #pragma once
 
 #include <cstdint>
@@ -17,6 +17,9 @@ namespace palpate::dynamics {
 ///                   and over the start's by 0.1% of what there was or moves, and k has grown 1.1 times too.
 ///                   Or, if `energy_factor` is given, the energy has ever been over that many times the
 ///                   start's, or of its motion and strain if that is more
+///   kGrowingSlowly  as kSteady or kOscillating, but the step is known to be too long (`is_known_to_grow`):
+///   the run was
+///                   too short to show it
 ///   kDiverged       stopped where a vertex was displaced beyond `escape_ratio` sizes of the body
 ///   kInverted       ended with tets that are not positive, without its energy growing
 ///   kNonFinite      stopped where a displacement or velocity was not finite (or a speed above 1e140 m/s)
@@ -28,10 +31,12 @@ enum class WatchedOutcome {
   kDiverged,
   kInverted,
   kNonFinite,
-  kTooSlow
+  kTooSlow,
+  kGrowingSlowly
 };
 
-/// "steady", "oscillating", "energy_growing", "diverged", "inverted", "non_finite" or "too_slow".
+/// "steady", "oscillating", "energy_growing", "diverged", "inverted", "non_finite", "too_slow" or
+/// "growing_slowly".
 const char* watched_outcome_name(WatchedOutcome outcome);
 
 /// Whether the outcome says that the step was too long.
@@ -41,7 +46,8 @@ struct WatchOptions {
   double step_s = 0.0;
   std::uint64_t steps = 0;
   double escape_ratio = 1000.0;
-  double energy_factor = 0.0;   ///< 0: energy may come in, by loads that change
+  double energy_factor = 0.0;     ///< 0: energy may come in, by loads that change
+  bool is_known_to_grow = false;  ///< small motions grow with this step, however slowly
   std::uint64_t samples = 400;  ///< at which energies and inverted tets are looked at, evenly over the steps
   std::function<bool()> give_up;  ///< asked at every sample; may be empty
 };

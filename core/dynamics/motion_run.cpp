@@ -66,9 +66,27 @@ void observe(const MotionModel& model, const MotionState& state, std::uint64_t s
 
 }  // namespace
 
+MotionOutcome name_end(const MotionReport& report, bool is_good, bool is_stopped) {
+  if (!is_good) return MotionOutcome::kDiverged;
+  if (is_stopped) return MotionOutcome::kStopped;
+  if (report.inverted_tets > 0) return MotionOutcome::kInverted;
+  return report.steps_unsolved > 0 ? MotionOutcome::kUnsolved : MotionOutcome::kCompleted;
+}
+
 const char* motion_outcome_name(MotionOutcome outcome) {
-  if (outcome == MotionOutcome::kCompleted) return "completed";
-  return outcome == MotionOutcome::kInverted ? "inverted" : "diverged";
+  switch (outcome) {
+    case MotionOutcome::kCompleted:
+      return "completed";
+    case MotionOutcome::kInverted:
+      return "inverted";
+    case MotionOutcome::kDiverged:
+      return "diverged";
+    case MotionOutcome::kUnsolved:
+      return "unsolved";
+    case MotionOutcome::kStopped:
+      return "stopped";
+  }
+  throw ContractError("a motion's outcome without a name");
 }
 
 MotionReport run_motion(Integrator& integrator, MotionState& state, const MotionRunOptions& options,
@@ -82,22 +100,30 @@ MotionReport run_motion(Integrator& integrator, MotionState& state, const Motion
   const double bound_sq = bound > 0.0 ? bound * bound : std::numeric_limits<double>::max();
   MotionReport report;
   Scan seen = scan(state, bound_sq);
-  if (seen.is_good) observe(model, state, 0, observer, report);
+  std::uint64_t observed = 0;
+  const auto look = [&] {
+    observe(model, state, report.steps, observer, report);
+    observed = report.steps;
+  };
+  if (seen.is_good) look();
+  bool is_stopped = false;
   while (seen.is_good && report.steps < options.steps) {
+    is_stopped = options.should_stop && options.should_stop();
+    if (is_stopped) break;
     add(integrator.step(state, options.step_s), report);
     seen = scan(state, bound_sq);
     if (!seen.is_good) break;
     report.peak_speed_m_s = std::max(report.peak_speed_m_s, std::sqrt(seen.speed_sq));
     const bool is_due = options.observe_every > 0 && report.steps % options.observe_every == 0;
-    if (is_due || report.steps == options.steps) observe(model, state, report.steps, observer, report);
+    if (is_due || report.steps == options.steps) look();
   }
   if (!seen.is_good) {
-    report.outcome = MotionOutcome::kDiverged;
     report.first_bad_vertex = find_bad_vertex(state, bound_sq);
     report.is_finite = is_all_finite(state);
-  } else if (report.inverted_tets > 0) {
-    report.outcome = MotionOutcome::kInverted;
+    if (report.is_finite) report.peak_speed_m_s = std::max(report.peak_speed_m_s, std::sqrt(seen.speed_sq));
   }
+  if (report.is_finite && (report.steps > observed || (!seen.is_good && report.steps == 0))) look();
+  report.outcome = name_end(report, seen.is_good, is_stopped);
   report.state_hash = hash_state(state);
   return report;
 }

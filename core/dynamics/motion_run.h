@@ -13,9 +13,11 @@ enum class MotionOutcome {
   kCompleted,  ///< all steps taken, no tet inverted at the end
   kInverted,   ///< all steps taken, but tets are not positive at the end
   kDiverged,   ///< stopped at the first state that is not finite or has left the bounds
+  kUnsolved,   ///< all steps taken, none inverted, but a solver did not come to its tolerance in some
+  kStopped,    ///< should_stop said so
 };
 
-/// "completed", "inverted" or "diverged".
+/// "completed", "inverted", "diverged", "unsolved" or "stopped".
 const char* motion_outcome_name(MotionOutcome outcome);
 
 struct MotionRunOptions {
@@ -25,6 +27,9 @@ struct MotionRunOptions {
   double escape_ratio = 1000.0;
   std::uint64_t observe_every =
       0;  ///< steps between calls of the observer; 0: at the start and the end alone
+  /// Asked before each step; true ends the run. May be empty. The plain engine takes steps for up to some 10
+  /// ms before it asks again. The motion is the same whether it is asked or not.
+  std::function<bool()> should_stop;
 };
 
 /// What happened in a run. Nothing of it is hidden by a limit: what a speed limit cuts is counted.
@@ -45,7 +50,11 @@ struct MotionReport {
   std::uint64_t state_hash = 0;        ///< hash_state of the last state
 };
 
-/// Called at the start, every observe_every steps and at the end, for states that are finite.
+/// What the end of a run is called: by a state that is good or not, what stopped it, and its counts.
+MotionOutcome name_end(const MotionReport& report, bool is_good, bool is_stopped);
+
+/// Called at the start, every observe_every steps and at the end, wherever that is, for states that are
+/// finite; once for each.
 using MotionObserver = std::function<void(std::uint64_t step, const MotionState& state)>;
 
 /// Takes `options.steps` steps from `state`, which becomes the last one. Inverted tets are counted when the

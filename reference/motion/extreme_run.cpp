@@ -39,6 +39,11 @@ constexpr std::array<double, 4> kImplicitFactors{0.98, 10.0, 100.0, 1e4};
 /// Vertices of the largest body whose step map is looked at.
 constexpr std::size_t kMostForMap = 120;
 
+/// Of explicit Euler beyond its bound: how much its fastest motion is given room to grow, so that it is seen
+/// over all that moves at the start; and how many steps that may take.
+constexpr double kShownGrowth = 1e4;
+constexpr double kMostSteps = 1e5;
+
 class Stopwatch {
  public:
   double seconds() const {
@@ -271,17 +276,43 @@ class ExtremeRun {
     report_["measured_over_predicted"] = ratio;
   }
 
+  /// Whether small motions grow with a step of explicit Euler: by its bound, which is exact.
+  bool is_beyond_bound(double step) const {
+    return method_.kind == IntegratorKind::kExplicitEuler && !body_.model.elastic.volume_force &&
+           std::isfinite(at_most_) && step > 1.001 * at_most_;
+  }
+
+  /// |z|^2 - 1 of the fastest growing small motion, from the step's own matrix; 0 where that cannot be told.
+  double growth_of(double step) const {
+    if (body_.model.elastic.rest.size() > kMostForMap || is_below_rounding()) return 0.0;
+    const MotionModel model = linearise(body_.model);
+    const double growth = measure_map_growth(*method_.make(model, threads_), step);
+    return std::isfinite(growth) ? std::max(growth, 0.0) : 0.0;
+  }
+
+  /// Steps that explicit Euler beyond its bound needs to show what it does; those asked for otherwise.
+  std::uint64_t steps_of(double growth) const {
+    if (!(growth > 0.0)) return wanted_.steps;
+    const double needed = std::ceil(2.0 * std::log(kShownGrowth) / std::log1p(growth));
+    return needed <= kMostSteps ? std::max(wanted_.steps, static_cast<std::uint64_t>(needed)) : wanted_.steps;
+  }
+
   /// One run with the full forces.
   void run_at(double step) {
     json run{{"step_s", number_or_null(step)}, {"step_over_predicted", nullptr}};
     if (bound_ > 0.0 && std::isfinite(bound_)) run["step_over_predicted"] = number_or_null(step / bound_);
     dynamics::WatchOptions watch;
     watch.step_s = step;
-    watch.steps = wanted_.steps;
+    watch.is_known_to_grow = is_beyond_bound(step);
+    const double growth = watch.is_known_to_grow ? growth_of(step) : 0.0;
+    watch.steps = steps_of(growth);
     watch.energy_factor = kEnergyFactor;
     const Stopwatch clock;
     watch.give_up = [&] { return clock.seconds() > wanted_.time_limit_s; };
-    const dynamics::WatchedRun seen = watch_motion(*method_.make(body_.model, threads_), start_, watch);
+    const std::unique_ptr<dynamics::BodyStepper> stepper = method_.make(body_.model, threads_);
+    const dynamics::WatchedRun seen = watch_motion(*stepper, start_, watch);
+    run["growth_per_step"] = growth > 0.0 ? number_or_null(growth) : json(nullptr);
+    run["steps_unsolved"] = stepper->steps_unsolved();
     run["outcome"] = watched_outcome_name(seen.outcome);
     run["steps"] = seen.steps;
     run["time_s"] = number_or_null(seen.time_s);

@@ -50,6 +50,9 @@ Options take_options(int threads, json& left) {
   out.integrator.linear.threads = threads;
   out.time_step_s = take_number(left, "time_step_s", 0.0, 1e6, 0.0);
   out.safety = take_number(left, "safety", 1e-6, 1.0, out.safety);
+  out.integrator.iterations = static_cast<std::size_t>(
+      take_whole(left, "iterations", 1, 100'000, static_cast<long long>(out.integrator.iterations)));
+  out.integrator.tolerance = take_number(left, "tolerance", 1e-13, 1.0, out.integrator.tolerance);
   constexpr std::array kModels{DampingModel::kRayleigh, DampingModel::kSprings, DampingModel::kVertices};
   if (left.contains("damping"))
     out.damping = kModels[take_choice(left, "damping", {"rayleigh", "springs", "vertices"})];
@@ -144,6 +147,7 @@ class PhaseRunner {
     iterations_ += done.solver_iterations;
     unsolved_ += done.steps_unsolved;
     inverted_ = done.inverted_tets;
+    if (outcome_ == MotionOutcome::kCompleted && unsolved_ > 0) outcome_ = MotionOutcome::kUnsolved;
   }
 
   void add_row(const MovingPhase& phase, dynamics::MotionForces& forces, const MotionState& state,
@@ -218,7 +222,8 @@ Response run_motion_request(const Request& request) {
   response.report["spring_damping_n_s_per_m"] = moving.spring_damping_n_s_per_m;
   response.report["vertex_damping_n_s_per_m"] = moving.vertex_damping_n_s_per_m;
   if (task.problem.frequencies > 0) response.report["frequencies_hz"] = moving.modes.frequency_hz;
-  if (runner.outcome() == MotionOutcome::kCompleted) write_history(request.output, runner.history());
+  if (runner.outcome() == MotionOutcome::kCompleted || runner.outcome() == MotionOutcome::kUnsolved)
+    write_history(request.output, runner.history());
   return response;
 }
 

@@ -144,7 +144,27 @@ TEST(MotionOutcome, RestIsSteadyAndStaysWhereItIs) {
   }
 }
 
+TEST(MotionOutcome, GrowthThatARunIsTooShortForIsNamedWhereItIsKnown) {
+  // Explicit Euler grows by (h omega)^2 = 1e-8 a step: 1000 steps show 1e-5 of it.
+  MotionModel model = make_oscillator(1.0, 0.0);
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicitEuler;
+  MotionState start = start_at_rest(model);
+  start.displacement_m[1].x = 1e-3;
+  WatchOptions watch;
+  watch.step_s = 1e-4;
+  watch.steps = 1000;
+  EXPECT_FALSE(is_unstable(watch_motion(*make_stepper(model, options), start, watch).outcome));
+  watch.is_known_to_grow = true;
+  const WatchedRun named = watch_motion(*make_stepper(model, options), start, watch);
+  EXPECT_EQ(named.outcome, WatchedOutcome::kGrowingSlowly);
+  EXPECT_TRUE(is_unstable(named.outcome));
+  watch.step_s = 0.5;  // what shows itself keeps its own name
+  EXPECT_EQ(watch_motion(*make_stepper(model, options), start, watch).outcome, WatchedOutcome::kDiverged);
+}
+
 TEST(MotionOutcome, NamesAndBadInput) {
+  EXPECT_STREQ(watched_outcome_name(WatchedOutcome::kGrowingSlowly), "growing_slowly");
   EXPECT_STREQ(watched_outcome_name(WatchedOutcome::kEnergyGrowing), "energy_growing");
   EXPECT_STREQ(watched_outcome_name(WatchedOutcome::kTooSlow), "too_slow");
   const MotionModel model = make_oscillator(1.0, 0.0);

@@ -191,6 +191,56 @@ TEST(MotionRun, ObservesAtTheStartEverySoOftenAndAtTheEnd) {
     EXPECT_THROW(run_motion(integrator, state, {bad, 10}), InputError);
 }
 
+TEST(MotionRun, EndsWhereItIsToldToAndLooksAtTheLastState) {
+  const MotionModel model = make_oscillator(1.0, 0.0);
+  Integrator integrator(model, {});
+  MotionState state = start_at_rest(model);
+  state.displacement_m[1].x = 0.01;
+  MotionState whole = state;
+  std::vector<std::uint64_t> seen;
+  MotionRunOptions options{0.1, 100, 1000.0, 4, {}};
+  int asked = 0;
+  options.should_stop = [&] { return ++asked > 6; };
+  const MotionReport report = run_motion(
+      integrator, state, options, [&](std::uint64_t step, const MotionState&) { seen.push_back(step); });
+  EXPECT_EQ(report.outcome, MotionOutcome::kStopped);
+  EXPECT_EQ(report.steps, 6U);
+  EXPECT_EQ(seen, (std::vector<std::uint64_t>{0, 4, 6}));
+  run_motion(integrator, whole, {0.1, 6});
+  EXPECT_EQ(report.state_hash, hash_state(whole));
+}
+
+TEST(MotionRun, ADivergedStateThatIsFiniteIsSeenAndCounted) {
+  const MotionModel model = make_oscillator(1000.0, 0.0);
+  Integrator integrator(model, {});
+  MotionState state = start_at_rest(model);
+  state.displacement_m[1].x = 0.01;
+  double last_m = 0.0;
+  const MotionReport report =
+      run_motion(integrator, state, {1.0, 1000},
+                 [&](std::uint64_t, const MotionState& at) { last_m = length(at.displacement_m[1]); });
+  EXPECT_EQ(report.outcome, MotionOutcome::kDiverged);
+  EXPECT_EQ(last_m, length(state.displacement_m[1]));
+  EXPECT_GT(last_m, 1000.0);
+  EXPECT_EQ(report.peak_speed_m_s, length(state.velocity_m_s[1]));
+}
+
+TEST(MotionRun, StepsWithoutASolutionAreAnOutcome) {
+  const MotionModel model = make_free_body(build_kuhn_cube(2, 0.2, 5), 0.02);
+  for (const std::size_t iterations : {1U, 1000U}) {
+    IntegratorOptions options;
+    options.kind = IntegratorKind::kPrefactored;
+    options.iterations = iterations;
+    Integrator integrator(model, options);
+    MotionState state = start_at_rest(model);
+    state.displacement_m = make_random_field(model.mass_kg.size(), 0.02, 1);
+    const MotionReport report = run_motion(integrator, state, {0.01, 5});
+    EXPECT_EQ(report.steps_unsolved, iterations == 1 ? 5U : 0U);
+    EXPECT_EQ(report.outcome, iterations == 1 ? MotionOutcome::kUnsolved : MotionOutcome::kCompleted);
+    EXPECT_STREQ(motion_outcome_name(report.outcome), iterations == 1 ? "unsolved" : "completed");
+  }
+}
+
 TEST(MotionRun, APressedBodyFollowsItsToolAndComesBack) {
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 5);
   MotionModel model = make_pressed_body(mesh, 1.0);

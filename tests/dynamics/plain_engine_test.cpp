@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <numeric>
 #include <set>
 
@@ -12,6 +14,7 @@
 #include "core/dynamics/lanes.h"
 #include "core/dynamics/plain_layout.h"
 #include "core/dynamics/plain_run.h"
+#include "core/dynamics/stability.h"
 #include "core/mesh/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"
@@ -244,6 +247,58 @@ TEST(PlainRun, ReportsWhatTheGeneralLoopReports) {
   EXPECT_NE(wild.plain.first_bad_vertex, kNoIndex);
   MotionState state = start_at_rest(model);
   EXPECT_THROW(run_plain_motion(model, state, {{0.0, 1, 1000.0, 0}}), InputError);
+}
+
+TEST(PlainRun, BeingAskedWhetherToStopChangesNoBit) {
+  const MotionModel model = make_palpated_body();
+  std::vector<std::uint64_t> seen;
+  const auto run = [&](const std::function<bool()>& should_stop, MotionState& state) {
+    seen.clear();
+    PlainRunOptions options{{1e-3, 100, 1000.0, 30, should_stop}, 2, 0.2, false};
+    return run_plain_motion(model, state, options,
+                            [&](std::uint64_t step, const MotionState&) { seen.push_back(step); });
+  };
+  MotionState unasked = start_at_rest(model);
+  MotionState asked = unasked;
+  const MotionReport first = run({}, unasked);
+  const MotionReport second = run([] { return false; }, asked);
+  EXPECT_EQ(seen, (std::vector<std::uint64_t>{0, 30, 60, 90, 100}));
+  EXPECT_EQ(second.state_hash, first.state_hash);
+  EXPECT_EQ(second.steps_with_cuts, first.steps_with_cuts);
+  EXPECT_EQ(second.outcome, first.outcome);
+  // Asked first before a single step, then before two, four and so on where these are quick.
+  int questions = 0;
+  MotionState stopped = start_at_rest(model);
+  const MotionReport early = run([&] { return ++questions > 1; }, stopped);
+  EXPECT_EQ(early.outcome, MotionOutcome::kStopped);
+  EXPECT_EQ(early.steps, 1U);
+  EXPECT_EQ(seen, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_EQ(early.state_hash, hash_state(stopped));
+  EXPECT_GT(stopped.time_s, 0.0);
+}
+
+TEST(PlainRun, RoundingOfPositionsAddsTheEnergyThatIsNamed) {
+  // An undamped body in single precision that moves by some hundred last bits a step.
+  const TetMesh mesh = build_kuhn_cube(3, 0.2, 5);
+  const MotionModel model = make_free_body(mesh, 0.0);
+  const double gain = rounding_gain_per_step(model);
+  constexpr std::uint64_t kSteps = 100'000;
+  MotionState start = start_at_rest(model);
+  start.velocity_m_s = make_random_field(mesh.points.size(), 3e-5, 3);
+  const double step = 0.25 * predict_stable_step(model, IntegratorKind::kSymplecticEuler).step_s;
+  const auto gained = [&](bool single_precision) {
+    MotionState end = start;
+    run_plain_motion(model, end, {{step, kSteps}, 1, 0.0, single_precision});
+    return measure_energy(model, end).total_j() - measure_energy(model, start).total_j();
+  };
+  const double expected = static_cast<double>(kSteps) * gain;
+  const double had = measure_energy(model, start).total_j();
+  // Steps that go with the motion and against it spread by 2 sqrt(had x gained / coordinates) around that.
+  const double coordinates = 3.0 * static_cast<double>(mesh.points.size());
+  const double spread = 2.0 * std::sqrt((had + expected) * expected / coordinates);
+  EXPECT_NEAR(gained(true), expected, 3.0 * spread);
+  EXPECT_GT(expected, 4.0 * spread);  // or the line above would take none for some
+  EXPECT_LT(std::abs(gained(false)), spread);
 }
 
 TEST(PlainEngine, RefusesWhatItCannotDo) {

@@ -12,6 +12,8 @@
 #include "core/mesh/shapes.h"
 #include "experiments/motion_output.h"
 #include "experiments/motion_setup.h"
+#include "experiments/places.h"
+#include "experiments/process.h"
 #include "experiments/scene_problem.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
@@ -147,7 +149,14 @@ TEST_F(SimulateMotion, AStepOverTheBoundIsRefusedUnlessItIsAllowed) {
   EXPECT_EQ(report.at("outcome"), "diverged");
   EXPECT_LT(report.at("stability_margin").get<double>(), 1.0);
   EXPECT_TRUE(report.at("first_bad_vertex").is_number());
-  EXPECT_TRUE(report.at("energy_end").is_null());
+  EXPECT_TRUE(report.at("state_is_finite").get<bool>());
+  EXPECT_GT(report.at("energy_end").at("kinetic_j").get<double>(), 0.0);
+  // The last state is in all that is written: a vertex that is 1000 sizes of 0.1 m away.
+  EXPECT_GT(report.at("end_displacement_m").get<double>(), 50.0);
+  EXPECT_EQ(report.at("max_displacement_m"), report.at("end_displacement_m"));
+  EXPECT_LT(report.at("steps").get<std::uint64_t>(), report.at("steps_planned").get<std::uint64_t>());
+  const auto rows = read_csv(fixture_.folder() / "out" / "history.csv");
+  EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), report.at("simulated_s").get<double>());
   EXPECT_THAT(test::bytes_of(fixture_.folder() / "out" / "history.csv"), testing::Not(HasSubstr("nan")));
 }
 
@@ -176,6 +185,94 @@ TEST_F(SimulateMotion, WhatMakesNoSenseIsRefusedWithItsPlace) {
   EXPECT_THAT(error_of(kGood + ", damping: {stiffness_s: -1}"), HasSubstr("scene.yaml:6"));
   EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: auto, damping: {mass_per_s: .nan}" + rest),
               HasSubstr("mass_per_s: expected"));
+}
+
+TEST_F(SimulateMotion, StepsWithoutASolutionAreSaidAndNotAccepted) {
+  // Damping that is so strong against the springs that a thousand iterations do not move the body enough.
+  const std::string slow =
+      "integrator: prefactored, time_step_s: 0.02, duration_s: 0.2, frames: 0, damping: "
+      "{spring_n_s_per_m: 1.0e+6}";
+  const json report = simulate(pressed(slow), "out", "1", 1);
+  EXPECT_EQ(report.at("outcome"), "unsolved");
+  EXPECT_GT(report.at("steps_unsolved").get<int>(), 0);
+  EXPECT_EQ(read_csv(fixture_.folder() / "out" / "history.csv").size(), 12U);
+}
+
+/// A motion that no test waits for.
+const std::string kEndless =
+    "integrator: symplectic_euler, time_step_s: 1.0e-4, duration_s: 1.0e+6, frames: 1000000, samples: "
+    "1000000";
+
+TEST_F(SimulateMotion, AfterTheTimeOutWhatWasComputedIsThere) {
+  for (const std::string engine : {"plain", "general"}) {
+    const auto out = fixture_.folder() / engine;
+    const auto result = run_program({"simulate", scene(pressed(kEndless + ", engine: " + engine)), "-o",
+                                     out.string(), "--timeout", "0.3", "--max-output-gb", "1e6"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.error, HasSubstr("what was computed is written; --timeout allows more"));
+    const json summary = json::parse(test::bytes_of(out / "summary.json"));
+    EXPECT_EQ(summary.at("outcome"), "timed_out");
+    EXPECT_LT(summary.at("steps").get<double>(), summary.at("steps_planned").get<double>());
+    const auto rows = read_csv(out / "history.csv");
+    EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), summary.at("simulated_s").get<double>());
+    EXPECT_THAT(test::bytes_of(out / "frames.pvd"), HasSubstr("frame_00000.vtu"));
+  }
+}
+
+TEST_F(SimulateMotion, CtrlCLeavesWhatWasComputed) {
+  const auto out = fixture_.folder() / "out";
+  const std::string program = program_folder() + "/palpate";
+  const std::string file = scene(pressed(kEndless));
+  ProcessSpec spec;
+  spec.standard_error = fixture_.folder() / "error";
+  // It is interrupted when it has begun to write, however long that takes.
+  spec.arguments = {"/bin/sh",
+                    "-c",
+                    "\"$0\" simulate \"$1\" -o \"$2\" --max-output-gb 1e6 & p=$!; "
+                    "while [ ! -e \"$2/frame_00000.vtu\" ] && kill -0 $p; do sleep 0.02; done; "
+                    "kill -INT $p; wait $p",
+                    program,
+                    file,
+                    out.string()};
+  const ProcessResult result = run_process(spec);
+  EXPECT_EQ(result.exit_code, 130) << test::bytes_of(spec.standard_error);
+  EXPECT_THAT(test::bytes_of(spec.standard_error), HasSubstr("interrupted: "));
+  const json summary = json::parse(test::bytes_of(out / "summary.json"));
+  EXPECT_EQ(summary.at("outcome"), "interrupted");
+  const auto rows = read_csv(out / "history.csv");
+  EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), summary.at("simulated_s").get<double>());
+}
+
+TEST_F(SimulateMotion, FramesOfAnEarlierRunAreGone) {
+  const auto out = fixture_.folder() / "out";
+  simulate(pressed(kGood + ", frames: 20"), "out");
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_00015.vtu"));
+  fixture_.folder().add("out/frame_12.vtu", "mine");
+  fixture_.folder().add("out/notes.txt", "mine");
+  simulate(pressed(kGood + ", frames: 2"), "out");
+  EXPECT_FALSE(std::filesystem::exists(out / "frame_00015.vtu"));
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_00002.vtu"));
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_12.vtu"));  // not one of ours
+  EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
+  simulate(pressed(kGood + ", frames: 0"), "out");
+  EXPECT_FALSE(std::filesystem::exists(out / "frames.pvd"));
+}
+
+TEST_F(SimulateMotion, SinglePrecisionSaysWhatRoundingAdds) {
+  const std::string still =
+      "integrator: symplectic_euler, time_step_s: 1.0e-5, duration_s: 0.2, frames: 0, "
+      "precision: single";
+  SceneText text = pressed(still);
+  text.load = "[{gravity_m_s2: [0, 0, -1.0e-4]}]";  // hardly a motion
+  const auto result =
+      run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string(), "--json"});
+  const json report = json::parse(result.out);
+  EXPECT_GT(report.at("rounding_gain_over_kinetic").get<double>(), 0.01);
+  EXPECT_THAT(result.error, HasSubstr("single precision: rounding of positions adds about"));
+  const json twice = simulate(pressed(still), "loud");
+  EXPECT_DOUBLE_EQ(twice.at("rounding_gain_j").get<double>(), report.at("rounding_gain_j").get<double>());
+  EXPECT_LT(twice.at("rounding_gain_over_kinetic").get<double>(), 1e-3);
+  EXPECT_TRUE(simulate(pressed(kGood), "double").at("rounding_gain_j").is_null());
 }
 
 TEST_F(SimulateMotion, BadInputThatIsFoundLateLeavesNoFolder) {

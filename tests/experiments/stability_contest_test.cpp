@@ -124,6 +124,16 @@ TEST(StabilityContest, EveryEndingIsAResult) {
   EXPECT_EQ(records.at(who + "overflow").at("judge").at("ending"), "non_finite");
 }
 
+TEST(StabilityContest, ARunThatWasGivenUpIsNotAccepted) {
+  const test::ExperimentFixture fixture;
+  const auto plan = add_plan(fixture, kEuler, "[{name: late, set: {task: run, time_limit_s: 0}}]");
+  const auto records = run(plan, fixture.folder() / "run", 1);
+  const json& late = records.at("cube/motion.symplectic_euler/late");
+  EXPECT_EQ(late.at("outcome"), "rejected");
+  EXPECT_EQ(late.at("judge").at("ending"), "too_slow");
+  EXPECT_THAT(late.at("message").get<std::string>(), HasSubstr("how it ends is not known"));
+}
+
 TEST(StabilityContest, AProcessThatTakesTooLongWasTooSlowAndTheRunGoesOn) {
   const test::ExperimentFixture fixture;
   const auto plan =
@@ -131,10 +141,11 @@ TEST(StabilityContest, AProcessThatTakesTooLongWasTooSlowAndTheRunGoesOn) {
                "\n  - {name: forever, set: {task: run, steps: 1000000000, time_limit_s: 1.0e+9}}"
                "\n  - {name: short, set: {task: run, steps: 10}}",
                "run: {timeout_s: 1}\n");
-  const auto records = run(plan, fixture.folder() / "run", 0);
+  const auto records = run(plan, fixture.folder() / "run", 3);
   const json& slow = records.at("cube/motion.symplectic_euler/forever");
-  EXPECT_EQ(slow.at("outcome"), "accepted");
+  EXPECT_EQ(slow.at("outcome"), "timed_out");
   EXPECT_EQ(slow.at("judge").at("ending"), "too_slow");
+  EXPECT_EQ(slow.at("judge").at("valid"), false);
   EXPECT_THAT(slow.at("message").get<std::string>(), HasSubstr("s"));
   EXPECT_EQ(records.at("cube/motion.symplectic_euler/short").at("outcome"), "accepted");
 }

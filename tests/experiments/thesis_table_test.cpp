@@ -37,7 +37,7 @@ class ThesisTable41 : public testing::Test {
 
   static nlohmann::json run(const Body& body, std::vector<MotionReturn>& returns) {
     MotionOutput output({}, body.placed, body.mesh);
-    nlohmann::json report = run_motion_setup(body.placed, body.mesh, body.setup, 600.0, output);
+    nlohmann::json report = run_motion_setup(body.placed, body.mesh, body.setup, {600.0, nullptr}, output);
     returns = find_returns(body.placed, output.levels());
     return report;
   }

@@ -202,6 +202,35 @@ TEST_F(ExtremeRunTest, EveryEndingCanBeReached) {
   EXPECT_EQ(ending(euler, {{"time_limit_s", 0.0}}), "too_slow");
 }
 
+TEST_F(ExtremeRunTest, ExplicitEulerBeyondItsBoundIsNeverCalledFine) {
+  // With these ratios it takes some thousand, some million and some 1e12 steps to grow visibly.
+  for (const double ratio : {5e-3, 5e-5, 5e-8}) {
+    const json out = report("motion.explicit_euler", {{"damping_ratio", ratio}});
+    for (std::size_t k = 1; k < 4; ++k) {
+      const json& run = out.at("runs")[k];
+      EXPECT_TRUE(run.at("outcome") == "energy_growing" || run.at("outcome") == "growing_slowly" ||
+                  run.at("outcome") == "diverged")
+          << ratio << ": " << run.dump();
+      // Where growth is named alone, it is what the step's own matrix says, or the bound where rounding hides
+      // it.
+      if (run.at("outcome") == "growing_slowly" && ratio > 1e-6) {
+        EXPECT_GT(run.at("growth_per_step").get<double>(), 0.0);
+      }
+    }
+  }
+  const json within = report("motion.explicit_euler", {{"task", "run"}, {"step_factor", 0.98}});
+  EXPECT_TRUE(within.at("runs")[0].at("growth_per_step").is_null());
+  EXPECT_EQ(within.at("runs")[0].at("steps"), 1000);
+}
+
+TEST_F(ExtremeRunTest, StepsWithoutASolutionAreCounted) {
+  const json out = report("motion.prefactored", {{"task", "run"}, {"steps", 10}, {"step_factor", 100.0}});
+  EXPECT_EQ(out.at("runs")[0].at("steps_unsolved"), 10);
+  EXPECT_EQ(
+      report("motion.symplectic_euler", {{"task", "run"}, {"steps", 10}}).at("runs")[0].at("steps_unsolved"),
+      0);
+}
+
 TEST_F(ExtremeRunTest, AStronglyDampedBodyBeyondItsBoundGrowsAndThenComesToRestAgain) {
   const json out =
       report("motion.symplectic_euler",

@@ -3,6 +3,8 @@
 import unittest
 
 from support import ReportTest
+import stability
+import stability_charts
 import synthetic
 
 PLAN = {"question": "How long may a step be?", "contest": "stability", "contestants": ["motion.symplectic_euler", "motion.plain_float"]}
@@ -68,11 +70,21 @@ class Stability(ReportTest):
         crashed = one_run(self.EULER, "strain", "steady", {"strain": 2})
         crashed |= {"outcome": "crashed", "report": None, "judge": None, "message": "signal 11"}
         slow = one_run(self.EULER, "rest", "steady", {})
-        slow |= {"report": None, "judge": {"valid": True, "findings": [], "ending": "too_slow"}}
+        slow |= {"report": None, "outcome": "timed_out", "message": "timed out after 1 s",
+                 "judge": {"valid": False, "findings": ["it was too slow"], "ending": "too_slow"}}
         self.write([crashed, slow])
+        self.assertIn("cube/motion.symplectic_euler/rest : timed_out: timed out after 1 s", self.printed)
         self.assertIn("cube/motion.symplectic_euler/strain strain 2: crashed: signal 11", self.printed)
         rows = {row["extreme"]: row["symplectic_euler"] for row in self.table("failures.csv")}
         self.assertEqual(rows, {"strain": "no answer", "rest": "too slow"})
+
+    def test_slow_growth_has_its_own_name_and_colour_and_is_not_fine(self):
+        self.write([one_run(self.EULER, "damping", "growing_slowly", {"damping_ratio": 5e-8})])
+        self.assertEqual(self.table("failures.csv")[0]["symplectic_euler"], "grows slowly")
+        colors = stability_charts.ENDING_COLORS
+        self.assertEqual(len(set(colors.values())), len(colors))
+        self.assertEqual(set(stability_charts.ENDING_MARKS) | {stability.NO_ANSWER}, set(colors))
+        self.assertEqual(stability.worst(["steady", "growing_slowly", "oscillating", "inverted"]), "growing_slowly")
 
     def test_charts_are_the_same_twice(self):
         lines = [measured(self.EULER, "damping", 1.001, {"damping_ratio": ratio}, {"damping": "isotropic"}) for ratio in (0.1, 1, 10)]
