@@ -269,9 +269,10 @@ TEST_F(SimulateMotion, SinglePrecisionSaysWhatRoundingAdds) {
   const json report = json::parse(result.out);
   EXPECT_GT(report.at("rounding_gain_over_kinetic").get<double>(), 0.01);
   EXPECT_THAT(result.error, HasSubstr("single precision: rounding of positions adds about"));
-  const json twice = simulate(pressed(still), "loud");
-  EXPECT_DOUBLE_EQ(twice.at("rounding_gain_j").get<double>(), report.at("rounding_gain_j").get<double>());
-  EXPECT_LT(twice.at("rounding_gain_over_kinetic").get<double>(), 1e-3);
+  const json loud = simulate(pressed(still), "loud");
+  EXPECT_LT(loud.at("rounding_gain_j").get<double>(),
+            report.at("rounding_gain_j").get<double>());  // more of it is held
+  EXPECT_LT(loud.at("rounding_gain_over_kinetic").get<double>(), 1e-3);
   EXPECT_TRUE(simulate(pressed(kGood), "double").at("rounding_gain_j").is_null());
 }
 
