@@ -1,5 +1,8 @@
 #include "experiments/deform_input.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
@@ -40,10 +43,33 @@ void fail(DeformReference& reference, const std::string& outcome, const std::str
   reference.failure = why;
 }
 
-/// The displacement of one level at the vertices of the problem's own mesh. What goes wrong is put into
-/// `reference`.
+Vec3 read_force(const json& force) {
+  const bool is_vector = force.is_array() && force.size() == 3 && force[0].is_number() &&
+                         force[1].is_number() && force[2].is_number();
+  if (!is_vector) throw InputError("support_forces_n", 0, "three finite numbers a support", force.dump());
+  return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
+}
+
+/// The pads' forces of a level, as its report has them: integrated on its own mesh, which no other has. The
+/// order is at least 1 (twice that of the energy norm), so a level is no farther off than the one before is
+/// from it.
+void add_pad_force(const DeformInput& input, const json& report, DeformReference& reference) {
+  const std::vector<ElasticSupport>& supports = input.own.problem.supports;
+  if (!report.contains("support_forces_n") || report.at("support_forces_n").size() != supports.size()) return;
+  std::vector<Vec3> now;
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    if (!is_moved(supports[k])) continue;
+    now.push_back(read_force(report.at("support_forces_n").at(k)));
+  }
+  if (!reference.pad_force_n.empty())
+    reference.pad_force_error = relative_force_error(reference.pad_force_n, now);
+  reference.pad_force_n = std::move(now);
+}
+
+/// The displacement of one level at the vertices and edge midpoints of the problem's own mesh. What goes
+/// wrong is put into `reference`.
 std::vector<Vec3> solve_level(const DeformInput& input, int level, const ContestSetting& setting,
-                              DeformReference& reference) {
+                              std::span<const fs::path> companions, DeformReference& reference) {
   const PlanReference& plan = *setting.plan.reference;
   ContestantTask task = start_task(plan.method, input.own, setting);
   task.problem_in = input.own.problem_file;
@@ -51,7 +77,10 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
   task.options["refine"] = level;
   task.timeout_s = kReferenceTimeout;
   bool was_kept = false;
-  const ContestantAnswer answer = run_cached(task, was_kept);
+  // Two levels are always solved; whether a third is, only each problem's own second one tells.
+  const bool is_certain = level < 2 || !plan.enough;
+  const ContestantAnswer answer =
+      run_cached(task, was_kept, is_certain ? companions : std::span<const fs::path>());
   const std::string which = "level " + std::to_string(level) + " of the reference ";
   if (answer.outcome == "interrupted") {
     reference.interrupted = true;
@@ -72,14 +101,34 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
   }
   const std::size_t vertices = input.own.mesh.points.size();
   try {
-    std::vector<Vec3> field =
-        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size());
-    field.resize(vertices);
-    return field;
+    add_pad_force(input, answer.report, reference);
+    return judge::with_midpoints(
+        input.own.mesh,
+        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size()));
   } catch (const InputError& error) {
     fail(reference, "bad_answer", which + "cannot be read: " + error.what());
     return {};
   }
+}
+
+/// Fills in what is judged by from the levels so far, coarsest first. Throws: InputError where they judge
+/// nothing.
+void estimate_from(const DeformInput& input, const PlanReference& plan,
+                   const std::vector<std::vector<Vec3>>& levels, DeformReference& reference) {
+  const Material& material = input.own.problem.material;
+  const std::size_t vertices = input.own.mesh.points.size();
+  std::vector<std::vector<Vec3>> at_vertices = levels;
+  for (std::vector<Vec3>& level : at_vertices) level.resize(vertices);
+  const auto estimate = [&](std::span<const std::vector<Vec3>> given) {
+    return judge::estimate_reference(input.own.mesh, given, material.lambda_pa(), material.mu_pa(),
+                                     {plan.stated_order});
+  };
+  reference.estimate = estimate(at_vertices);
+  const judge::ReferenceEstimate whole = estimate(levels);
+  reference.whole_energy = whole.error.relative_energy;
+  reference.field = reference.estimate.field;
+  reference.field.insert(reference.field.end(), whole.field.begin() + static_cast<std::ptrdiff_t>(vertices),
+                         whole.field.end());
 }
 
 TetMesh scaled(TetMesh mesh, double factor) {
@@ -88,6 +137,21 @@ TetMesh scaled(TetMesh mesh, double factor) {
 }
 
 }  // namespace
+
+bool is_moved(const ElasticSupport& support) {
+  return length_sq(support.by_m) > 0.0;
+}
+
+double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth) {
+  require(force.size() == truth.size(), "relative_force_error: sizes differ");
+  double off = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    off += length_sq(force[k] - truth[k]);
+    whole += length_sq(truth[k]);
+  }
+  return std::sqrt(off / whole);
+}
 
 json problem_sweep(const json& sweep) {
   json own = json::object();
@@ -150,17 +214,31 @@ DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::pat
   return input;
 }
 
-DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting) {
+std::string stiffness_name(const ProblemFiles& files) {
+  const BoundaryProblem& problem = files.problem;
+  const bool is_moved_hard = std::any_of(problem.held.begin(), problem.held.end(),
+                                         [](const HeldFaces& held) { return length_sq(held.by_m) > 0.0; });
+  if (problem.strain != StrainSize::kSmall || is_moved_hard || !problem.held_field_m.empty()) return "";
+  BoundaryProblem bare = problem;
+  bare.material.density_kg_m3 = 0.0;
+  bare.gravity_m_s2 = {};
+  bare.tractions.clear();
+  bare.nodal_forces.clear();
+  bare.body_force_n_m3.clear();
+  for (ElasticSupport& support : bare.supports) support.by_m = {};
+  return hash_bytes(files.mesh_hash + reference::problem_to_json(bare).dump());
+}
+
+DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting,
+                                std::span<const fs::path> companions) {
   const PlanReference& plan = *setting.plan.reference;
-  const Material& material = input.own.problem.material;
   DeformReference reference;
   std::vector<std::vector<Vec3>> levels;
   for (int level = 0; level < plan.levels; ++level) {
-    levels.push_back(solve_level(input, level, setting, reference));
+    levels.push_back(solve_level(input, level, setting, companions, reference));
     if (reference.interrupted || !reference.failure.empty()) return reference;
     try {
-      reference.estimate = judge::estimate_reference(input.own.mesh, levels, material.lambda_pa(),
-                                                     material.mu_pa(), {plan.stated_order});
+      estimate_from(input, plan, levels, reference);
     } catch (const InputError& error) {
       fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
       return reference;

@@ -16,6 +16,7 @@
 #include "reference/closed_form/solutions.h"
 #include "reference/deform_problem.h"
 #include "tests/support/contestant_starter.h"
+#include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -331,6 +332,66 @@ TEST_F(FiniteElements, RefinedAnswerIsThatOfTheRefinedMeshAtTheBaseMeshsNodes) {
     wanted.resize(refined.points.size());
     EXPECT_LT(difference(found, wanted), 1e-9) << method;
   }
+}
+
+// With nothing but a pad that moves, the least of all energies is half of by . F, and a finer mesh, whose
+// fields hold the coarser one's, can only lower it. Supports and pad balance each other.
+TEST_F(FiniteElements, ThePadsForceIsTwiceTheLeastEnergyOverItsWayAndFallsWhenRefined) {
+  const TetMesh mesh = build_kuhn_cube(2, 0.3, 4);
+  BoundaryProblem problem = supported_cube(mesh, 1.0);
+  problem.tractions.clear();
+  problem.gravity_m_s2 = {};
+  for (const std::string& method : kMethods) {
+    double coarser = INFINITY;
+    for (const int refine : {0, 1}) {
+      solve(method, mesh, problem, {{"refine", refine}, {"rtol", 1e-12}});
+      std::vector<Vec3> forces;
+      for (const json& force : report_.at("support_forces_n"))
+        forces.push_back({force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()});
+      ASSERT_EQ(forces.size(), 2U);
+      const double work = dot(problem.supports[1].by_m, forces[1]);
+      const double energy =
+          report_.at("energy_j").get<double>() + report_.at("support_energy_j").get<double>();
+      EXPECT_NEAR(work, 2.0 * energy, 1e-9 * energy) << method << ' ' << refine;
+      EXPECT_LE(length(forces[0] + forces[1]), 1e-9 * length(forces[1])) << method;
+      EXPECT_LT(work, coarser) << method;
+      coarser = work;
+    }
+  }
+}
+
+TEST_F(FiniteElements, FurtherLoadsOfOneBodyAreSolvedWithTheSameFactors) {
+  const TetMesh mesh = irregular_cube();
+  const BoundaryProblem problem = supported_cube(mesh, 1.0);
+  BoundaryProblem pushed = problem;
+  pushed.supports[1].by_m = {0.0, 0.0, 0.02};
+  pushed.tractions.clear();
+  pushed.nodal_forces = {{3, {1.0, -2.0, 0.5}}};
+  BoundaryProblem stiffer = problem;
+  stiffer.supports[0].stiffness_pa_per_m *= 2.0;
+  const test::ScratchFolder folder;
+  const auto list = [&](const BoundaryProblem& further) {
+    const auto file = folder.add("further.json.problem", reference::problem_to_json(further).dump());
+    return folder.add("further.json", json::array({{{"problem_in", file.string()},
+                                                    {"displacement_out", (folder / "further.csv").string()}}})
+                                          .dump());
+  };
+  for (const std::string& method : kMethods) {
+    for (const char* solver : {"mumps", "gamg"}) {
+      const auto alone = solve(method, mesh, pushed, {{"solver", solver}, {"rtol", 1e-12}});
+      const auto first = solve(method, mesh, problem, {{"solver", solver}, {"rtol", 1e-12}});
+      const json options = {{"solver", solver}, {"rtol", 1e-12}, {"further", list(pushed).string()}};
+      EXPECT_LE(difference(solve(method, mesh, problem, options), first), 1e-10);
+      ASSERT_EQ(report_.at("further").size(), 1U);
+      EXPECT_EQ(report_.at("further").at(0).at("outcome"), "converged");
+      const auto along =
+          reference::read_displacement(folder / "further.csv", mesh.points.size(), build_edges(mesh).size());
+      EXPECT_LE(difference(along, alone), 1e-9) << method << ' ' << solver;
+    }
+  }
+  const ContestantAnswer refused = run("fem.p2", mesh, problem, {{"further", list(stiffer).string()}});
+  EXPECT_EQ(refused.outcome, "bad_input");
+  EXPECT_THAT(refused.message, HasSubstr("another stiffness"));
 }
 
 TEST_F(FiniteElements, WhatCannotBeSolvedIsAnOutcome) {
