@@ -312,7 +312,9 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
-      "Without a stop, the method runs to its limit.\n\n"
+      "Without a stop, the method runs to its limit. The judge looks at what was written: an invalid mesh is "
+      "said, and\n"
+      "the exit code is 1.\n\n"
       "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
       "make\n"
       "writes: kidney and liver mm, bean cm):\n"
