@@ -23,7 +23,8 @@ class JudgedRepeats : public testing::Test {
     answer.outcome = "ok";
     answer.report = {{"outcome", outcome}};
     answer.output = folder_.add("output", output);
-    json record = {{"outcome", "ok"}, {"report", answer.report}, {"notes", json::array()}};
+    json record = {
+        {"outcome", "ok"}, {"report", answer.report}, {"notes", json::array()}, {"output_hash", nullptr}};
     const auto figures = [&](const std::filesystem::path&) {
       std::ofstream(folder_ / "judged", std::ios::app) << "x";  // the judge is another process
       if (outcome == "endless") std::this_thread::sleep_for(std::chrono::hours(1));

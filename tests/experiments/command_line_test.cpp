@@ -205,8 +205,11 @@ TEST(CommandLine, SimplifyJudgesWhatItWrites) {
   EXPECT_EQ(sound.exit_code, 0);
   EXPECT_EQ(json::parse(sound.out).at("valid"), true);
   // Fusions without their checks turn tetrahedra over, and had been handed out without a word.
-  const ProgramResult unchecked = run_program(
-      {"simplify", in, "-o", out, "--method", "palpate.hierarchical", "--set", "checks=none", "--json"});
+  const auto larger = fixture.folder() / "larger.mesh";
+  write_medit(larger, build_kuhn_cube(9, 0.2, 3));
+  const ProgramResult unchecked =
+      run_program({"simplify", larger.string(), "-o", out, "--method", "palpate.hierarchical", "--fusions",
+                   "60", "--set", "checks=none", "--json"});
   EXPECT_EQ(unchecked.exit_code, 1) << unchecked.error;
   EXPECT_GT(json::parse(unchecked.out).at("inverted_tets"), 0);
 }

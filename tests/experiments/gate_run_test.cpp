@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/error.h"
@@ -33,7 +34,8 @@ class GateRun : public testing::Test {
   std::vector<std::string> problems() const { return find_run_problems(folder(), records()); }
   void keep_lines(std::size_t count) const {
     std::string text;
-    for (const json& record : records()) text += count-- > 0 ? record.dump() + "\n" : "";
+    const auto all = records();
+    for (std::size_t i = 0; i < std::min(count, all.size()); ++i) text += all[i].dump() + "\n";
     fixture_.folder().add("run/records.jsonl", text);
   }
 
