@@ -40,7 +40,7 @@ json key_of(const ContestantTask& task) {
 
 /// The kept answer, or nothing if there is none or it is damaged.
 std::optional<ContestantAnswer> load(const fs::path& folder, const json& key) {
-  const json kept = json::parse(bytes_of(folder / "answer.json"), nullptr, false);
+  const json kept = read_kept(folder / "answer.json");
   if (!kept.is_object() || kept.value("schema", "") != kSchema || kept.value("key", json()) != key) return {};
   try {
     ContestantAnswer answer;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/base/error.h"
+#include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_engine.h"
 #include "experiments/plan_stability.h"
@@ -152,14 +154,15 @@ class CaseBuilder {
     const MethodSpec& method = *registry_.find(c.method)->method;
     for (const Point& point : points_of(contestant)) {
       Case base;
-      base.id = subject + "/" + c.label;
+      base.id = safe_part(subject) + "/" + safe_part(c.label);
       base.subject = subject_;
       base.contestant = contestant;
       base.stop = point.stop;
       base.sweep = point.sweep;
       base.simplifier = point.simplifier;
       base.simplifier_stop = point.simplifier_stop;
-      for (const auto& [name, value] : point.sweep.items()) base.id += "/" + name + "=" + value_text(value);
+      for (const auto& [name, value] : point.sweep.items())
+        base.id += "/" + case_part(name, value_text(value));
       base.options = resolve_options(method, point.set);
       if (base.stop.kind == StopKind::kTetsOf) base.tets_of = find_referred(base.stop.of, base.sweep);
       if (c.seeds.empty()) cases_.push_back(base);
@@ -181,12 +184,21 @@ class CaseBuilder {
   std::size_t first_of_subject_ = 0;
 };
 
-}  // namespace
-
-std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
+std::vector<Case> build_contest_cases(const Plan& plan, const Registry& registry) {
   if (plan.contest == "verify") return build_verify_cases(plan, registry);
   if (plan.contest == "stability") return build_stability_cases(plan, registry);
   return CaseBuilder(plan, registry).build();
+}
+
+}  // namespace
+
+std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
+  std::vector<Case> cases = build_contest_cases(plan, registry);
+  std::set<std::string> ids;
+  for (const Case& c : cases) {
+    if (!ids.insert(c.id).second) throw InputError(plan.file.string() + ": two cases are called " + c.id);
+  }
+  return cases;
 }
 
 std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std::string& id) {

@@ -73,7 +73,8 @@ json outcome_of(const json& report) {
 }
 
 /// The judge's figures and violations of an output, from an earlier repeat if it is the same and ended alike.
-void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
+/// Returns false if it could not be judged; the record then says why.
+bool judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
                        const std::vector<json>& earlier, json& record) {
   std::error_code error;
   const bool has_output = std::filesystem::is_regular_file(answer.output, error);
@@ -88,19 +89,26 @@ void judge_output_file(const OutputJudge& judge, const RepeatFacts& facts, const
       differs = true;
     }
   }
-  record["judge"] = same != nullptr ? same->at("judge") : judge.figures(answer.output);
+  if (same != nullptr) {
+    record["judge"] = same->at("judge");
+  } else {
+    auto figures = judge_bounded([&] { return judge.figures(answer.output); }, facts.judge_bounds, record);
+    if (!figures) return false;
+    record["judge"] = *std::move(figures);
+  }
   record["violations"] = json::array();
   if (!record["judge"].value("valid", false))
     record["violations"] = record["judge"].value("findings", json::array());
   if (record["violations"].empty() && !record["judge"].value("valid", false))
     record["violations"].push_back(std::string("the ") + judge.what + " is invalid");
   record["output_hash"] = hash;
-  if (!differs) return;
+  if (!differs) return true;
   if (facts.deterministic) {
     record["violations"].push_back(kDiffers);
   } else {
     record["notes"].push_back(std::string(kDiffers) + ": the method is not deterministic");
   }
+  return true;
 }
 
 void add_null_reasons(json& record) {
@@ -112,6 +120,15 @@ void add_null_reasons(json& record) {
 }
 
 }  // namespace
+
+std::optional<json> judge_bounded(const std::function<json()>& judge, const WorkBounds& bounds,
+                                  json& record) {
+  WorkResult result = run_bounded(judge, bounds);
+  if (result.end == WorkEnd::kDone) return std::move(result.value);
+  record["outcome"] = result.end == WorkEnd::kInterrupted ? "interrupted" : "not_judged";
+  record["message"] = "the judge " + result.message;
+  return std::nullopt;
+}
 
 json start_record(const RepeatFacts& facts, const json& subject, const ContestantAnswer& answer) {
   json record = base_record(facts.plan, subject);
@@ -145,12 +162,19 @@ void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const Cont
                   const std::vector<json>& earlier, json& record) {
   if (answer.outcome == "ok") {
     try {
-      judge_output_file(judge, facts, answer, earlier, record);
-      judge.add_violations(record);
-      add_bound_violations(facts.plan.accept, record);
-      const bool accepted = record.at("violations").empty();
-      record["outcome"] = accepted ? "accepted" : "rejected";
-      if (!accepted) record["message"] = reason_of(record);
+      if (judge_output_file(judge, facts, answer, earlier, record)) {
+        judge.add_violations(record);
+        add_bound_violations(facts.plan.accept, record);
+        const bool accepted = record.at("violations").empty();
+        record["outcome"] = accepted ? "accepted" : "rejected";
+        if (!accepted) record["message"] = reason_of(record);
+      }
+    } catch (const json::exception& error) {  // a figure of its report has another type than it must have
+      record["outcome"] = "bad_answer";
+      record["message"] = std::string("its report: ") + error.what();
+      record["judge"] = nullptr;
+      record["output_hash"] = nullptr;
+      record["violations"] = json::array();
     } catch (const InputError& error) {
       std::string message = error.what();  // names the scratch file: of no use to a reader
       const std::size_t name = message.find(answer.output.filename().string());

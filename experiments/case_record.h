@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "experiments/bounded_work.h"
 #include "experiments/case_list.h"
 #include "experiments/contestant_run.h"
 #include "experiments/plan.h"
@@ -22,6 +24,7 @@ struct RepeatFacts {
   int repeat = 0;
   bool warmup = false;
   bool deterministic = true;  ///< whether another output than an earlier repeat's is a violation
+  WorkBounds judge_bounds{};  ///< of the child that judges
 };
 
 /// How a contest judges an output.
@@ -38,11 +41,17 @@ struct OutputJudge {
 nlohmann::json start_record(const RepeatFacts& facts, const nlohmann::json& subject,
                             const ContestantAnswer& answer);
 
-/// Judges an answer that is "ok", and ends the record. `earlier` are the records of the case so far: the same
-/// output of the same outcome is not judged again, another output is a violation. Keys:
-/// experiments/schema/record.schema.json.
+/// Judges an answer that is "ok" in a child, and ends the record. `earlier` are the records of the case so
+/// far: the same output of the same outcome is not judged again, another output is a violation. If the judge
+/// runs out of its bounds the outcome is "not_judged", never "accepted"; "interrupted" if the stop flag rose.
+/// Keys: experiments/schema/record.schema.json.
 void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const ContestantAnswer& answer,
                   const std::vector<nlohmann::json>& earlier, nlohmann::json& record);
+
+/// The value of `judge`, which runs in a child with these bounds. Nothing if it ran out of them: the record's
+/// outcome is then "not_judged" and its message says why ("interrupted" if the stop flag rose).
+std::optional<nlohmann::json> judge_bounded(const std::function<nlohmann::json()>& judge,
+                                            const WorkBounds& bounds, nlohmann::json& record);
 
 /// Adds a violation for each bound that the record's figures do not keep, or have no figure for.
 void add_bound_violations(const std::vector<AcceptBound>& bounds, nlohmann::json& record);

@@ -1,11 +1,12 @@
 // gate.
-#include <fstream>
 #include <iostream>
 #include <memory>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/commands.h"
 #include "experiments/gate.h"
+#include "experiments/gate_run.h"
 #include "experiments/places.h"
 #include "experiments/record_file.h"
 #include "experiments/run_folder.h"
@@ -42,6 +43,8 @@ void print_gate(const GateResult& result) {
          holds ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed) + ": " + line.problem});
   }
   std::cout << table.text();
+  for (const std::string& problem : result.problems)
+    std::cout << colored("FAILS", Color::kRed) << ": " << problem << '\n';
 }
 
 json describe_gate(const GateResult& result) {
@@ -57,7 +60,7 @@ json describe_gate(const GateResult& result) {
                      {"holds", line.problem.empty()},
                      {"problem", line.problem}});
   }
-  return {{"holds", result.holds()}, {"figures", std::move(lines)}};
+  return {{"holds", result.holds()}, {"problems", result.problems}, {"figures", std::move(lines)}};
 }
 
 int gate(const GateArguments& arguments) {
@@ -67,13 +70,22 @@ int gate(const GateArguments& arguments) {
   const fs::path accepted = arguments.accepted.empty()
                                 ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")
                                 : fs::path(arguments.accepted);
+  const auto problems = find_run_problems(folder, records);
+  const bool takes_over = arguments.update && problems.empty();
+  if (arguments.update && !takes_over) print_note("the accepted figures are unchanged: the run is not sound");
+  if (takes_over && !fs::exists(accepted)) {
+    write_file_atomically(accepted, propose_accepted(folder, records, plan).dump(2) + "\n");
+    print_note(accepted.string() + " is new: its tolerances are 0, widen them where a figure may move");
+  }
+  if (!problems.empty() && !fs::exists(accepted)) throw InputError(folder.string() + ": " + problems.front());
   GateResult result = hold_against(records, plan, accepted);
-  if (arguments.update) {
+  if (takes_over) {
     const auto changes = update_accepted(result, accepted);
     for (const std::string& change : changes) print_note("accepted: " + change);
     if (changes.empty()) print_note("the accepted figures are unchanged");
     result = hold_against(records, plan, accepted);
   }
+  result.problems = problems;
   if (arguments.as_json) {
     print_json(describe_gate(result));
   } else {

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "experiments/bounded_work.h"
 #include "experiments/commands.h"
 #include "experiments/contestant_run.h"
 #include "experiments/judge_record.h"
@@ -102,6 +103,27 @@ bool report_kept(const std::vector<std::string>& keep, const TetMesh& in, const 
   return kept.changed_tets == 0;
 }
 
+/// Judges what the method wrote, in a child with bounds. Says what is wrong with it; returns whether it is
+/// valid.
+bool report_validity(const TetMesh& out, json& report) {
+  const auto judge = [&out] {
+    const Judgement judgement = judge_mesh(out);
+    return json{{"figures", judgement.figures}, {"violations", judgement.violations}};
+  };
+  const WorkResult judged = run_bounded(judge, {});
+  if (judged.end != WorkEnd::kDone) {
+    report["valid"] = nullptr;
+    print_note("the output was not judged: the judge " + judged.message);
+    return false;
+  }
+  const json& figures = judged.value.at("figures");
+  report["valid"] = figures.at("valid");
+  for (const char* key : {"inverted_tets", "flat_tets", "findings"}) report[key] = figures.at(key);
+  for (const json& violation : judged.value.at("violations"))
+    print_note("the output is invalid: " + violation.get<std::string>());
+  return judged.value.at("violations").empty();
+}
+
 Stop stop_of(const SimplifyArguments& arguments, const MethodSpec& method) {
   const int given = int{arguments.fusions >= 0} + int{arguments.tets >= 0} + int{arguments.ratio >= 0.0};
   if (given > 1) throw InputError("--fusions, --tets, --ratio", 0, "one stop", std::to_string(given));
@@ -141,7 +163,7 @@ TetMesh read_valid_mesh(const std::string& path) {
 }
 
 /// Names of the report's figures for people, in the order in which they are printed.
-constexpr std::array<std::pair<const char*, const char*>, 15> kReportNames{{
+constexpr std::array<std::pair<const char*, const char*>, 16> kReportNames{{
     {"vertices_in", "vertices before"},
     {"vertices_out", "vertices after"},
     {"tets_in", "tetrahedra before"},
@@ -149,6 +171,7 @@ constexpr std::array<std::pair<const char*, const char*>, 15> kReportNames{{
     {"fusions", "fusions"},
     {"stop", "stopped at"},
     {"kernel_s", "time of the method"},
+    {"inverted_tets", "inverted tetrahedra, by the judge"},
     {"kept_tets", "tetrahedra to keep"},
     {"kept_tets_changed", "of these, not in the output"},
     {"boundary", "not fused: on the boundary"},
@@ -237,6 +260,7 @@ int simplify(const SimplifyArguments& arguments) {
   write_mesh(arguments.out, out);
   for (const std::string& note : answer.notes) print_note(note);
   json report = full_report(answer, arguments.method, in, out);
+  const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
   if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
@@ -250,7 +274,7 @@ int simplify(const SimplifyArguments& arguments) {
     print_report(report);
     std::cout << "Written: " << arguments.out << '\n';
   }
-  return kept ? kDone : kNotAccepted;
+  return kept && is_valid ? kDone : kNotAccepted;
 }
 
 }  // namespace
@@ -288,7 +312,9 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
-      "Without a stop, the method runs to its limit.\n\n"
+      "Without a stop, the method runs to its limit. The judge looks at what was written: an invalid mesh is "
+      "said, and\n"
+      "the exit code is 1.\n\n"
       "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
       "make\n"
       "writes: kidney and liver mm, bean cm):\n"

@@ -55,6 +55,9 @@ class Contest {
   virtual std::filesystem::path kept_output(const Case& run_case) const = 0;
 };
 
+/// The bounds of the judge that a plan sets.
+WorkBounds judge_bounds(const Plan& plan, const volatile std::sig_atomic_t* stop_flag);
+
 std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting);
 std::unique_ptr<Contest> make_deform_contest(const ContestSetting& setting);
 std::unique_ptr<Contest> make_verify_contest(const ContestSetting& setting);

@@ -1,5 +1,7 @@
 #include "experiments/contestant.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -153,6 +155,18 @@ json parse_bounded(const OptionSpec& option, const std::string& text, const std:
   return value;
 }
 
+/// The program of a description: a path is relative to the description's folder, a name is looked for there
+/// and else in the build's bin folder.
+std::filesystem::path find_program(const YamlValue& value, const std::filesystem::path& folder,
+                                   const std::filesystem::path& bin_folder) {
+  const std::string text = value.text();
+  const std::filesystem::path own = std::filesystem::absolute(folder / text).lexically_normal();
+  if (text.find('/') != std::string::npos) return own;
+  const std::string name = value.identifier();
+  std::error_code error;
+  return std::filesystem::is_regular_file(own, error) ? own : bin_folder / name;
+}
+
 /// Descriptions directly in `root` or one folder below it.
 std::vector<std::filesystem::path> find_descriptions(const std::filesystem::path& root) {
   std::vector<std::filesystem::path> found;
@@ -181,7 +195,11 @@ bool MethodSpec::takes_stop(const std::string& kind) const {
 
 std::string Contestant::unavailable() const {
   std::error_code error;
-  if (std::filesystem::exists(program, error)) return "";
+  if (std::filesystem::exists(program, error)) {
+    const bool runs =
+        std::filesystem::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
+    return runs ? "" : "its program " + program.filename().string() + " is not executable";
+  }
   std::string why = "its program " + program.filename().string() + " was not built";
   if (!packages.empty()) why += " (needs " + joined(packages) + ")";
   return why;
@@ -222,7 +240,7 @@ Contestant read_contestant(const std::filesystem::path& description,
   Contestant contestant;
   contestant.folder = description.parent_path().filename().string();
   contestant.contest = fields.need("contest").identifier();
-  contestant.program = bin_folder / fields.need("program").identifier();
+  contestant.program = find_program(fields.need("program"), description.parent_path(), bin_folder);
   if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
   contestant.licence = fields.need("licence").text();
   if (const auto source = fields.find("source")) contestant.source = source->text();

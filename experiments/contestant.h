@@ -45,7 +45,7 @@ struct MethodSpec {
 struct Contestant {
   std::string folder;  ///< its name, "tetfusion"
   std::string contest;
-  std::filesystem::path program;  ///< in the build's bin folder
+  std::filesystem::path program;  ///< beside its description, or in the build's bin folder
   std::vector<std::string> packages;
   std::string licence;
   std::string source;

@@ -7,8 +7,12 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "experiments/input_guard.h"
+#include "experiments/nearest_name.h"
 #include "experiments/process.h"
+#include "experiments/terminal.h"
 #include "reference/contest_files.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -16,7 +20,11 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kLargestAnswer = 16U << 20U;
+constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
 constexpr std::size_t kMostTuned = 16;
+constexpr double kClockStep_s = 1e-6;  // both times come from the steady clock, which counts in nanoseconds
+constexpr double kStart_s = 0.1;       // starting a process takes no longer
+constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a kernel time gets a note
 
 /// Reads at most `bytes` of a file; empty if it is missing.
 std::string read_start(const std::filesystem::path& path, std::size_t bytes) {
@@ -44,11 +52,12 @@ reference::ContestFiles files_of(const ContestantTask& task) {
   return reference::contest_files(task.method.contestant->contest);
 }
 
-json build_request(const ContestantTask& task, const std::filesystem::path& output) {
+json build_request(const ContestantTask& task, const std::filesystem::path& mesh_in,
+                   const std::filesystem::path& output) {
   json request = {{"schema", "palpate/request/1"},
                   {"contest", task.method.contestant->contest},
                   {"method", task.method.method->name},
-                  {"mesh_in", task.mesh_in.string()},
+                  {"mesh_in", mesh_in.string()},
                   {"options", task.options},
                   {"threads", task.threads}};
   const reference::ContestFiles files = files_of(task);
@@ -86,7 +95,6 @@ std::string tuned_error(const json& response, const json& given) {
 
 /// What is wrong with an answer's form, empty if nothing is.
 std::string form_error(const json& response) {
-  if (response.is_discarded()) return "its answer is no JSON";
   if (!response.is_object()) return "its answer is no JSON object";
   if (response.value("schema", json()) != "palpate/response/1") {
     return "its answer's schema is not palpate/response/1";
@@ -104,8 +112,8 @@ std::string form_error(const json& response) {
   if (!ok) return response.value("message", json()).is_string() ? "" : "its answer has no message";
   if (!response.contains("kernel_s")) return "the key \"kernel_s\" is missing in its answer";
   const json& kernel_s = response.at("kernel_s");
-  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() < 0.0) {
-    return "kernel_s is no time: " + one_line(kernel_s.dump());
+  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() <= 0.0) {
+    return "kernel_s is no time above zero: " + one_line(kernel_s.dump());
   }
   if (!response.value("report", json()).is_object()) return "its answer has no report";
   const json notes = response.value("notes", json::array());
@@ -134,7 +142,13 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
     return failed(std::move(answer), "bad_answer", "its answer is larger than 16 MiB");
   }
-  const json response = json::parse(read_start(response_file, kLargestAnswer), nullptr, false);
+  json response;
+  try {
+    const std::string text = reference::read_text_file(response_file, kLargestAnswer);
+    response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
+  } catch (const InputError& wrong) {
+    return failed(std::move(answer), "bad_answer", one_line(wrong.what()));
+  }
   const std::string wrong = form_error(response);
   if (!wrong.empty()) return failed(std::move(answer), "bad_answer", wrong);
   const std::string status = response.at("status").get<std::string>();
@@ -150,10 +164,13 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   }
   const std::string bad_tuned = tuned_error(response, task.tuned);
   if (!bad_tuned.empty()) return failed(std::move(answer), "bad_answer", bad_tuned);
-  answer.kernel_s = response.at("kernel_s").get<double>();
-  if (*answer.kernel_s > process.wall_s * 1.01 + 0.001) {
-    return failed(std::move(answer), "bad_answer", "its kernel time exceeds the time of its process");
+  const double kernel_s = response.at("kernel_s").get<double>();
+  if (kernel_s > process.wall_s + kClockStep_s) {
+    return failed(std::move(answer), "bad_answer",
+                  "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
+                      short_number(process.wall_s) + " s of its process");
   }
+  answer.kernel_s = kernel_s;
   const std::string bad_output = output_error(task, response.at("report"), answer.output);
   if (!bad_output.empty()) return failed(std::move(answer), "bad_answer", bad_output);
   answer.report = response.at("report");
@@ -162,22 +179,44 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   for (const json& note : response.value("notes", json::array())) {
     answer.notes.push_back(one_line(note.get<std::string>()));
   }
+  if (!answer.searched && process.has_usage && process.user_s > kStart_s &&
+      kernel_s < kTinyShare * process.user_s) {
+    answer.notes.push_back("kernel_s is " + short_number(kernel_s) + " s, less than a thousandth of the " +
+                           short_number(process.user_s) + " s of processor time of its process");
+  }
   answer.outcome = "ok";
   return answer;
 }
 
-}  // namespace
+/// Watches what the contestant is given, and copies its mesh to where it may not write. Returns the copy.
+std::filesystem::path guard_inputs(const ContestantTask& task, InputGuard& guard) {
+  if (!task.problem_in.empty()) guard.watch(task.problem_in);
+  for (const OptionSpec& option : task.method.method->options) {
+    if (option.type != OptionType::kFile || !task.options.contains(option.name)) continue;
+    const std::string file = task.options.at(option.name).get<std::string>();
+    if (!file.empty()) guard.watch(file);
+  }
+  return task.mesh_in.empty() ? task.mesh_in : guard.copy(task.mesh_in, task.scratch / "in");
+}
 
-ContestantAnswer run_contestant(const ContestantTask& task) {
+/// A contestant that changed what it was given has no answer, whatever it says.
+ContestantAnswer hold_to_inputs(ContestantAnswer answer, const InputGuard& guard) {
+  const std::vector<std::string> changed = guard.restore();
+  if (changed.empty() || answer.outcome == "interrupted") return answer;
+  const std::string before = answer.message.empty() ? "" : "; " + answer.message;
+  answer.report = nullptr;
+  answer.kernel_s.reset();
+  return failed(std::move(answer), "bad_answer", "it changed its input " + joined(changed) + before);
+}
+
+ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::path& mesh_in) {
   const Contestant& contestant = *task.method.contestant;
   ContestantAnswer answer;
-  const std::string why = contestant.unavailable();
-  if (!why.empty()) return failed(std::move(answer), "unavailable", why);
   const auto request_file = task.scratch / "request.json";
   const auto response_file = task.scratch / "response.json";
   const auto error_file = task.scratch / "stderr.txt";
   if (const char* name = files_of(task).output_file; *name != 0) answer.output = task.scratch / name;
-  write_file_atomically(request_file, build_request(task, answer.output).dump(2) + "\n");
+  write_file_atomically(request_file, build_request(task, mesh_in, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;
   spec.arguments = {contestant.program.string(), request_file.string(), response_file.string()};
@@ -214,6 +253,16 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
     return failed(std::move(answer), "crashed", process.message + " without an answer" + said);
   }
   return read_answer(task, std::move(answer), process, response_file);
+}
+
+}  // namespace
+
+ContestantAnswer run_contestant(const ContestantTask& task) {
+  const std::string why = task.method.contestant->unavailable();
+  if (!why.empty()) return failed({}, "unavailable", why);
+  InputGuard guard;
+  const std::filesystem::path mesh_in = guard_inputs(task, guard);
+  return hold_to_inputs(run_guarded(task, mesh_in), guard);
 }
 
 }  // namespace palpate::experiments

@@ -49,7 +49,9 @@ struct ContestantAnswer {
 };
 
 /// Runs it to its end. Never throws for what the contestant does; everything that it says is checked: exit
-/// code against status, keys and types of the answer, finite times, kernel time within the process's.
+/// code against status, keys and types of the answer, a kernel time above zero and within the process's.
+/// The contestant gets a copy of the mesh; one that changes a file that it was given ("bad_answer", which
+/// names the file) does not change it for those after it.
 ContestantAnswer run_contestant(const ContestantTask& task);
 
 }  // namespace palpate::experiments

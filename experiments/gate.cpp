@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <string_view>
 
@@ -12,16 +11,20 @@
 #include "experiments/nearest_name.h"
 #include "experiments/record_file.h"
 #include "experiments/terminal.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::ordered_json;
 
+constexpr std::size_t kLargestFile = 64U << 20U;
+
 ordered_json read_accepted(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path.string(), 0, "accepted figures (palpate/accepted/1)", "no such file");
-  ordered_json value = ordered_json::parse(file, nullptr, false);
+  if (!std::filesystem::exists(path))
+    throw InputError(path.string(), 0, "accepted figures (palpate/accepted/1)", "no such file");
+  const std::string text = reference::read_text_file(path, kLargestFile);
+  ordered_json value = reference::parse_ordered_json(text, path.string());
   if (!value.is_object() || value.value("schema", ordered_json()) != "palpate/accepted/1") {
     throw InputError(path.string(), 0, "accepted figures (palpate/accepted/1)", "something else");
   }
@@ -54,6 +57,9 @@ GateLine read_line(const ordered_json& entry, const std::string& where) {
     throw InputError(where + ": unknown measure \"" + line.measure + "\"" +
                      nearest_hint(line.measure, measure_names()));
   }
+  if (line.unit != measure->unit)
+    throw InputError(where + ": unit of " + line.measure, 0, std::string("\"") + measure->unit + "\"",
+                     "\"" + line.unit + "\"");
   for (const char* key : {"lower", "upper"}) {
     const ordered_json& value = entry.at(key);
     if (!value.is_number() || value.get<double>() < 0.0) {
@@ -117,7 +123,8 @@ void compare(GateLine& line) {
 }  // namespace
 
 bool GateResult::holds() const {
-  return std::all_of(lines.begin(), lines.end(), [](const GateLine& line) { return line.problem.empty(); });
+  return problems.empty() &&
+         std::all_of(lines.begin(), lines.end(), [](const GateLine& line) { return line.problem.empty(); });
 }
 
 GateResult hold_against(const std::vector<nlohmann::json>& records, const std::string& plan,

@@ -23,6 +23,7 @@ struct GateLine {
 
 struct GateResult {
   std::vector<GateLine> lines;
+  std::vector<std::string> problems;  ///< of the run itself (find_run_problems): with one, nothing holds
 
   bool holds() const;
 };

@@ -13,6 +13,8 @@
 #include "core/base/error.h"
 #include "experiments/mesh_tools.h"
 #include "experiments/places.h"
+#include "mesh_makers.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -39,7 +41,8 @@ std::string read_bytes(const std::filesystem::path& path) {
 }
 
 std::string full_key(const std::string& key) {
-  std::string text = key + "; palpate " + PALPATE_VERSION;
+  std::string text = key + "; palpate " + PALPATE_VERSION + " " + PALPATE_MESH_MAKERS + "; " + __VERSION__ +
+                     " " + PALPATE_FLAGS + "; " + PALPATE_VENDOR_VERSIONS;
   for (const MeshTool& tool : {kGmshTool, kSurfaceTool, kVtkTool}) {
     text += std::string("; ") + tool.program + " " + hash_of(read_bytes(tool_path(tool)));
   }
@@ -51,8 +54,8 @@ std::optional<MadeMesh> load(const std::filesystem::path& mesh_path, const std::
   std::error_code error;
   if (!std::filesystem::exists(mesh_path, error) || !std::filesystem::exists(info_path, error)) return {};
   try {
-    const json info = json::parse(read_bytes(info_path));
-    if (info.at("schema") != kSchema || info.at("key") != key) return {};
+    const json info = read_kept(info_path);
+    if (!info.is_object() || info.at("schema") != kSchema || info.at("key") != key) return {};
     if (info.at("checksum") != hash_of(read_bytes(mesh_path))) return {};
     return MadeMesh{read_medit(mesh_path, ReadOrientation::kKeep).mesh,
                     info.at("notes").get<std::vector<std::string>>()};
@@ -62,6 +65,14 @@ std::optional<MadeMesh> load(const std::filesystem::path& mesh_path, const std::
 }
 
 }  // namespace
+
+json read_kept(const std::filesystem::path& path) {
+  try {
+    return reference::read_json_file(path);
+  } catch (const InputError&) {  // not there, or damaged in whatever way: made again
+    return {};
+  }
+}
 
 std::filesystem::path cache_root() {
   const char* moved = std::getenv("PALPATE_CACHE");

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "experiments/mesh_source.h"
@@ -12,11 +13,15 @@ namespace palpate::experiments {
 /// The folder of the caches: PALPATE_CACHE if set, else the build folder.
 std::filesystem::path cache_root();
 
+/// The JSON of a cache's entry; null if there is none, or none that can be read.
+nlohmann::json read_kept(const std::filesystem::path& path);
+
 /// Returns the mesh kept under `key`, or makes it and keeps it.
 ///
-/// The key is joined with the bytes of the mesh programs, so that a new program makes a new mesh. An entry
-/// carries the key and a checksum; one that disagrees is made again. A cache that cannot be written is no
-/// failure: a note says so.
+/// The key is joined with hashes of the mesh programs and of our own sources that make meshes, with the
+/// compiler and its flags and the vendors' versions, so that whatever could make another mesh makes one. An
+/// entry carries the key and a checksum; one that disagrees is made again. A cache that cannot be written is
+/// no failure: a note says so.
 MadeMesh make_cached(const std::string& key, const std::function<MadeMesh()>& make);
 
 }  // namespace palpate::experiments

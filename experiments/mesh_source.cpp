@@ -155,13 +155,6 @@ auto find_shape(const Shapes& shapes, const std::string& name) {
   return found == shapes.end() ? nullptr : &*found;
 }
 
-std::string cache_key(const ShapeRequest& request) {
-  std::array<char, 64> edge{};
-  std::snprintf(edge.data(), edge.size(), "%a", request.size.edge_length.value_or(0.0));
-  return "shape " + request.name + "; vertices " + std::to_string(request.size.vertices.value_or(0)) +
-         "; edge " + edge.data();
-}
-
 void check_size(const MeshSize& size) {
   if (size.vertices && size.edge_length) {
     throw InputError("mesh size", 0, "a number of vertices or an edge length", "both");
@@ -231,6 +224,13 @@ std::vector<ShapeInfo> list_shapes() {
   };
 }
 
+std::string shape_key(const ShapeRequest& request) {
+  std::array<char, 64> edge{};
+  std::snprintf(edge.data(), edge.size(), "%a", request.size.edge_length.value_or(0.0));
+  return "shape " + request.name + "; vertices " + std::to_string(request.size.vertices.value_or(0)) +
+         "; edge " + edge.data() + (is_organ(request.name) ? "; image " + organ_image_hash() : "");
+}
+
 MadeMesh make_shape(const ShapeRequest& request) {
   check_size(request.size);
   if (const LatticeShape* lattice = find_shape(kLatticeShapes, request.name)) {
@@ -241,7 +241,7 @@ MadeMesh make_shape(const ShapeRequest& request) {
   if (request.jitter) {
     throw InputError(request.name, 0, "no jitter (it is the cube's)", short_number(*request.jitter));
   }
-  return make_cached(cache_key(request), [&] {
+  return make_cached(shape_key(request), [&] {
     return shape != nullptr ? make_filled(*shape, request.size) : make_organ(request.name, request.size);
   });
 }

@@ -42,6 +42,10 @@ struct MadeMesh {
 
 std::vector<ShapeInfo> list_shapes();
 
+/// What a made mesh is kept under, beside what make_cached adds: the request, and for an organ the hash of
+/// its image. Throws: UnavailableError if there is no image.
+std::string shape_key(const ShapeRequest& request);
+
 /// Makes a shape; the same request gives the same mesh to the byte. Finished meshes are kept in a cache below
 /// the build folder, keyed by the request and the programs that made them. Throws: InputError for an unknown
 /// name (with the nearest) or an impossible size; UnavailableError if a program,

@@ -3,13 +3,13 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <system_error>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/places.h"
 #include "experiments/process.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -17,9 +17,8 @@ namespace {
 using nlohmann::json;
 
 json read_response(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) return {};
-  json value = json::parse(file, nullptr, false);
+  if (!std::filesystem::exists(path)) return {};
+  json value = reference::read_json_file(path);
   return value.is_object() ? value : json{};
 }
 

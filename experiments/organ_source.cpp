@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/off.h"
+#include "experiments/file_hash.h"
 #include "experiments/mesh_cache.h"
 #include "experiments/mesh_fill.h"
 #include "experiments/mesh_tools.h"
@@ -123,6 +124,10 @@ bool is_organ(const std::string& name) {
 
 std::filesystem::path organ_data_folder() {
   return cache_root() / "organ_data";
+}
+
+std::string organ_image_hash() {
+  return hash_file(organ_image());
 }
 
 MadeMesh make_organ(const std::string& name, const MeshSize& size) {

@@ -11,6 +11,10 @@ bool is_organ(const std::string& name);
 /// The folder `organ_data` below the build folder, or below PALPATE_CACHE.
 std::filesystem::path organ_data_folder();
 
+/// Hash of the image that the organs are made from, which is fetched if it is not there yet. Throws:
+/// UnavailableError if it cannot be had.
+std::string organ_image_hash();
+
 /// Makes "kidney" or "liver", in mm, the voxels' centroid at the origin, axes as in the image.
 ///
 /// Label -> smooth surface (VTK) -> coarse skin (CGAL) -> scaled about its centroid to the voxels' volume ->

@@ -101,7 +101,10 @@ std::vector<SweepAxis> read_sweep(const YamlValue& value, const std::vector<std:
     for (const YamlValue& item : list.items()) {
       if (!seen.insert(item.text()).second) item.fail_expected("values that differ");
       if (!axis.is_option()) check_axis_value(axis, item);
-      axis.values.push_back(item.json());
+      const nlohmann::json number = item.json();
+      if (std::find(axis.values.begin(), axis.values.end(), number) != axis.values.end())
+        item.fail_expected("values that differ");
+      axis.values.push_back(number);
       axis.texts.push_back({item.text(), item.file() + ":" + std::to_string(item.line())});
     }
     if (axis.values.empty()) list.fail_expected("at least one value");
@@ -111,7 +114,8 @@ std::vector<SweepAxis> read_sweep(const YamlValue& value, const std::vector<std:
 }
 
 RunSettings read_run(const YamlValue& value) {
-  const YamlFields fields = value.fields({"repeats", "warmup", "threads", "timeout_s", "memory_mib"});
+  const YamlFields fields = value.fields(
+      {"repeats", "warmup", "threads", "timeout_s", "memory_mib", "judge_timeout_s", "judge_memory_mib"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("warmup")) run.warmup = static_cast<int>(v->integer(0, 1'000));
@@ -119,6 +123,10 @@ RunSettings read_run(const YamlValue& value) {
   if (const auto v = fields.find("timeout_s")) run.timeout_s = v->number(0.01, 1e7);
   if (const auto v = fields.find("memory_mib")) {
     run.memory_mib = static_cast<std::uint64_t>(v->integer(16, 1 << 24));
+  }
+  if (const auto v = fields.find("judge_timeout_s")) run.judge_timeout_s = v->number(0.01, 1e7);
+  if (const auto v = fields.find("judge_memory_mib")) {
+    run.judge_memory_mib = static_cast<std::uint64_t>(v->integer(1, 1 << 24));
   }
   return run;
 }

@@ -87,6 +87,8 @@ struct RunSettings {
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 4096;
+  double judge_timeout_s = 600.0;         ///< of the judge, for each answer
+  std::uint64_t judge_memory_mib = 8192;  ///< of the judge, beyond what the runner has
 };
 
 /// Bounds that a measure has to keep.

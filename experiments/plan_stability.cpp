@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
 
@@ -112,7 +113,7 @@ std::vector<Case> build_stability_cases(const Plan& plan, const Registry& regist
     const PlanContestant& who = plan.contestants[contestant];
     const MethodSpec& method = *registry.find(who.method)->method;
     Case base;
-    base.id = plan.meshes[mesh].name + "/" + who.label + "/" + extreme.name;
+    base.id = safe_part(plan.meshes[mesh].name) + "/" + safe_part(who.label) + "/" + safe_part(extreme.name);
     base.subject = mesh;
     base.contestant = contestant;
     base.sweep = {{"extreme", extreme.name}};
@@ -128,7 +129,7 @@ std::vector<Case> build_stability_cases(const Plan& plan, const Registry& regist
         for (std::size_t k = 0; k < axis.values.size(); ++k) {
           auto next = std::pair{point, set};
           next.first.sweep[axis.name] = axis.values[k];
-          next.first.id += "/" + axis.name + "=" + value_text(axis.texts[k]);
+          next.first.id += "/" + case_part(axis.name, value_text(axis.texts[k]));
           next.second[axis.name] = axis.texts[k];
           crossed.push_back(std::move(next));
         }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_report.h"
 #include "reference/closed_form/known_cases.h"
@@ -111,7 +112,7 @@ std::vector<Case> build_verify_cases(const Plan& plan, const Registry& registry)
       if (find_expectation(known, who.label) == nullptr) continue;
       for (const int cells : known.cells) {
         Case next;
-        next.id = known.name + "/" + who.label + "/cells=" + std::to_string(cells);
+        next.id = safe_part(known.name) + "/" + safe_part(who.label) + "/cells=" + std::to_string(cells);
         next.subject = subject;
         next.contestant = contestant;
         next.options = resolve_options(*registry.find(who.method)->method, who.set);

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <set>
+#include <map>
 #include <sstream>
 
 #include "experiments/file_hash.h"
@@ -84,17 +84,20 @@ json library_versions() {
 json program_hashes(const Plan& plan, const Registry& registry) {
   json hashes = json::object();
   hashes["palpate"] = hash_file("/proc/self/exe");
-  std::set<std::filesystem::path> programs;
+  std::map<std::filesystem::path, std::string> programs;  // with the folders of their contestants
   const auto add = [&](const std::string& method) {
     const Contestant& entry = *registry.find(method)->contestant;
-    if (entry.unavailable().empty()) programs.insert(entry.program);
+    if (entry.unavailable().empty()) programs[entry.program] = entry.folder;
   };
   for (const PlanContestant& contestant : plan.contestants) add(contestant.method);
   for (const PlanContestant& simplifier : plan.simplifiers) {
     if (!simplifier.method.empty()) add(simplifier.method);
   }
   if (plan.reference) add(plan.reference->method);
-  for (const auto& program : programs) hashes[program.filename().string()] = hash_file(program);
+  for (const auto& [program, folder] : programs) {
+    const std::string name = program.filename().string();
+    hashes[program.parent_path() == program_folder() ? name : folder + "/" + name] = hash_file(program);
+  }
   return hashes;
 }
 
@@ -125,6 +128,19 @@ json seeds_of(const Plan& plan) {
   }
   return seeds;
 }
+
+/// What a run keeps from its start to its end, resumed or not: times of two processors or compilers do not
+/// belong into one median.
+constexpr std::array<std::pair<const char*, const char*>, 8> kSameThroughout{{
+    {"processor", "processor"},
+    {"processors", "number of processors"},
+    {"memory", "memory of the machine"},
+    {"system", "operating system"},
+    {"compiler", "compiler"},
+    {"flags", "flags of the compiler"},
+    {"build_type", "build type"},
+    {"libraries", "version of a library"},
+}};
 
 /// Unit and direction of the measures that the plan compares: the report knows none by itself.
 json compared_measures(const Plan& plan) {
@@ -189,6 +205,12 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"started_at", utc_now()}};
 }
 
+json describe_sitting(const json& now) {
+  json sitting = json::object();
+  for (const char* key : {"started_at", "commit", "dirty", "load"}) sitting[key] = now.at(key);
+  return sitting;
+}
+
 std::vector<std::string> find_changes(const json& then, const json& now) {
   std::vector<std::string> changes;
   const auto compare = [&](const std::string& what, const json& before, const json& after) {
@@ -197,6 +219,9 @@ std::vector<std::string> find_changes(const json& then, const json& now) {
   if (then.value("plan_hash", json()) != now.value("plan_hash", json()))
     changes.emplace_back("the plan changed");
   compare("the number of threads changed", then.value("threads", json()), now.value("threads", json()));
+  for (const auto& [key, what] : kSameThroughout) {
+    compare(std::string("the ") + what + " changed", then.value(key, json()), now.value(key, json()));
+  }
   const json files_then = then.value("files", json::object());
   const json files_now = now.value("files", json::object());
   for (const auto& [name, hash] : files_then.items()) {

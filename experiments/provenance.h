@@ -26,8 +26,11 @@ std::string utc_now(bool for_file_name = false);
 /// programs that take part, processor, memory, load, seeds, threads, start time.
 nlohmann::json build_provenance(const Plan& plan, const Registry& registry, int threads);
 
-/// What keeps a run from being continued: lines like "the plan changed (xxh3:... then, xxh3:... now)". Empty
-/// if nothing does.
+/// What a record's "sitting" stands for: when the run was started or resumed, at which commit and load.
+nlohmann::json describe_sitting(const nlohmann::json& now);
+
+/// What keeps a run from being continued, another processor or compiler among them: lines like "the plan
+/// changed (xxh3:... then, xxh3:... now)". Empty if nothing does.
 std::vector<std::string> find_changes(const nlohmann::json& then, const nlohmann::json& now);
 
 }  // namespace palpate::experiments

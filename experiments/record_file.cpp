@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -40,7 +41,7 @@ std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
   while (std::getline(file, line)) {
     ++number;
     if (file.eof()) break;  // no newline: the run was killed while it wrote this line
-    nlohmann::json record = nlohmann::json::parse(line, nullptr, false);
+    nlohmann::json record = reference::parse_json(line, path.string() + ":" + std::to_string(number));
     const bool sound = record.is_object() && record.value("schema", nlohmann::json()) == "palpate/record/1" &&
                        record.value("case", nlohmann::json()).is_string() &&
                        record.value("outcome", nlohmann::json()).is_string() &&

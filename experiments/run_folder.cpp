@@ -1,13 +1,13 @@
 #include "experiments/run_folder.h"
 
 #include <algorithm>
-#include <fstream>
 #include <vector>
 
 #include "core/base/error.h"
 #include "experiments/output_file.h"
 #include "experiments/places.h"
 #include "experiments/provenance.h"
+#include "reference/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -41,9 +41,8 @@ RunFolder::~RunFolder() {
 }
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
-  std::ifstream file(paths_.provenance());
-  if (!file || !resume_) return std::nullopt;
-  nlohmann::json value = nlohmann::json::parse(file, nullptr, false);
+  if (!resume_ || !fs::exists(paths_.provenance())) return std::nullopt;
+  nlohmann::json value = reference::read_json_file(paths_.provenance());
   if (!value.is_object()) {
     throw InputError(paths_.provenance().string(), 0, "the provenance of a run", "something else");
   }

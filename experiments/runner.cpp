@@ -31,7 +31,8 @@ struct CaseState {
   bool is_closed() const {
     return std::any_of(records.begin(), records.end(), [](const json& record) {
       const json& outcome = record.at("outcome");
-      return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable";
+      return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
+             outcome == "not_judged";
     });
   }
 };
@@ -89,7 +90,12 @@ class Runner {
     for (const std::size_t index : selected_) wanted.push_back(&cases_[index]);
     json known = then.value_or(now);
     known.update(contest_->prepare(wanted, then.value_or(json())));
-    if (known != then) write_file_atomically(folder_.paths().provenance(), known.dump(2) + "\n");
+    known["cases"] = json::array();  // all of them: what is missing from the records can be told
+    for (const Case& c : cases_) known["cases"].push_back(c.id);
+    if (!known.contains("sittings")) known["sittings"] = json::array();
+    sitting_ = known["sittings"].size();
+    known["sittings"].push_back(describe_sitting(now));
+    write_file_atomically(folder_.paths().provenance(), known.dump(2) + "\n");
     provenance_ = std::move(known);
   }
 
@@ -142,7 +148,8 @@ class Runner {
   }
 
   void record_inputs(RecordFile& records) {
-    const bool finished = contest_->record_inputs(recorded_inputs_, [&](const json& record) {
+    const bool finished = contest_->record_inputs(recorded_inputs_, [&](json record) {
+      record["sitting"] = sitting_;
       records.append(record);
       ++result_.records_added;
     });
@@ -247,7 +254,13 @@ class Runner {
     }
     RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
     facts.deterministic = registry_.find(contestant.method)->method->deterministic;
+    facts.judge_bounds = judge_bounds(plan_, options_.stop_flag);
     json record = contest_->build_record(facts, answer, states_[index].records);
+    if (record.at("outcome") == "interrupted") {
+      result_.interrupted = true;
+      return std::nullopt;
+    }
+    record["sitting"] = sitting_;
     add_file_hashes(*registry_.find(contestant.method)->method, c, record);
     keep_output(c, repeat, answer, record);
     return record;
@@ -313,6 +326,7 @@ class Runner {
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;
   json provenance_;
+  std::size_t sitting_ = 0;  ///< which of the run's starts and resumptions this is
   RunResult result_;
 };
 

@@ -59,7 +59,10 @@ class SimplifyContest : public Contest {
   bool record_inputs(const std::set<std::string>& recorded,
                      const std::function<void(json)>& append) override {
     for (const RunMesh& mesh : meshes_) {
-      if (recorded.count(mesh.name + "/input") == 0) append(build_input_record(mesh));
+      if (recorded.count(mesh.name + "/input") > 0) continue;
+      json record = build_input_record(mesh);
+      if (record.at("outcome") == "interrupted") return false;
+      append(std::move(record));
     }
     return true;
   }
@@ -92,16 +95,25 @@ class SimplifyContest : public Contest {
 
   json build_input_record(const RunMesh& mesh) const {
     json record = start_input_record(setting_.plan, mesh_facts(mesh), mesh.name + "/input", "input");
-    Judgement judgement = judge_mesh(mesh.mesh);
-    add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, setting_.plan.region);
+    const auto judge = [&] {
+      Judgement judgement = judge_mesh(mesh.mesh);
+      add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, setting_.plan.region);
+      return json{{"figures", judgement.figures}, {"violations", judgement.violations}};
+    };
     for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
       record["null_reasons"][key] = "the input mesh itself: nothing ran";
-    record["judge"] = judgement.figures;
-    record["output_hash"] = mesh.hash;
     record["mesh_file"] = "meshes/" + mesh.name + "/input.mesh";
-    record["violations"] = judgement.violations;
-    record["outcome"] = judgement.violations.empty() ? "accepted" : "rejected";
-    if (!judgement.violations.empty()) record["message"] = reason_of(record);
+    const auto judged = judge_bounded(judge, judge_bounds(setting_.plan, setting_.stop_flag), record);
+    if (!judged) {
+      for (const char* key : {"judge", "output_hash"}) record["null_reasons"][key] = "not_judged";
+      return record;
+    }
+    record["judge"] = judged->at("figures");
+    record["output_hash"] = mesh.hash;
+    record["violations"] = judged->at("violations");
+    const bool is_valid = record.at("violations").empty();
+    record["outcome"] = is_valid ? "accepted" : "rejected";
+    if (!is_valid) record["message"] = reason_of(record);
     return record;
   }
 
@@ -110,6 +122,10 @@ class SimplifyContest : public Contest {
 };
 
 }  // namespace
+
+WorkBounds judge_bounds(const Plan& plan, const volatile std::sig_atomic_t* stop_flag) {
+  return {plan.run.judge_timeout_s, plan.run.judge_memory_mib << 20U, stop_flag};
+}
 
 std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting) {
   return std::make_unique<SimplifyContest>(setting);

@@ -1,8 +1,5 @@
 #include "experiments/trained_springs.h"
 
-#include <fstream>
-#include <sstream>
-
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
@@ -37,9 +34,7 @@ json key_of(const fs::path& plan_file, const TrainingPlan& plan, const TrainingS
 
 /// What an earlier run left, or nothing if there is none or it is damaged.
 std::optional<TrainedSprings> load(const fs::path& folder, const json& key) {
-  std::ostringstream text;
-  text << std::ifstream(folder / "trained.json").rdbuf();
-  const json kept = json::parse(text.str(), nullptr, false);
+  const json kept = read_kept(folder / "trained.json");
   if (!kept.is_object() || kept.value("schema", "") != kSchema || kept.value("key", json()) != key) return {};
   TrainedSprings trained{folder / "springs.csv", {}, kept.value("report", json())};
   std::error_code error;

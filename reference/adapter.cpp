@@ -4,25 +4,21 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <fstream>
 #include <iostream>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "reference/contest_files.h"
+#include "reference/json_file.h"
 
 namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
 
-json read_json(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path.string(), 0, "a readable request file", "none");
-  json value = json::parse(file, nullptr, false);
-  if (value.is_discarded() || !value.is_object()) {
-    throw InputError(path.string(), 0, "a JSON object", "something else");
-  }
+json read_request(const std::filesystem::path& path) {
+  json value = read_json_file(path);
+  if (!value.is_object()) throw InputError(path.string(), 0, "a JSON object", "something else");
   return value;
 }
 
@@ -44,7 +40,7 @@ void check_tuned(const json& tuned, const std::string& where) {
 }
 
 Request parse_request(const std::filesystem::path& path) {
-  const json object = read_json(path);
+  const json object = read_request(path);
   const std::string where = path.string();
   if (field<std::string>(object, "schema", where) != "palpate/request/1") {
     throw InputError(where, 0, "schema palpate/request/1", object.at("schema").dump());

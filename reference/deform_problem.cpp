@@ -13,7 +13,7 @@
 #include "core/base/number_text.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/topology.h"
-#include "reference/problem_file.h"
+#include "reference/json_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -300,7 +300,7 @@ DeformTask read_deform_task(const Request& request) {
   if (request.contest != "deform") throw InputError("contest", 0, "deform", request.contest);
   DeformTask task;
   task.mesh = read_medit(request.input, ReadOrientation::kKeep).mesh;
-  task.problem = problem_from_json(read_problem_file(request.problem), task.mesh, request.problem.string());
+  task.problem = problem_from_json(read_json_file(request.problem), task.mesh, request.problem.string());
   return task;
 }
 

@@ -13,7 +13,7 @@
 #include "core/mesh/medit.h"
 #include "core/mesh/refinement.h"
 #include "reference/deform_problem.h"
-#include "reference/problem_file.h"
+#include "reference/json_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -192,7 +192,7 @@ MotionTask read_motion_task(const Request& request) {
   if (request.contest != "motion") throw InputError("contest", 0, "motion", request.contest);
   MotionTask task;
   task.mesh = read_medit(request.input, ReadOrientation::kKeep).mesh;
-  task.problem = motion_from_json(read_problem_file(request.problem), task.mesh, request.problem.string());
+  task.problem = motion_from_json(read_json_file(request.problem), task.mesh, request.problem.string());
   return task;
 }
 

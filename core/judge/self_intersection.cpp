@@ -182,7 +182,7 @@ std::uint64_t count_self_intersections(const SurfaceMesh& surface) {
   }
   const TriangleTree tree(corners);
   const PairTest meet(surface);
-  for (Index i = 0; i < corners.size(); ++i) {
+  for (Index i = 0; i < corners.size() && count < kMostSelfIntersections; ++i) {
     if (has_area[i] == 0) continue;
     Box box;
     box.add(corners[i]);
@@ -190,7 +190,7 @@ std::uint64_t count_self_intersections(const SurfaceMesh& surface) {
       if (j > i && has_area[j] != 0 && meet(surface.triangles[i], surface.triangles[j])) ++count;
     });
   }
-  return count;
+  return std::min(count, kMostSelfIntersections);
 }
 
 }  // namespace palpate::judge

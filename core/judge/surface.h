@@ -54,10 +54,14 @@ struct SurfaceDistance {
 SurfaceDistance measure_surface_distance(const SurfaceMesh& a, const SurfaceMesh& b,
                                          const SurfaceDistanceOptions& options = {});
 
+/// More pairs than these are not counted.
+inline constexpr std::uint64_t kMostSelfIntersections = 1'000'000;
+
 /// Pairs of triangles that meet elsewhere than in the vertices (by number) and edges that they share, by
 /// exact orientations: crossing, touching and coplanar overlap all count. A triangle whose corners lie on one
-/// line counts as one pair by itself, and in no other. Throws:  ContractError if a point of a triangle is not
-/// finite or does not exist.
+/// line counts as one pair by itself, and in no other. Counting ends at kMostSelfIntersections: n tets in one
+/// place have some 2 n^2 pairs. Throws:  ContractError if a point of a triangle is not finite or does not
+/// exist.
 std::uint64_t count_self_intersections(const SurfaceMesh& surface);
 
 }  // namespace palpate::judge

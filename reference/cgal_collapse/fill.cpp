@@ -1,11 +1,11 @@
 #include "reference/cgal_collapse/fill.h"
 
-#include <fstream>
 #include <stdexcept>
 
 #include "core/base/atomic_file.h"
 #include "core/mesh/medit.h"
 #include "core/mesh/off.h"
+#include "reference/json_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -17,8 +17,8 @@ std::filesystem::path tool_beside_this_program() {
 }
 
 json read_response(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  json value = file ? json::parse(file, nullptr, false) : json();
+  if (!std::filesystem::exists(path)) return json::object();
+  json value = read_json_file(path);
   return value.is_object() ? value : json::object();
 }
 

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 
 #include "core/base/error.h"
@@ -20,6 +19,7 @@
 #include "reference/fenicsx/motion_answer.h"
 #include "reference/fenicsx/rigid_motions.h"
 #include "reference/fusion_options.h"
+#include "reference/json_file.h"
 #include "reference/problem_file.h"
 
 namespace palpate::reference::fenicsx {
@@ -232,8 +232,12 @@ void prepare_mpi() {
 /// UnavailableError without mpirun.
 void start_mpirun(int argc, char** argv) {
   if (argc != 3 || is_under_mpirun()) return;
-  std::ifstream file(argv[1]);
-  const json request = json::parse(file, nullptr, false);
+  json request;
+  try {
+    request = read_json_file(argv[1]);
+  } catch (const InputError&) {
+    return;
+  }
   if (!request.is_object()) return;
   const json options = request.value("options", json::object());
   if (!options.is_object() || !options.contains("processes") || !options["processes"].is_number_integer())

@@ -28,7 +28,7 @@ void write_text(const std::string& path, const std::string& text) {
 json good_answer(const TetMesh& in, const TetMesh& out) {
   return {{"schema", "palpate/response/1"},
           {"status", "ok"},
-          {"kernel_s", 0.0},
+          {"kernel_s", 1e-6},
           {"report", {{"tets_in", in.tets.size()}, {"tets_out", out.tets.size()}, {"fusions", 0}}},
           {"notes", json::array()}};
 }
@@ -55,6 +55,10 @@ void misbehave_early(const std::string& behave, const std::string& response) {
     write_text(response, std::string("\x7f\x45\x4c\x46 no answer \0 at all", 23));
     std::exit(0);
   }
+  if (behave == "deep_answer") {
+    write_text(response, "{\"report\":" + std::string(200'000, '[') + std::string(200'000, ']') + "}");
+    std::exit(0);
+  }
   if (behave == "huge_answer") {
     write_text(response, std::string(20U << 20U, ' '));
     std::exit(0);
@@ -79,6 +83,20 @@ void spoil_mesh(const std::string& behave, TetMesh& mesh) {
   if (behave == "move_skin") {
     mesh.points[0].x -= 0.125;
   }
+}
+
+/// The behaviours that write to what they were given: the mesh itself, or the file that it was copied from.
+void spoil_input(const std::string& behave, const std::filesystem::path& mesh_in) {
+  TetMesh one;
+  one.points = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+  one.tets = {{0, 1, 2, 3}};
+  if (behave == "overwrite_input") {
+    std::filesystem::permissions(mesh_in, std::filesystem::perms::owner_all);
+    write_medit(mesh_in, one);
+  }
+  if (behave != "overwrite_source") return;
+  const char* source = std::getenv("PALPATE_TEST_SOURCE_MESH");
+  if (source != nullptr) write_medit(source, one);
 }
 
 /// Writes the mesh; for "alternate" with its tets in another order on every second call.
@@ -111,11 +129,12 @@ void add_tuned(const std::string& behave, const json& request, json& answer) {
 std::string answer_text(const std::string& behave, json answer) {
   if (behave == "long_time") answer["kernel_s"] = 1000.0;
   if (behave == "negative_time") answer["kernel_s"] = -1.0;
+  if (behave == "zero_time") answer["kernel_s"] = 0.0;
   if (behave == "no_time") answer.erase("kernel_s");
   if (behave == "wrong_keys") answer["kernel_seconds"] = 1.0;
   if (behave == "false_count") answer["report"]["tets_out"] = 1;
   std::string text = answer.dump();
-  if (behave == "nan_time") text.replace(text.find("\"kernel_s\":0.0"), 14, "\"kernel_s\":NaN");
+  if (behave == "nan_time") text.replace(text.find("\"kernel_s\":1e-06"), 16, "\"kernel_s\":NaN");
   return text;
 }
 
@@ -133,6 +152,7 @@ int main(int argc, char** argv) {
   write_mesh_out(behave, out, request.at("mesh_out").get<std::string>());
   json answer = good_answer(in, out);
   add_tuned(behave, request, answer);
+  spoil_input(behave, request.at("mesh_in").get<std::string>());
   write_text(argv[2], answer_text(behave, answer));
   return behave == "false_status" ? 3 : 0;
 }

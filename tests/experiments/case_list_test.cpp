@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
 #include "tests/support/experiment_fixture.h"
@@ -31,6 +34,28 @@ TEST(CaseList, SweepCrossesThoseWithoutAStop) {
                                          "cube/test.copy/tets_removed_ratio=0.22", "cube/own"));
   EXPECT_EQ(stop_request(cases[1].stop), nlohmann::json({{"ratio", 0.22}}));
   EXPECT_EQ(stop_request(cases[2].stop), nlohmann::json({{"fusions", 3}}));
+}
+
+TEST(CaseList, ValuesThatArePathsStayInTheRunsFolder) {
+  const test::ExperimentFixture fixture;
+  fixture.folder().add("table.csv", "1");
+  const std::string table = (fixture.folder() / "table.csv").string();
+  const auto plan = fixture.add_plan("[test.copy]", "sweep: {option.table: [" + table + "]}\n");
+  const auto cases = build_cases(read_plan(plan, fixture.registry()), fixture.registry());
+  ASSERT_EQ(cases.size(), 1U);
+  EXPECT_EQ(std::count(cases[0].id.begin(), cases[0].id.end(), '/'), 2) << cases[0].id;
+  EXPECT_EQ(cases[0].options.at("table"), table);
+  fixture.run(plan);
+  EXPECT_EQ(fixture.records().at(cases[0].id).at("outcome"), "accepted");
+  EXPECT_TRUE(std::filesystem::exists(fixture.folder() / "run/meshes" / (cases[0].id + ".mesh")));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(fixture.folder().path()), {}), 4)
+      << "cube.mesh, plan.yaml, table.csv, run";
+}
+
+TEST(CaseList, ValuesThatAreTheSameNumberAreRefused) {
+  const test::ExperimentFixture fixture;
+  EXPECT_THAT(fixture.error_of_plan(fixture.add_plan("[test.copy]", "sweep: {option.factor: [0.5, 0.50]}\n")),
+              testing::HasSubstr("values that differ"));
 }
 
 TEST(CaseList, OptionSweepMeetsThoseThatLeaveItFree) {

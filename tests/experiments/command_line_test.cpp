@@ -190,6 +190,30 @@ TEST(CommandLine, SimplifyDoesAndRefuses) {
   expect_refusal(run_program({"simplify", in + "x", "-o", out, "--method", "test.copy"}), 2, "cube.meshx");
 }
 
+TEST(CommandLine, SimplifyJudgesWhatItWrites) {
+  const test::ExperimentFixture fixture;
+  const std::string in = (fixture.folder() / "cube.mesh").string();
+  const std::string out = (fixture.folder() / "out.mesh").string();
+  const ProgramResult broken =
+      run_program({"simplify", in, "-o", out, "--method", "test.copy", "--set", "behave=invert", "--json"});
+  EXPECT_EQ(broken.exit_code, 1) << broken.error;
+  EXPECT_THAT(broken.error, HasSubstr("the output is invalid: tetrahedron 1: inverted"));
+  EXPECT_EQ(json::parse(broken.out).at("valid"), false);
+  EXPECT_EQ(json::parse(broken.out).at("inverted_tets"), 1);
+  EXPECT_TRUE(std::filesystem::exists(out)) << "it is written all the same, to be looked at";
+  const ProgramResult sound = run_program({"simplify", in, "-o", out, "--method", "test.copy", "--json"});
+  EXPECT_EQ(sound.exit_code, 0);
+  EXPECT_EQ(json::parse(sound.out).at("valid"), true);
+  // Fusions without their checks turn tetrahedra over, and had been handed out without a word.
+  const auto larger = fixture.folder() / "larger.mesh";
+  write_medit(larger, build_kuhn_cube(9, 0.2, 3));
+  const ProgramResult unchecked =
+      run_program({"simplify", larger.string(), "-o", out, "--method", "palpate.hierarchical", "--fusions",
+                   "60", "--set", "checks=none", "--json"});
+  EXPECT_EQ(unchecked.exit_code, 1) << unchecked.error;
+  EXPECT_GT(json::parse(unchecked.out).at("inverted_tets"), 0);
+}
+
 TEST(CommandLine, SimplifyKeepsRegions) {
   const test::ExperimentFixture fixture;
   const std::string in = (fixture.folder() / "cube.mesh").string();

@@ -65,11 +65,14 @@ TEST_P(Misbehaviours, BecomesAnOutcome) {
 const Misbehaviour kMisbehaviours[] = {
     {"crash", "crashed", "signal 11"},
     {"no_answer", "crashed", "exit code 5 without an answer: cannot go on"},
-    {"garbage", "bad_answer", "no JSON"},
+    {"garbage", "bad_answer", "its answer: expected JSON"},
+    {"deep_answer", "bad_answer", "its answer: expected at most 32 levels of nesting"},
     {"huge_answer", "bad_answer", "larger than 16 MiB"},
-    {"nan_time", "bad_answer", "no JSON"},
-    {"negative_time", "bad_answer", "kernel_s is no time"},
-    {"long_time", "bad_answer", "exceeds the time of its process"},
+    {"nan_time", "bad_answer", "its answer: expected a number, found NaN"},
+    {"negative_time", "bad_answer", "kernel_s is no time above zero"},
+    {"zero_time", "bad_answer", "kernel_s is no time above zero: 0.0"},
+    {"long_time", "bad_answer", "its kernel time of 1000 s exceeds the"},
+    {"overwrite_input", "bad_answer", "it changed its input cube.mesh"},
     {"no_time", "bad_answer", "\"kernel_s\" is missing"},
     {"wrong_keys", "bad_answer", "unknown key \"kernel_seconds\""},
     {"no_mesh", "bad_answer", "wrote no mesh"},
@@ -137,6 +140,62 @@ TEST(ContestantRun, ProgramThatWasNotBuilt) {
   const ContestantAnswer answer = run_contestant(task);
   EXPECT_EQ(answer.outcome, "unavailable");
   EXPECT_THAT(answer.message, HasSubstr("needs libghost-dev"));
+}
+
+/// A contestant as somebody else would bring one: a folder with a description and a script.
+constexpr const char* kOwnDescription =
+    "schema: palpate/contestant/1\ncontest: simplify\nprogram: %s\nlicence: MIT\n"
+    "methods: [{name: own.copy, summary: copies, stops: [limit]}]\n";
+constexpr const char* kOwnScript = R"(#!/usr/bin/python3
+import json, shutil, sys, time
+request = json.load(open(sys.argv[1]))
+start = time.monotonic()
+shutil.copyfile(request["mesh_in"], request["mesh_out"])
+answer = {"schema": "palpate/response/1", "status": "ok", "kernel_s": time.monotonic() - start, "report": {}, "notes": []}
+json.dump(answer, open(sys.argv[2], "w"))
+)";
+
+std::string own_description(const char* program) {
+  std::string text = kOwnDescription;
+  return text.replace(text.find("%s"), 2, program);
+}
+
+TEST(Contestant, MayLiveElsewhere) {
+  const test::ExperimentFixture fixture;
+  const test::ScratchFolder elsewhere;
+  std::filesystem::create_directories(elsewhere / "mine/bin");
+  const auto script = elsewhere.add("mine/bin/solver.py", kOwnScript);
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  elsewhere.add("mine/contestant.yaml", own_description("bin/solver.py"));
+  ::setenv("PALPATE_CONTESTANTS", elsewhere.path().c_str(), 1);
+  const Registry registry = load_registry();
+  ASSERT_TRUE(registry.find("own.copy"));
+  EXPECT_EQ(registry.find("own.copy")->contestant->unavailable(), "");
+  const auto plan = fixture.add_plan("[own.copy]");
+  const auto run = [&](const std::string& name) {
+    return test::run_program(
+        {"run", plan.string(), "--out", (fixture.folder() / name).string(), "--no-report"});
+  };
+  const test::ProgramResult done = run("run");
+  EXPECT_EQ(done.exit_code, 0) << done.error;
+  EXPECT_EQ(fixture.records().at("cube/own.copy").at("outcome"), "accepted");
+  const auto provenance = nlohmann::json::parse(test::bytes_of(fixture.folder() / "run/provenance.json"));
+  EXPECT_TRUE(provenance.at("programs").contains("mine/solver.py")) << provenance.at("programs").dump();
+  std::filesystem::permissions(script, std::filesystem::perms::owner_read);
+  EXPECT_THAT(run("again").error, HasSubstr("solver.py is not executable"));
+}
+
+TEST(Contestant, AProgramIsLookedForBesideItsDescriptionFirst) {
+  const test::ScratchFolder folder;
+  const auto program_of = [&](const char* program) {
+    return read_contestant(folder.add("contestant.yaml", own_description(program)), "/bin/folder").program;
+  };
+  EXPECT_EQ(program_of("solver"), "/bin/folder/solver");
+  const auto own = folder.add("solver", "");
+  EXPECT_EQ(program_of("solver"), own);
+  EXPECT_EQ(program_of("./solver"), own);
+  EXPECT_EQ(program_of("../build/solver"), folder.path().parent_path() / "build/solver");
+  EXPECT_EQ(program_of("/opt/solver"), "/opt/solver");
 }
 
 std::string description_error(const std::string& methods) {

@@ -24,7 +24,8 @@ json record(int repeat, const json& value, bool warmup = false, const std::strin
 const std::vector<json> kRecords{record(0, 100.0, true), record(1, 1.0), record(2, 2.0), record(3, 9.0)};
 
 std::string accepted_text(const json& value, double lower, double upper,
-                          const std::string& run_case = "kidney/a", const std::string& measure = "kernel_s") {
+                          const std::string& run_case = "kidney/a", const std::string& measure = "kernel_s",
+                          const std::string& unit = "s") {
   return json({{"schema", "palpate/accepted/1"},
                {"plan", "p"},
                {"figures",
@@ -33,7 +34,7 @@ std::string accepted_text(const json& value, double lower, double upper,
                   {"value", value},
                   {"lower", lower},
                   {"upper", upper},
-                  {"unit", "s"}}}}})
+                  {"unit", unit}}}}})
       .dump();
 }
 
@@ -69,7 +70,7 @@ TEST(Gate, AMarkedErrorIsNeverHeld) {
     return std::vector<json>{one};
   };
   for (const char* measure : {"displacement_l2", "displacement_max"}) {
-    const std::string accepted = accepted_text(0.025, 0.01, 0.01, "kidney/a", measure);
+    const std::string accepted = accepted_text(0.025, 0.01, 0.01, "kidney/a", measure, "1");
     EXPECT_EQ(gate_of(accepted, judged(false)).problem, "");
     const GateLine marked = gate_of(accepted, judged(true));
     EXPECT_EQ(marked.problem, "marked: its reference is not five times better");
@@ -89,13 +90,16 @@ std::string gate_error(const std::string& accepted) {
 
 TEST(Gate, FilesThatAreNoAcceptedFigures) {
   EXPECT_THAT(gate_error("[]"), HasSubstr("palpate/accepted/1"));
-  EXPECT_THAT(gate_error("{"), HasSubstr("palpate/accepted/1"));
+  EXPECT_THAT(gate_error("{"), HasSubstr("p.json: expected JSON"));
+  EXPECT_THAT(gate_error(std::string(200'000, '[')), HasSubstr("p.json: expected at most 64 levels"));
   EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":[]})"),
               HasSubstr("not empty"));
   EXPECT_THAT(gate_error(accepted_text(1.0, -1.0, 1.0)), HasSubstr("figure 1: lower: expected a tolerance"));
   EXPECT_THAT(gate_error(accepted_text("1", 1.0, 1.0)), HasSubstr("figure 1: value"));
   EXPECT_THAT(gate_error(accepted_text(1.0, 1.0, 1.0, "a", "kernel")),
               HasSubstr("did you mean \"kernel_s\"?"));
+  EXPECT_THAT(gate_error(accepted_text(1.0, 1.0, 1.0, "a", "tets")),
+              HasSubstr("figure 1: unit of tets: expected \"1\", found \"s\""));
   std::string text = accepted_text(1.0, 1.0, 1.0);
   text.replace(text.find("upper"), 5, "uper");
   EXPECT_THAT(gate_error(text), HasSubstr("unknown key \"uper\"; did you mean \"upper\"?"));

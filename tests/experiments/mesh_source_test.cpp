@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <regex>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -149,6 +150,27 @@ TEST(ListShapes, NamesEveryShapeThatIsMade) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "bean", "ball", "filled_bar", "bar", "cube",
                                              "bcc_bar"}));
+}
+
+TEST(MeshCache, KeysHoldTheImageAndWhatMakesMeshes) {
+  const test::ScratchFolder folder;
+  const MovedCache moved(folder.path());
+  std::filesystem::create_directory(folder / "organ_data");
+  const ShapeRequest kidney{"kidney", {}, 0, {}};
+  const ShapeRequest ball{"ball", {}, 0, {}};
+  folder.add("organ_data/liver.inr", "an image");
+  const std::string kidney_key = shape_key(kidney);
+  const std::string ball_key = shape_key(ball);
+  EXPECT_EQ(shape_key(kidney), kidney_key);
+  folder.add("organ_data/liver.inr", "another image");
+  EXPECT_NE(shape_key(kidney), kidney_key) << "a kidney from another image is another kidney";
+  EXPECT_EQ(shape_key(ball), ball_key);
+  make_shape({"ball", {150, {}}, 0, {}});
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "mesh_cache")) {
+    if (entry.path().extension() != ".json") continue;
+    const std::string key = read_kept(entry.path()).at("key").get<std::string>();
+    EXPECT_TRUE(std::regex_search(key, std::regex("palpate [0-9.]+ [0-9a-f]{64}; "))) << key;
+  }
 }
 
 TEST(MeshCache, KeepsAMeshAndMakesADamagedOneAgain) {

@@ -128,6 +128,29 @@ TEST(Runner, ABrokenPromiseToKeepARegionIsAViolation) {
   EXPECT_THAT(provenance.at("plan_data").dump(), HasSubstr("half_space 0 0 -1 -0.9"));
 }
 
+TEST(Runner, AContestantThatChangesItsInputHarmsNobodyElse) {
+  const test::ExperimentFixture fixture;
+  const auto folder = fixture.folder() / "run";
+  ::setenv("PALPATE_TEST_SOURCE_MESH", (folder / "meshes/cube/input.mesh").c_str(), 1);
+  const auto plan = fixture.add_plan(
+      "\n  - {method: test.copy, label: a, set: {behave: overwrite_input}}\n  - {method: test.copy, label: "
+      "b, "
+      "set: {behave: overwrite_source}}\n  - {method: test.copy, label: c}");
+  run_quietly(fixture, plan, folder);
+  ::unsetenv("PALPATE_TEST_SOURCE_MESH");
+  const auto records = records_by_case(folder);
+  for (const char* spoiler : {"cube/a", "cube/b"}) {
+    EXPECT_EQ(records.at(spoiler).front().at("outcome"), "bad_answer");
+    EXPECT_EQ(records.at(spoiler).front().at("message"), "it changed its input input.mesh") << spoiler;
+    EXPECT_TRUE(records.at(spoiler).front().at("kernel_s").is_null());
+  }
+  const json& next = records.at("cube/c").front();
+  EXPECT_EQ(next.at("outcome"), "accepted") << next.dump();
+  EXPECT_EQ(next.at("report").at("tets_in"), 384) << "it was given the whole mesh";
+  EXPECT_EQ(test::bytes_of(folder / "meshes/cube/input.mesh"),
+            test::bytes_of(fixture.folder() / "cube.mesh"));
+}
+
 TEST(Runner, OptionalContestantDoesNotDecide) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan(
@@ -276,6 +299,31 @@ TEST(Runner, ResumeRefusesAnotherPlanAndChangedMeshes) {
   EXPECT_THAT(run_error(fixture, same, folder, true), HasSubstr("the mesh that the run started with"));
 }
 
+TEST(Runner, ResumeRefusesAnotherMachineOrCompiler) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b}");
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, plan, folder, false, "cube/b");
+  const std::string own = test::bytes_of(folder / "provenance.json");
+  for (const char* key : {"processor", "compiler", "flags", "system", "memory"}) {
+    json elsewhere = json::parse(own);
+    elsewhere[key] = "another";
+    fixture.folder().add("run/provenance.json", elsewhere.dump());
+    EXPECT_THAT(run_error(fixture, plan, folder, true), HasSubstr("changed (\"another\" then, ")) << key;
+  }
+  EXPECT_EQ(records_by_case(folder).size(), 2U) << "nothing was added";
+  fixture.folder().add("run/provenance.json", own);
+  run_quietly(fixture, plan, folder, true);
+  const auto records = records_by_case(folder);
+  EXPECT_EQ(records.at("cube/input")[0].at("sitting"), 0);
+  EXPECT_EQ(records.at("cube/b")[0].at("sitting"), 0);
+  EXPECT_EQ(records.at("cube/test.copy")[0].at("sitting"), 1);
+  const json sittings = json::parse(test::bytes_of(folder / "provenance.json")).at("sittings");
+  ASSERT_EQ(sittings.size(), 2U);
+  for (const json& sitting : sittings)
+    EXPECT_TRUE(sitting.contains("commit") && sitting.contains("started_at"));
+}
+
 TEST(Runner, OneCaseThenTheRest) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b, seeds: 3}");
@@ -297,6 +345,8 @@ TEST(Records, TornLineIsDroppedAndCutOff) {
   EXPECT_EQ(read_records(path).size(), 2U);
   folder.add("records.jsonl", "garbage\n" + line);
   EXPECT_THROW(read_records(path), InputError);
+  folder.add("records.jsonl", line + std::string(200'000, '[') + "\n");
+  EXPECT_THROW(read_records(path), InputError) << "had overflowed the stack";
   folder.add("records.jsonl", std::string(100'000, 'x'));
   { const RecordFile cut(path); }
   EXPECT_EQ(std::filesystem::file_size(path), 0U);

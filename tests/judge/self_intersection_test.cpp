@@ -29,6 +29,20 @@ TEST(SelfIntersections, NoneInGoodSurfaces) {
   EXPECT_EQ(count_self_intersections({}), 0U);
 }
 
+TEST(SelfIntersections, CountingEndsAtAMillion) {
+  const auto pairs_of = [](Index copies) {
+    SurfaceMesh same;  // every two of them overlap
+    for (Index i = 0; i < copies; ++i) {
+      same.points.insert(same.points.end(), kGround.begin(), kGround.end());
+      same.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return count_self_intersections(same);
+  };
+  EXPECT_EQ(pairs_of(1400), 1400U * 1399U / 2U);
+  EXPECT_EQ(pairs_of(1500), kMostSelfIntersections);
+  EXPECT_EQ(pairs_of(4000), kMostSelfIntersections);
+}
+
 TEST(SelfIntersections, TwoTrianglesApart) {
   const auto count = [](const std::array<Vec3, 3>& other) {
     const std::uint64_t found = count_self_intersections(make_pair(kGround, other));

@@ -1,0 +1,25 @@
+// What a run must be before its figures are held against anything: whole, and from somewhere.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::experiments {
+
+/// What keeps a run's figures from being believed, one line each; empty if nothing does: plan.yaml or
+/// provenance.json are missing or do not belong together; repeats of its cases are missing, or records name
+/// cases that it does not have; a record that the plan requires is not accepted; any other one crashed, ran
+/// out of memory, gave a bad answer, failed or was not judged. (A contestant that is not required may be
+/// unavailable, be rejected, refuse its input or time out.)
+std::vector<std::string> find_run_problems(const std::filesystem::path& folder,
+                                           const std::vector<nlohmann::json>& records);
+
+/// Accepted figures (palpate/accepted/1) for a run that has none yet: of every accepted case and input the
+/// scalar measures that its plan names under `measure` and `accept`, without times and memory, with
+/// tolerances of 0 for their author to widen.
+nlohmann::ordered_json propose_accepted(const std::filesystem::path& folder,
+                                        const std::vector<nlohmann::json>& records, const std::string& plan);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,35 @@
+// The files that a contestant is given: it may read them, and must leave them as they are.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::experiments {
+
+/// Input files as they are before a contestant runs. Contestants share them: one that overwrites its input
+/// would change what the next one is asked.
+class InputGuard {
+ public:
+  /// Watches a file; nothing happens if there is none. Throws: InputError if it cannot be read.
+  void watch(const std::filesystem::path& file);
+
+  /// Puts a copy that cannot be written by its mode below `folder`, under the same name, and watches both.
+  /// Returns its path. Throws: InputError if `file` cannot be read or the copy not be written.
+  std::filesystem::path copy(const std::filesystem::path& file, const std::filesystem::path& folder);
+
+  /// Looks at every file again and puts back what has changed. Returns the names of those that had, each
+  /// once. Throws: InputError if a file cannot be put back.
+  std::vector<std::string> restore() const;
+
+ private:
+  struct Watched {
+    std::filesystem::path file;
+    std::string bytes;
+    bool is_copy = false;  ///< nobody else reads it: it need not be put back
+  };
+
+  std::vector<Watched> watched_;
+};
+
+}  // namespace palpate::experiments
