@@ -26,6 +26,7 @@ struct MakeArguments {
   double edge_length = 0.0;
   std::uint64_t seed = 0;
   double jitter = -1.0;
+  std::string skin = "coarse";
   bool normalize = false;
   bool as_json = false;
 };
@@ -92,6 +93,7 @@ int make(const MakeArguments& arguments) {
   request.size = size_of(arguments);
   request.seed = arguments.seed;
   if (arguments.jitter >= 0.0) request.jitter = arguments.jitter;
+  request.skin = *skin_size(arguments.skin);
   return deliver(make_shape(request), arguments);
 }
 
@@ -171,12 +173,17 @@ void add_size_options(CLI::App* command, const std::shared_ptr<MakeArguments>& a
 
 void add_make_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<MakeArguments>();
-  CLI::App* command = app.add_subcommand("make", "Make a mesh: a real organ or a built shape");
+  CLI::App* command = app.add_subcommand("make", "Make a mesh: a real organ, another body or a built shape");
   command->add_option("SHAPE", arguments->source, "One of palpate list meshes")->required();
   add_size_options(command, arguments);
-  command->add_option("--seed", arguments->seed, "Seed of the random parts")
+  command
+      ->add_option("--seed", arguments->seed, "Another mesh of the same body; cube: seed of its jitter (0)")
       ->check(whole_number_from(0, std::numeric_limits<std::int64_t>::max()))
       ->type_name("N");
+  command
+      ->add_option("--skin", arguments->skin, "coarse (as it comes) or fine, with edges as short as inside")
+      ->check(CLI::IsMember({"coarse", "fine"}))
+      ->type_name("HOW");
   command->add_option("--jitter", arguments->jitter, "cube: largest move of an inner vertex, in cells")
       ->check(number_from(0.0, 0.5))
       ->type_name("X");

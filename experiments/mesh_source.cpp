@@ -16,11 +16,14 @@
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
+#include "experiments/body_surface.h"
+#include "experiments/doubled_points.h"
 #include "experiments/mesh_cache.h"
 #include "experiments/mesh_fill.h"
 #include "experiments/mesh_tools.h"
 #include "experiments/nearest_name.h"
 #include "experiments/organ_source.h"
+#include "experiments/skin_jitter.h"
 #include "experiments/terminal.h"
 
 namespace palpate::experiments {
@@ -80,16 +83,33 @@ std::string describe(const char* name, const FilledSurface& filled) {
   return text.data();
 }
 
-/// The skin's frequency goes with the interior's size: 6 (362 vertices) at the default count.
-MadeMesh make_filled(const FilledShape& shape, const MeshSize& size) {
+/// The skin's frequency goes with the interior's size. Coarse: 6 (362 vertices) at the default count. Fine:
+/// as long as the edges inside.
+MadeMesh make_filled(const FilledShape& shape, const ShapeRequest& request) {
   constexpr double kFrequency = 6.0;
   constexpr double kInnerVertices = 1141.0;  // 1503 - 362
   constexpr double kMostFrequency = 350.0;   // of filled_bar, and more than enough for the others
+  const MeshSize& size = request.size;
   const auto skin = [&](double frequency) {
-    return shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
+    SurfaceMesh built = shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
+    jitter_skin(request.seed, built);
+    return built;
   };
   FilledSurface filled;
-  if (size.edge_length) {
+  if (request.skin == SkinSize::kFine) {
+    const SurfaceMesh first = skin(kFrequency);
+    const double edge_at_1 = kFrequency * mean_edge(first);  // edges go with 1 / frequency
+    const auto fine_skin = [&](double interior) { return skin(edge_at_1 / interior); };
+    const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
+    if (size.edge_length) {
+      check_interior_size(enclosed_volume(first), *size.edge_length);
+      filled = fill_surface(fine_skin(*size.edge_length), *size.edge_length);
+    } else {
+      check_vertex_count(shape.name, vertices);
+      const double start = estimate_interior_size(enclosed_volume(first), static_cast<double>(vertices));
+      filled = fill_with_skin(fine_skin, vertices, start, shape.name);
+    }
+  } else if (size.edge_length) {
     const double volume = enclosed_volume(skin(kFrequency));
     check_interior_size(volume, *size.edge_length);
     const double default_size = estimate_interior_size(volume, kInnerVertices);
@@ -114,9 +134,6 @@ MadeMesh make_filled(const FilledShape& shape, const MeshSize& size) {
 }
 
 MadeMesh make_lattice(const LatticeShape& shape, const ShapeRequest& request) {
-  if (request.jitter && std::string(shape.name) != "cube") {
-    throw InputError(shape.name, 0, "no jitter (it is the cube's)", short_number(*request.jitter));
-  }
   int cells = 1;
   if (request.size.edge_length) {
     const double wanted = std::round(1.0 / *request.size.edge_length);
@@ -206,44 +223,71 @@ void restore_orientation(const std::string& where, MeditFile& file) {
 
 }  // namespace
 
+std::optional<SkinSize> skin_size(const std::string& name) {
+  if (name == "coarse") return SkinSize::kCoarse;
+  if (name == "fine") return SkinSize::kFine;
+  return std::nullopt;
+}
+
 std::vector<ShapeInfo> list_shapes() {
-  std::string organ_reason;
-  std::string filled_reason = why_unavailable(kGmshTool);
+  std::string image_reason;
+  std::string body_reason;
+  const std::string filled_reason = why_unavailable(kGmshTool);
   for (const MeshTool& tool : {kVtkTool, kSurfaceTool, kGmshTool}) {
-    if (organ_reason.empty()) organ_reason = why_unavailable(tool);
+    const std::string reason = why_unavailable(tool);
+    if (image_reason.empty()) image_reason = reason;
+    if (body_reason.empty() && std::string(tool.program) != kVtkTool.program) body_reason = reason;
   }
-  return {
-      {"kidney", "a real human kidney of 159 ml, from a segmented CT", "mm", organ_reason},
-      {"liver", "a real human liver of 1.6 l, from a segmented CT", "mm", organ_reason},
-      {"bean", "a geodesic sphere bent into a kidney with a hilum", "cm", filled_reason},
-      {"ball", "the unit ball, a geodesic sphere filled with a finer interior", "1", filled_reason},
-      {"filled_bar", "a bar [0, 4] x [0, 1]^2 whose inside is filled without a lattice", "1", filled_reason},
-      {"bar", "a bar [0, 4] x [0, 1]^2 of Kuhn cells", "1", ""},
-      {"cube", "a cube [0, 1]^3 of Kuhn cells, inner vertices moved at random", "1", ""},
-      {"bcc_bar", "a bar [0, 4] x [0, 1]^2 of body-centred cubic lattice", "1", ""},
-  };
+  std::vector<ShapeInfo> shapes;
+  for (const BodyInfo& body : list_bodies())
+    shapes.push_back({body.name, body.summary, "mm", body.needs_image ? image_reason : body_reason});
+  shapes.insert(
+      shapes.end(),
+      {{"bean", "a geodesic sphere bent into a kidney with a hilum", "cm", filled_reason},
+       {"ball", "the unit ball, a geodesic sphere filled with a finer interior", "1", filled_reason},
+       {"filled_bar", "a bar [0, 4] x [0, 1]^2 whose inside is filled without a lattice", "1", filled_reason},
+       {"bar", "a bar [0, 4] x [0, 1]^2 of Kuhn cells", "1", ""},
+       {"cube", "a cube [0, 1]^3 of Kuhn cells, inner vertices moved at random", "1", ""},
+       {"bcc_bar", "a bar [0, 4] x [0, 1]^2 of body-centred cubic lattice", "1", ""}});
+  return shapes;
+}
+
+std::string shape_complaint(const ShapeRequest& request) {
+  const bool is_lattice = find_shape(kLatticeShapes, request.name) != nullptr;
+  const bool is_flat = is_lattice || request.name == "filled_bar";
+  if (request.jitter && request.name != "cube") {
+    return request.name + ": expected no jitter (it is the cube's), found " + short_number(*request.jitter);
+  }
+  if (request.seed != 0 && is_flat && request.name != "cube") {
+    return request.name +
+           ": expected no seed (nothing of it is random: its skin is flat and regular), found " +
+           std::to_string(request.seed);
+  }
+  if (request.skin != SkinSize::kCoarse && is_lattice) {
+    return request.name + ": expected no skin (it is a lattice, whose skin goes with its cells), found fine";
+  }
+  return "";
 }
 
 std::string shape_key(const ShapeRequest& request) {
   std::array<char, 64> edge{};
   std::snprintf(edge.data(), edge.size(), "%a", request.size.edge_length.value_or(0.0));
   return "shape " + request.name + "; vertices " + std::to_string(request.size.vertices.value_or(0)) +
-         "; edge " + edge.data() + (is_organ(request.name) ? "; image " + organ_image_hash() : "");
+         "; edge " + edge.data() + (request.skin == SkinSize::kFine ? "; fine skin" : "") +
+         (request.seed > 0 ? "; seed " + std::to_string(request.seed) : "") +
+         (is_body(request.name) ? body_data_key(request.name) : "");
 }
 
 MadeMesh make_shape(const ShapeRequest& request) {
   check_size(request.size);
-  if (const LatticeShape* lattice = find_shape(kLatticeShapes, request.name)) {
-    return make_lattice(*lattice, request);
-  }
+  const LatticeShape* lattice = find_shape(kLatticeShapes, request.name);
   const FilledShape* shape = find_shape(kFilledShapes, request.name);
-  if (shape == nullptr && !is_organ(request.name)) refuse_shape(request.name);
-  if (request.jitter) {
-    throw InputError(request.name, 0, "no jitter (it is the cube's)", short_number(*request.jitter));
-  }
-  return make_cached(shape_key(request), [&] {
-    return shape != nullptr ? make_filled(*shape, request.size) : make_organ(request.name, request.size);
-  });
+  if (lattice == nullptr && shape == nullptr && !is_body(request.name)) refuse_shape(request.name);
+  const std::string complaint = shape_complaint(request);
+  if (!complaint.empty()) throw InputError(complaint);
+  if (lattice != nullptr) return make_lattice(*lattice, request);
+  return make_cached(shape_key(request),
+                     [&] { return shape != nullptr ? make_filled(*shape, request) : make_body(request); });
 }
 
 MadeMesh mesh_surface(const std::filesystem::path& path, const MeshSize& size) {
@@ -269,7 +313,9 @@ MadeMesh mesh_surface(const std::filesystem::path& path, const MeshSize& size) {
   return made;
 }
 
-MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
+namespace {
+
+MeditFile read_any_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
   const std::string ending = ending_of(path);
   if (ending == ".mesh") return read_medit(path, orientation);
   const bool is_msh = ending == ".msh";
@@ -301,6 +347,15 @@ MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientati
     }
     restore_orientation(path.string(), file);
   }
+  return file;
+}
+
+}  // namespace
+
+MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
+  MeditFile file = read_any_mesh(path, orientation);
+  const std::string complaint = doubled_points_complaint(file.mesh);
+  if (!complaint.empty()) throw InputError(path.string(), 0, "tetrahedra that share vertices", complaint);
   return file;
 }
 

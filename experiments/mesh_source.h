@@ -18,19 +18,29 @@ struct MeshSize {
   std::optional<double> edge_length{};  ///< of the interior, in the shape's own unit
 };
 
+/// How fine the skin of a filled body is, beside its interior.
+enum class SkinSize {
+  kCoarse,  ///< edges some 2.2 times as long as inside, as in the thesis's mesh
+  kFine,    ///< as long as inside, as users' meshes have
+};
+
+/// "coarse" or "fine"; nothing for another word.
+std::optional<SkinSize> skin_size(const std::string& name);
+
 /// A shape by name, as in `palpate make` and in plans.
 struct ShapeRequest {
   std::string name;
   MeshSize size{};
-  std::uint64_t seed = 0;          ///< used by the shapes that have random parts
-  std::optional<double> jitter{};  ///< cube only: largest move of an inner vertex, in cells
+  std::uint64_t seed = 0;  ///< another mesh of the same body; cube: of its jitter. Lattices have none.
+  std::optional<double> jitter{};     ///< cube only: largest move of an inner vertex, in cells
+  SkinSize skin = SkinSize::kCoarse;  ///< of filled bodies only
 };
 
 /// One line of `palpate list meshes`.
 struct ShapeInfo {
   std::string name;
   std::string summary;
-  std::string unit;         ///< "mm" for the real organs, "1" for built shapes
+  std::string unit;         ///< "mm" for bodies, "cm" for the bean, "1" for built shapes
   std::string unavailable;  ///< why it cannot be made here, empty if it can
 };
 
@@ -42,13 +52,19 @@ struct MadeMesh {
 
 std::vector<ShapeInfo> list_shapes();
 
-/// What a made mesh is kept under, beside what make_cached adds: the request, and for an organ the hash of
-/// its image. Throws: UnavailableError if there is no image.
+/// What a made mesh is kept under, beside what make_cached adds: the request, and for a body the hash of
+/// the data that it is made from. Throws: UnavailableError if there are none.
 std::string shape_key(const ShapeRequest& request);
+
+/// Which part of the request the shape of that name cannot take, as a sentence; empty if it can take all.
+/// A seed moves the skin's vertices along the skin (jitter_skin), so flat-sided shapes take none but the
+/// cube. Sizes are not looked at.
+std::string shape_complaint(const ShapeRequest& request);
 
 /// Makes a shape; the same request gives the same mesh to the byte. Finished meshes are kept in a cache below
 /// the build folder, keyed by the request and the programs that made them. Throws: InputError for an unknown
-/// name (with the nearest) or an impossible size; UnavailableError if a program,
+/// name (with the nearest), an impossible size or what shape_complaint() refuses; UnavailableError if a
+/// program,
 ///         a package or the organ data is missing, or a mesher fails or hangs.
 MadeMesh make_shape(const ShapeRequest& request);
 
@@ -59,6 +75,7 @@ MadeMesh make_shape(const ShapeRequest& request);
 MadeMesh mesh_surface(const std::filesystem::path& surface, const MeshSize& size);
 
 /// Reads .mesh itself, and .msh, .vtk, .vtu through the converter programs.
+/// Throws: InputError for a broken file, and for tets that all stand alone (doubled_points_complaint()).
 MeditFile read_mesh(const std::filesystem::path& path,
                     ReadOrientation orientation = ReadOrientation::kRestore);
 

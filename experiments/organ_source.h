@@ -1,24 +1,22 @@
-// The real organs: from a segmented CT to a filled surface.
+// Meshes of bodies, real organs first: from a finely sampled skin to a filled surface.
 #pragma once
 
 #include "experiments/mesh_source.h"
 
 namespace palpate::experiments {
 
-/// Is it the name of a real organ?
-bool is_organ(const std::string& name);
+/// Is it the name of a body (list_bodies())?
+bool is_body(const std::string& name);
 
 /// The folder `organ_data` below the build folder, or below PALPATE_CACHE.
 std::filesystem::path organ_data_folder();
 
-/// Hash of the image that the organs are made from, which is fetched if it is not there yet. Throws:
-/// UnavailableError if it cannot be had.
-std::string organ_image_hash();
-
-/// Makes "kidney" or "liver", in mm, the voxels' centroid at the origin, axes as in the image.
+/// Makes a body by name, in mm, axes as in its source; for an organ of the CT the voxels' centroid is the
+/// origin.
 ///
-/// Label -> smooth surface (VTK) -> coarse skin (CGAL) -> scaled about its centroid to the voxels' volume ->
-/// tets (gmsh), the interior finer than the skin. Throws: as make_shape().
-MadeMesh make_organ(const std::string& name, const MeshSize& size);
+/// Fine surface (VTK from the CT, a scan, a formula) -> skin of the wanted edges (CGAL) -> scaled about its
+/// vertices' mean to the body's volume -> tets (gmsh), the interior finer than a coarse skin, as fine as a
+/// fine one. Throws: as make_shape().
+MadeMesh make_body(const ShapeRequest& request);
 
 }  // namespace palpate::experiments

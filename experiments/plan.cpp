@@ -15,6 +15,7 @@
 #include "experiments/plan_stability.h"
 #include "experiments/plan_targets.h"
 #include "experiments/plan_verify.h"
+#include "experiments/shape_fields.h"
 
 namespace palpate::experiments {
 namespace {
@@ -23,43 +24,22 @@ constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
 constexpr std::int64_t kLargestCount = std::int64_t{1} << 40;
 
 PlanMesh read_mesh_entry(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields =
-      value.fields({"name", "make", "vertices", "edge_length", "seed", "jitter", "file"});
+  const YamlFields fields = value.fields(with_shape_keys({"name", "make", "file"}));
   PlanMesh mesh;
   mesh.name = fields.need("name").identifier();
   const auto make = fields.find("make");
   const auto file = fields.find("file");
   if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");
-  if (file) {
-    for (const char* key : {"vertices", "edge_length", "seed", "jitter"}) {
-      if (const auto extra = fields.find(key)) {
-        extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to a file");
-      }
-    }
-    mesh.file = folder / file->text();
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(mesh.file, error)) {
-      file->fail("expected a mesh file, found none at " + mesh.file.string());
-    }
+  if (make) {
+    mesh.shape = read_shape_fields(fields, *make);
     return mesh;
   }
-  ShapeRequest shape;
-  shape.name = make->text();
-  std::vector<std::string> known;
-  for (const ShapeInfo& info : list_shapes()) known.push_back(info.name);
-  if (std::find(known.begin(), known.end(), shape.name) == known.end()) {
-    make->fail("unknown shape \"" + shape.name + "\"" + nearest_hint(shape.name, known));
+  refuse_shape_keys(fields);
+  mesh.file = folder / file->text();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(mesh.file, error)) {
+    file->fail("expected a mesh file, found none at " + mesh.file.string());
   }
-  const auto vertices = fields.find("vertices");
-  const auto edge_length = fields.find("edge_length");
-  if (vertices && edge_length) edge_length->fail("a mesh takes \"vertices\" or \"edge_length\", not both");
-  if (vertices) shape.size.vertices = static_cast<std::uint64_t>(vertices->integer(4, kMostVertices));
-  if (edge_length) shape.size.edge_length = edge_length->number(1e-9, 1e9);
-  if (const auto seed = fields.find("seed")) {
-    shape.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestCount));
-  }
-  if (const auto jitter = fields.find("jitter")) shape.jitter = jitter->number(0.0, 0.5);
-  mesh.shape = shape;
   return mesh;
 }
 

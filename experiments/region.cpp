@@ -1,7 +1,9 @@
 #include "experiments/region.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "core/base/error.h"
@@ -105,18 +107,53 @@ double ray_hit(const Vec3& origin, const Vec3& direction, const Vec3& a, const V
   return dot(v, q) / det;
 }
 
+std::string shown(const Vec3& v) {
+  std::array<char, 80> text{};
+  std::snprintf(text.data(), text.size(), "[%.4g, %.4g, %.4g]", v.x, v.y, v.z);
+  return text.data();
+}
+
+bool is_in_a_tet(const Vec3& p, const TetMesh& mesh) {
+  return std::any_of(mesh.tets.begin(), mesh.tets.end(), [&](const Tet& t) {
+    const auto& x = mesh.points;
+    return signed_volume(p, x[t[1]], x[t[2]], x[t[3]]) >= 0.0 &&
+           signed_volume(x[t[0]], p, x[t[2]], x[t[3]]) >= 0.0 &&
+           signed_volume(x[t[0]], x[t[1]], p, x[t[3]]) >= 0.0 &&
+           signed_volume(x[t[0]], x[t[1]], x[t[2]], p) >= 0.0;
+  });
+}
+
+/// Says why a ray met no boundary: the centroid of a bent or hollow body lies outside it.
+[[noreturn]] void fail_without_hit(const Region& region, const Vec3& origin, const TetMesh& mesh,
+                                   const std::vector<Triangle>& boundary) {
+  Vec3 nearest = mesh.points[boundary.front()[0]] - origin;
+  for (const Triangle& t : boundary) {
+    for (const Index v : t) {
+      const Vec3 to = mesh.points[v] - origin;
+      if (length_sq(to) < length_sq(nearest)) nearest = to;
+    }
+  }
+  const std::string why =
+      is_in_a_tet(origin, mesh)
+          ? "no boundary there"
+          : "no boundary there: the centroid " + shown(origin) +
+                " m lies outside the body, which is bent or hollow, and the ray leads away from "
+                "it. The nearest skin is in the direction " +
+                shown((1.0 / length(nearest)) * nearest) + "; \"center_m\" needs no direction";
+  throw InputError(region.where + ": surface_point", 0,
+                   "a direction from the centroid that meets the boundary", why);
+}
+
 Vec3 surface_point(const Region& region, const TetMesh& mesh) {
   const Vec3 origin = volume_centroid(mesh);
   const Vec3 direction = *region.surface_direction;
+  const std::vector<Triangle> boundary = build_boundary(mesh);
   double last = -1.0;
-  for (const Triangle& t : build_boundary(mesh)) {
+  for (const Triangle& t : boundary) {
     last =
         std::max(last, ray_hit(origin, direction, mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]));
   }
-  if (last < 0.0) {
-    throw InputError(region.where + ": surface_point", 0,
-                     "a direction from the centroid that meets the boundary", "none there");
-  }
+  if (last < 0.0) fail_without_hit(region, origin, mesh, boundary);
   return origin + last * direction;
 }
 

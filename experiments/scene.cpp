@@ -6,12 +6,11 @@
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
 #include "experiments/places.h"
+#include "experiments/shape_fields.h"
 
 namespace palpate::experiments {
 namespace {
 
-constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
-constexpr std::int64_t kLargestSeed = std::int64_t{1} << 40;
 constexpr double kSmallest = 1e-30;
 constexpr double kLargest = 1e30;
 
@@ -33,24 +32,6 @@ std::optional<double> unit_of_shape(const std::string& name) {
     if (info.unit == "cm") return 0.01;
   }
   return std::nullopt;
-}
-
-ShapeRequest read_shape(const YamlFields& fields, const YamlValue& make) {
-  ShapeRequest shape;
-  shape.name = make.text();
-  std::vector<std::string> known;
-  for (const ShapeInfo& info : list_shapes()) known.push_back(info.name);
-  if (std::find(known.begin(), known.end(), shape.name) == known.end())
-    make.fail("unknown shape \"" + shape.name + "\"" + nearest_hint(shape.name, known));
-  const auto vertices = fields.find("vertices");
-  const auto edge_length = fields.find("edge_length");
-  if (vertices && edge_length) edge_length->fail("a mesh takes \"vertices\" or \"edge_length\", not both");
-  if (vertices) shape.size.vertices = static_cast<std::uint64_t>(vertices->integer(4, kMostVertices));
-  if (edge_length) shape.size.edge_length = edge_length->number(1e-9, 1e9);
-  if (const auto seed = fields.find("seed"))
-    shape.seed = static_cast<std::uint64_t>(seed->integer(0, kLargestSeed));
-  if (const auto jitter = fields.find("jitter")) shape.jitter = jitter->number(0.0, 0.5);
-  return shape;
 }
 
 /// {springs: NAME, option: value, ...}, {finite_elements: p1 | p2}, {tensor_mass: true}, {smoothed: NAME}.
@@ -187,8 +168,7 @@ void check_poisson_ratio(const YamlValue& at, double ratio) {
 }
 
 SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields =
-      value.fields({"make", "vertices", "edge_length", "seed", "jitter", "file", "unit_m", "length_m"});
+  const YamlFields fields = value.fields(with_shape_keys({"make", "file", "unit_m", "length_m"}));
   SceneMesh mesh;
   const auto make = fields.find("make");
   const auto file = fields.find("file");
@@ -199,13 +179,10 @@ SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& f
   if (unit) mesh.unit_m = read_positive(*unit);
   if (size) mesh.length_m = read_positive(*size);
   if (make) {
-    mesh.shape = read_shape(fields, *make);
+    mesh.shape = read_shape_fields(fields, *make);
     if (!unit && !size) mesh.unit_m = unit_of_shape(mesh.shape->name);
   } else {
-    for (const char* key : {"vertices", "edge_length", "seed", "jitter"}) {
-      if (const auto extra = fields.find(key))
-        extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to a file");
-    }
+    refuse_shape_keys(fields);
     mesh.file = folder / file->text();
     std::error_code error;
     if (!std::filesystem::is_regular_file(mesh.file, error))

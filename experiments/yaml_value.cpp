@@ -136,8 +136,11 @@ std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
 }
 
 YamlFields YamlValue::fields(std::initializer_list<const char*> allowed) const {
+  return fields(std::vector<std::string>(allowed.begin(), allowed.end()));
+}
+
+YamlFields YamlValue::fields(const std::vector<std::string>& known) const {
   auto all = entries();
-  const std::vector<std::string> known(allowed.begin(), allowed.end());
   std::size_t index = 0;
   for (const auto& entry : node_) {
     const std::string& key = all[index++].first;

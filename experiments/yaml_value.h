@@ -31,6 +31,7 @@ class YamlValue {
   bool is_map() const { return node_.IsMap(); }
 
   /// The mapping's values by key. Refuses keys that are not in `allowed` (with the nearest) and keys twice.
+  YamlFields fields(const std::vector<std::string>& allowed) const;
   YamlFields fields(std::initializer_list<const char*> allowed) const;
 
   /// The mapping's values with any keys, in the file's order; keys twice are refused.

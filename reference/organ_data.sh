@@ -1,11 +1,12 @@
 #!/bin/bash
-# Usage: organ_data.sh FOLDER
-# Puts liver.inr, a segmented CT (CC0), into FOLDER. It comes from Debian's package libcgal-demo: from its doc
-# folder when that is installed, else out of the package itself, which apt-get downloads without installing.
+# Usage: organ_data.sh FOLDER [MEMBER]
+# Puts a file of CGAL's data (CC0) into FOLDER, unpacked: liver.inr, a segmented CT, or the MEMBER that is
+# named (data/meshes/femur.off). It comes from Debian's package libcgal-demo: from its doc folder when that is
+# installed, else out of the package itself, which apt-get downloads without installing.
 set -euo pipefail
 
 folder=$1
-member=data/images/liver.inr.gz
+member=${2:-data/images/liver.inr.gz}
 mkdir -p "$folder"
 work=$(mktemp -d "$folder/unpack.XXXXXX")
 trap 'rm -rf "$work"' EXIT
@@ -31,5 +32,10 @@ if [[ -z $archive ]]; then
 fi
 
 tar -xzf "$archive" -C "$work" "$member"
-gzip -dc "$work/$member" >"$work/liver.inr"
-mv "$work/liver.inr" "$folder/liver.inr"
+name=$(basename "$member" .gz)
+if [[ $member == *.gz ]]; then
+  gzip -dc "$work/$member" >"$work/$name"
+else
+  mv "$work/$member" "$work/$name"
+fi
+mv "$work/$name" "$folder/$name"

@@ -187,6 +187,21 @@ bool Skin::touches_others(const WorkingMesh& mesh, const SkinChange& change) {
   return change.fresh.empty();
 }
 
+std::optional<Vec3> Skin::find_contact(const WorkingMesh& mesh) const {
+  for (Index f = 0; f < faces_.size(); ++f) {
+    if (!is_alive(f)) continue;
+    const PlacedFace face = placed(mesh, f);
+    bool touches = false;
+    for_each_cell(face.corner, [&](std::size_t cell) {
+      touches = touches || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index g) {
+                  return g < f && are_in_contact(face, placed(mesh, g));
+                });
+    });
+    if (touches) return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
+  }
+  return std::nullopt;
+}
+
 bool Skin::stays_near_input() {
   return std::all_of(fresh_.begin(), fresh_.end(),
                      [&](const PlacedFace& face) { return cover_.is_covered(face.corner, tree_); });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,10 @@ class Skin {
   bool is_alive(Index f) const { return faces_[f][0] != kNoIndex; }
   const Triangle& face(Index f) const { return faces_[f]; }
   std::span<const Index> faces_of(Index v) const { return of_vertex_[v]; }
+
+  /// The middle of a face that is in contact with another one now, if there is one. Time: linear in the faces
+  /// where few meet.
+  std::optional<Vec3> find_contact(const WorkingMesh& mesh) const;
 
   /// Whether a change keeps two-sided distance and embedding. Remembers the proof for apply().
   SkinVerdict check(const WorkingMesh& mesh, const SkinChange& change);

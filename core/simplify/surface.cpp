@@ -63,6 +63,7 @@ struct Run {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
     report.boundary_faces_in = skin.size();
+    report.input_contact = skin.find_contact(mesh);
     for (Index f = 0; f < skin.slots(); ++f) {
       const Triangle& t = skin.face(f);
       const Vec3& p = mesh.points[t[0]];

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "core/mesh/tet_mesh.h"
@@ -32,6 +33,7 @@ struct SurfaceRunReport {
   std::uint64_t boundary_faces_in = 0;
   std::uint64_t boundary_faces_out = 0;
   double volume_drift_relative = 0.0;  ///< |V_out - V_in| / V_in
+  std::optional<Vec3> input_contact;   ///< a place where the input's skin meets itself, if there is one
   std::string stop;                    ///< "tets", "ratio" or "limit"
   SurfaceReport surface;
   CollapseReport inner;
@@ -42,8 +44,9 @@ struct SurfaceRunReport {
 void validate_options(const SurfaceOptions& options);
 
 /// Simplifies a mesh. Every tet stays positive by exact orientation, mesh and boundary stay manifolds of the
-/// same topology, no two boundary faces come into contact that were not, and the two-sided Hausdorff distance
-/// of the boundaries is at most the bound (at least 1e-13 of the largest coordinate, for rounding).
+/// same topology, no two boundary faces come into contact that were not (so the output is embedded if the
+/// input is, which the report says), and the two-sided Hausdorff distance of the boundaries is at most the
+/// bound (at least 1e-13 of the largest coordinate, for rounding).
 ///
 /// Boundary and inside are coarsened by turns, in stages. The boundary's edges are to be `boundary_size`
 /// times as long as those inside, so a boundary that is already that coarse is left alone, to the bit; where

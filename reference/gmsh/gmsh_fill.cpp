@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "core/base/error.h"
+#include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
 #include "reference/gmsh/gmsh_tools.h"
@@ -17,23 +18,66 @@ namespace {
 constexpr int kTriangleType = 2;
 constexpr int kTetType = 4;
 
-/// Hands the surface to gmsh as one discrete patch; node tag = vertex + 1.
-void add_discrete_surface(const SurfaceMesh& surface) {
-  std::vector<std::size_t> tags;
-  std::vector<double> coordinates;
-  for (const Vec3& p : surface.points) {
-    tags.push_back(tags.size() + 1);
-    coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
-  }
-  std::vector<std::size_t> corners;
+/// The triangles of each connected piece of a surface, in the order of their first triangle.
+std::vector<std::vector<Triangle>> split_pieces(const SurfaceMesh& surface) {
+  std::vector<Index> root(surface.points.size());
+  for (Index v = 0; v < root.size(); ++v) root[v] = v;
+  const auto find = [&](Index v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
   for (const Triangle& t : surface.triangles) {
-    for (const Index v : t) corners.push_back(std::size_t{v} + 1);
+    root[find(t[1])] = find(t[0]);
+    root[find(t[2])] = find(t[0]);
   }
-  const int patch = gmsh::model::addDiscreteEntity(2);
-  gmsh::model::mesh::addNodes(2, patch, tags, coordinates);
-  gmsh::model::mesh::addElementsByType(patch, kTriangleType, {}, corners);
-  const int loop = gmsh::model::geo::addSurfaceLoop({patch});
-  gmsh::model::geo::addVolume({loop});
+  std::vector<std::vector<Triangle>> pieces;
+  std::unordered_map<Index, std::size_t> number;
+  for (const Triangle& t : surface.triangles) {
+    const auto [entry, is_new] = number.emplace(find(t[0]), pieces.size());
+    if (is_new) pieces.emplace_back();
+    pieces[entry->second].push_back(t);
+  }
+  return pieces;
+}
+
+/// Is it one piece with cavities, which are turned inward? Then gmsh has to be told what is a hole.
+bool is_hollow(const SurfaceMesh& surface, const std::vector<std::vector<Triangle>>& pieces) {
+  std::size_t outer = 0;
+  for (const auto& piece : pieces) {
+    if (enclosed_volume({surface.points, piece}) > 0.0) ++outer;
+  }
+  return pieces.size() > 1 && outer == 1;
+}
+
+/// Hands the surface to gmsh: as one discrete patch, or, if it has cavities, one for each skin, that of the
+/// outside first. Node tag = vertex + 1.
+void add_discrete_surface(const SurfaceMesh& surface) {
+  std::vector<std::vector<Triangle>> pieces = split_pieces(surface);
+  if (!is_hollow(surface, pieces)) pieces = {surface.triangles};
+  std::stable_sort(pieces.begin(), pieces.end(), [&](const auto& a, const auto& b) {
+    return enclosed_volume({surface.points, a}) > enclosed_volume({surface.points, b});
+  });
+  std::vector<int> loops;
+  for (const std::vector<Triangle>& piece : pieces) {
+    std::vector<std::size_t> corners;
+    std::vector<std::size_t> tags;
+    for (const Triangle& t : piece) {
+      for (const Index v : t) corners.push_back(std::size_t{v} + 1);
+    }
+    tags = corners;
+    std::sort(tags.begin(), tags.end());
+    tags.erase(std::unique(tags.begin(), tags.end()), tags.end());
+    std::vector<double> coordinates;
+    for (const std::size_t tag : tags) {
+      const Vec3& p = surface.points[tag - 1];
+      coordinates.insert(coordinates.end(), {p.x, p.y, p.z});
+    }
+    const int patch = gmsh::model::addDiscreteEntity(2);
+    gmsh::model::mesh::addNodes(2, patch, tags, coordinates);
+    gmsh::model::mesh::addElementsByType(patch, kTriangleType, {}, corners);
+    loops.push_back(gmsh::model::geo::addSurfaceLoop({patch}));
+  }
+  gmsh::model::geo::addVolume(loops);
   gmsh::model::geo::synchronize();
 }
 

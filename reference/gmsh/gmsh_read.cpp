@@ -7,6 +7,7 @@
 
 #include "core/base/error.h"
 #include "reference/gmsh/gmsh_tools.h"
+#include "reference/gmsh/msh_numbers.h"
 
 namespace palpate::reference {
 namespace {
@@ -44,6 +45,7 @@ void check_kinds(const std::string& where, std::vector<std::string>& notes) {
 
 TetMesh read_msh(const std::filesystem::path& path, std::vector<std::string>& notes) {
   const std::string where = path.string();
+  check_numbers_differ(path);
   try {
     gmsh::merge(where);
   } catch (...) {  // 4.8 throws integers, strings or exceptions

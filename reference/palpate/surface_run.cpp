@@ -1,6 +1,8 @@
 // palpate.surface at the door.
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -47,6 +49,13 @@ SurfaceRequest read_options(const Request& request) {
   return result;
 }
 
+std::string contact_note(const Vec3& place) {
+  std::array<char, 96> at{};
+  std::snprintf(at.data(), at.size(), "(%.6g, %.6g, %.6g)", place.x, place.y, place.z);
+  return std::string("the input's skin meets itself, one place is near ") + at.data() +
+         ": no new contact was made, but the output is not promised to be free of such places";
+}
+
 }  // namespace
 
 Response run_surface(const Request& request) {
@@ -65,7 +74,9 @@ Response run_surface(const Request& request) {
   note += " units of ";
   append_number(note, asked.unit_m);
   response.notes.push_back(note + " m");
+  if (report.input_contact) response.notes.push_back(contact_note(*report.input_contact));
   response.report = {{"method", request.method},
+                     {"input_meets_itself", report.input_contact.has_value()},
                      {"vertices_in", report.vertices_in},
                      {"vertices_out", report.vertices_out},
                      {"tets_in", report.tets_in},

@@ -1,7 +1,11 @@
 // Foreign mesh formats through the converter programs.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
+#include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <string>
 
 #include "core/base/error.h"
@@ -82,6 +86,112 @@ TEST_F(Formats, ADegenerateTetNamesTheUsersFile) {
   const auto path = write("d.msh", std::string(kMshHead) + "1\n1 4 2 1 1 1 2 3 3\n$EndElements\n");
   EXPECT_EQ(refusal(path).rfind(path.string() + ": expected", 0), 0U) << refusal(path);
   EXPECT_NE(refusal(path).find("different vertices"), std::string::npos) << refusal(path);
+}
+
+TEST_F(Formats, AnElementNumberThatIsThereTwiceIsRefused) {
+  // gmsh keeps one of them, and says nothing.
+  const std::string tets = "2\n7 4 2 1 1 1 2 3 5\n7 4 2 1 1 2 3 5 6\n$EndElements\n";
+  const std::string twice = refusal(write("a.msh", kMshHead + tets));
+  EXPECT_NE(twice.find("expected elements with a number of their own, found element number 7 on line"),
+            std::string::npos)
+      << twice;
+  // Two blocks of version 4.1.
+  const std::string head =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 5 1 5\n3 1 0 5\n1\n2\n3\n4\n5\n"
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n2 2 1 2\n3 1 4 1\n1 1 2 3 4\n3 2 4 1\n";
+  const std::string blocks = refusal(write("b.msh", head + "1 2 3 4 5\n$EndElements\n"));
+  EXPECT_NE(blocks.find(":24: expected elements"), std::string::npos) << blocks;
+  EXPECT_NE(blocks.find("element number 1 on line 22 too"), std::string::npos) << blocks;
+  EXPECT_EQ(read_mesh(write("c.msh", head + "2 2 3 4 5\n$EndElements\n")).mesh.tets.size(), 2U);
+}
+
+TEST_F(Formats, ANodeNumberThatIsThereTwiceIsRefused) {
+  const std::string nodes =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n4 1 1 1\n"
+      "$EndNodes\n$Elements\n1\n1 4 2 1 1 1 2 3 4\n$EndElements\n";
+  const std::string twice = refusal(write("a.msh", nodes));
+  EXPECT_NE(twice.find(":10: expected nodes with a number of their own, found node number 4 on line 9 too"),
+            std::string::npos)
+      << twice;
+}
+
+/// Bytes of a value, as a binary .msh file holds them.
+template <typename T>
+void put(std::string& bytes, std::initializer_list<T> values) {
+  for (const T value : values) {
+    std::array<char, sizeof(T)> raw{};
+    std::memcpy(raw.data(), &value, sizeof(T));
+    bytes.append(raw.data(), raw.size());
+  }
+}
+
+class BinaryMsh : public Formats {
+ protected:
+  void expect_one_number_each(const std::filesystem::path& path, bool is_sound) {
+    if (is_sound) {
+      EXPECT_EQ(read_mesh(path).mesh.tets.size(), 2U) << path;
+    } else {
+      EXPECT_NE(refusal(path).find("element number 1 twice"), std::string::npos) << refusal(path);
+    }
+  }
+};
+
+TEST_F(BinaryMsh, NumbersAreLookedAtToo) {
+  for (const std::int32_t second : {1, 2}) {
+    std::string bytes = "$MeshFormat\n2.2 1 8\n";
+    put<std::int32_t>(bytes, {1});
+    bytes += "\n$EndMeshFormat\n$Nodes\n5\n";
+    const std::array<std::array<double, 3>, 5> points{
+        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};
+    for (std::int32_t i = 0; i < 5; ++i) {
+      const auto& p = points[static_cast<std::size_t>(i)];
+      put<std::int32_t>(bytes, {i + 1});
+      put<double>(bytes, {p[0], p[1], p[2]});
+    }
+    bytes += "\n$EndNodes\n$Elements\n2\n";
+    put<std::int32_t>(bytes, {4, 2, 2, 1, 1, 1, 1, 2, 3, 4, second, 1, 1, 2, 3, 4, 5});
+    bytes += "\n$EndElements\n";
+    const auto path = write("b" + std::to_string(second) + ".msh", bytes);
+    expect_one_number_each(path, second == 2);
+
+    bytes = "$MeshFormat\n4.1 1 8\n";
+    put<std::int32_t>(bytes, {1});
+    bytes += "\n$EndMeshFormat\n$Nodes\n";
+    put<std::uint64_t>(bytes, {1, 5, 1, 5});
+    put<std::int32_t>(bytes, {3, 1, 0});
+    put<std::uint64_t>(bytes, {5, 1, 2, 3, 4, 5});
+    for (const auto& p : points) put<double>(bytes, {p[0], p[1], p[2]});
+    bytes += "\n$EndNodes\n$Elements\n";
+    put<std::uint64_t>(bytes, {1, 2, 1, 2});
+    put<std::int32_t>(bytes, {3, 1, 4});
+    put<std::uint64_t>(bytes, {2, 1, 1, 2, 3, 4, static_cast<std::uint64_t>(second), 2, 3, 4, 5});
+    bytes += "\n$EndElements\n";
+    const auto newer = write("n" + std::to_string(second) + ".msh", bytes);
+    expect_one_number_each(newer, second == 2);
+  }
+}
+
+TEST_F(Formats, TetsThatAllStandAloneAreRefusedAndTheirDoubledPointsNamed) {
+  const TetMesh cube = build_kuhn_cube(3, 0.0, 0);
+  TetMesh apart;
+  for (const Tet& t : cube.tets) {
+    const auto first = static_cast<Index>(apart.points.size());
+    for (const Index v : t) apart.points.push_back(cube.points[v]);
+    apart.tets.push_back({first, first + 1, first + 2, first + 3});
+  }
+  const auto path = folder_.path() / "apart.mesh";
+  write_mesh(path, apart);
+  // 6 * 27 tets, 4 points each, of which 4^3 differ.
+  EXPECT_NE(
+      refusal(path).find("found 162 that all stand alone: 584 of 648 points are doubled, as vertices 1 and"),
+      std::string::npos)
+      << refusal(path);
+  write_mesh(path, cube);
+  EXPECT_EQ(refusal(path), "");
+  // Two tets that stand apart in space are two bodies.
+  write_mesh(path, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}},
+                    {{0, 1, 2, 3}, {4, 5, 6, 7}}});
+  EXPECT_EQ(refusal(path), "");
 }
 
 TEST_F(Formats, BrokenFilesAndOtherEndingsAreRefused) {

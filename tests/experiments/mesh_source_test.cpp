@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -12,9 +14,13 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
+#include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
+#include "experiments/body_surface.h"
+#include "experiments/judge_record.h"
 #include "experiments/mesh_cache.h"
 #include "experiments/organ_source.h"
+#include "experiments/skin_jitter.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
@@ -59,7 +65,7 @@ class MovedCache {
 
 // The image's facts: 159 ml of voxels (627 thousand of 0.617 x 0.617 x 1.333 mm); the thesis's counts.
 TEST(Kidney, HasTheThesissCountsAndTheVoxelsVolume) {
-  const MadeMesh kidney = make_organ("kidney", {});
+  const MadeMesh kidney = make_body({.name = "kidney"});
   constexpr double kVoxelVolume = 159554.0;
   EXPECT_NEAR(static_cast<double>(kidney.mesh.points.size()), 1503.0, 15.03);
   EXPECT_NEAR(static_cast<double>(build_edges(kidney.mesh).size()), 9998.0, 99.98);
@@ -70,7 +76,7 @@ TEST(Kidney, HasTheThesissCountsAndTheVoxelsVolume) {
   ASSERT_EQ(kidney.notes.size(), 1U);
   EXPECT_NE(kidney.notes[0].find("scaled to the voxels' volume"), std::string::npos);
   // A second run, without the cache, gives the same bits.
-  EXPECT_EQ(make_organ("kidney", {}).mesh, kidney.mesh);
+  EXPECT_EQ(make_body({.name = "kidney"}).mesh, kidney.mesh);
 }
 
 TEST(Kidney, TakesAnotherSize) {
@@ -86,6 +92,106 @@ TEST(Liver, IsABallOfItsVoxelsVolume) {
   EXPECT_EQ(euler(liver.mesh), 1);
   EXPECT_TRUE(all_positive(liver.mesh));
   EXPECT_NEAR(total_volume(liver.mesh), 1.6052e6, 0.03 * 1.6052e6);
+}
+
+std::int64_t boundary_vertices(const TetMesh& mesh) {
+  const auto flags = build_boundary_vertex_flags(mesh);
+  return std::count(flags.begin(), flags.end(), 1);
+}
+
+struct BodyCase {
+  const char* name;
+  std::int64_t euler;  // V - E + F - T, half that of the skin
+};
+
+// Meshes are scaled to the body's volume, so what is left is rounding: of 10^4 products of coordinates.
+TEST(Bodies, AreFilledAsOneBodyOfTheirTopologyAndVolume) {
+  constexpr std::array<BodyCase, 7> kCases{{{"gallbladder", 1},
+                                            {"femur", -1},
+                                            {"fist", 1},
+                                            {"spleen", 1},
+                                            {"stomach", 2},
+                                            {"lobes", 1},
+                                            {"ring", 0}}};
+  for (const BodyCase& c : kCases) {
+    const MadeMesh made = make_shape({.name = c.name});
+    EXPECT_NEAR(static_cast<double>(made.mesh.points.size()), 1503.0, 15.03) << c.name;
+    EXPECT_EQ(euler(made.mesh), c.euler) << c.name;
+    EXPECT_EQ(judge_mesh(made.mesh).violations, std::vector<std::string>{}) << c.name;
+    EXPECT_EQ(judge_mesh(made.mesh).figures.at("components"), 1) << c.name;
+    const double volume = load_body_surface(c.name).volume;
+    EXPECT_NEAR(total_volume(made.mesh), volume, 1e-9 * volume) << c.name;
+  }
+}
+
+// The image: 17702 voxels of 0.617188 x 0.617188 x 1.33333 mm.
+TEST(Bodies, TheGallbladderIsTheImagesThirdLabel) {
+  EXPECT_NEAR(load_body_surface("gallbladder").volume, 17702 * 0.617188 * 0.617188 * 1.33333, 1.0);
+}
+
+/// Mean edge on the skin over mean edge inside (both ends inside).
+double skin_to_inside(const TetMesh& mesh) {
+  const auto flags = build_boundary_vertex_flags(mesh);
+  std::array<double, 2> sum{};
+  std::array<double, 2> count{};
+  for (const Edge& e : build_edges(mesh)) {
+    if (flags[e[0]] != flags[e[1]]) continue;
+    sum[flags[e[0]]] += length(mesh.points[e[0]] - mesh.points[e[1]]);
+    count[flags[e[0]]] += 1.0;
+  }
+  return (sum[1] / count[1]) / (sum[0] / count[0]);
+}
+
+TEST(Skin, IsAsFineAsTheInsideWhenAskedFor) {
+  for (const char* name : {"lobes", "bean"}) {
+    const MadeMesh coarse = make_shape({.name = name});
+    const MadeMesh fine = make_shape({.name = name, .skin = SkinSize::kFine});
+    EXPECT_NEAR(static_cast<double>(fine.mesh.points.size()), 1503.0, 15.03) << name;
+    EXPECT_GT(boundary_vertices(fine.mesh), 3 * boundary_vertices(coarse.mesh) / 2) << name;
+    EXPECT_GT(skin_to_inside(coarse.mesh), 1.5) << name;
+    EXPECT_GT(skin_to_inside(fine.mesh), 0.75) << name;
+    EXPECT_LT(skin_to_inside(fine.mesh), 1.33) << name;
+  }
+  EXPECT_THROW(make_shape({.name = "bar", .skin = SkinSize::kFine}), InputError);
+}
+
+TEST(Seed, GivesAnotherMeshOfTheSameBody) {
+  for (const char* name : {"ring", "ball"}) {
+    const ShapeRequest request{.name = name, .size = {.vertices = 600, .edge_length = {}}};
+    ShapeRequest seeded = request;
+    seeded.seed = 7;
+    const TetMesh plain = make_shape(request).mesh;
+    const TetMesh other = make_shape(seeded).mesh;
+    EXPECT_NE(other, plain) << name;
+    EXPECT_EQ(make_shape(seeded).mesh, other) << name;
+    EXPECT_EQ(judge_mesh(other).violations, std::vector<std::string>{}) << name;
+    EXPECT_EQ(euler(other), euler(plain)) << name;
+    EXPECT_NEAR(static_cast<double>(other.points.size()), 600.0, 6.0) << name;
+    EXPECT_NEAR(total_volume(other), total_volume(plain), 0.01 * total_volume(plain)) << name;
+  }
+  for (const char* name : {"bar", "bcc_bar", "filled_bar"}) {
+    try {
+      make_shape({.name = name, .seed = 7});
+      FAIL() << name;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("expected no seed"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(Seed, MovesVerticesAlongTheSkin) {
+  SurfaceMesh ball = build_geodesic_sphere(8);
+  const SurfaceMesh before = ball;
+  jitter_skin(0, ball);
+  EXPECT_EQ(ball, before);
+  jitter_skin(3, ball);
+  for (std::size_t v = 0; v < ball.points.size(); ++v) {
+    const double moved = length(ball.points[v] - before.points[v]);
+    EXPECT_GT(moved, 0.0);
+    EXPECT_LT(moved, 0.03);  // edges of 0.13 to 0.18
+    // Along the sphere: what it leaves it by is moved^2 / 2, and moved times the tilt of the area vector.
+    EXPECT_NEAR(length(ball.points[v]), 1.0, 0.5 * moved * moved + 0.1 * moved);
+  }
 }
 
 TEST(Bean, HasACoarseSkinAndAFinerInterior) {
@@ -148,8 +254,9 @@ TEST(ListShapes, NamesEveryShapeThatIsMade) {
     EXPECT_EQ(shape.unavailable, "") << shape.name;
     EXPECT_NE(shape.summary, "");
   }
-  EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "bean", "ball", "filled_bar", "bar", "cube",
-                                             "bcc_bar"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"kidney", "liver", "gallbladder", "femur", "fist", "spleen",
+                                             "stomach", "lobes", "ring", "bean", "ball", "filled_bar", "bar",
+                                             "cube", "bcc_bar"}));
 }
 
 TEST(MeshCache, KeysHoldTheImageAndWhatMakesMeshes) {

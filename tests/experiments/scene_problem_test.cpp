@@ -246,7 +246,14 @@ TEST_F(SceneProblem, TheRayFromTheCentroidLeavesForTheLastTime) {
   EXPECT_NEAR(place_region(scene.loads[0].region, mesh).center.x, 5.0, 1e-12);
   text.load =
       "[{force: {sphere: {surface_point: {direction: [0, 1, 0]}, radius_m: 0.4}, total_n: [1, 0, 0]}}]";
-  EXPECT_THROW(place_region(read(text).loads[0].region, mesh), InputError);
+  try {
+    place_region(read(text).loads[0].region, mesh);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                AllOf(HasSubstr("scene.yaml:5: surface_point"), HasSubstr("the centroid [2.5, 0.5, 0.5]"),
+                      HasSubstr("outside the body"), HasSubstr("nearest skin is in the direction")));
+  }
 }
 
 }  // namespace

@@ -175,6 +175,23 @@ TEST(SimplifySurface, ACavityAndTwoPartsStayApart) {
   }
 }
 
+TEST(SimplifySurface, SaysWhereTheInputsSkinMeetsItself) {
+  const TetMesh block = make_kuhn_block(3, 3, 3);
+  const auto contact = [](TetMesh mesh) {
+    SurfaceOptions options;
+    options.stop.ratio = 0.2;
+    return simplify_surface(mesh, options).input_contact;
+  };
+  EXPECT_FALSE(contact(block));
+  EXPECT_FALSE(contact(join_meshes(block, translated(block, {3.5, 0, 0}))));
+  // Overlapping by half a cell: near the plane x = 2.5, where the second one begins, or x = 3, where the
+  // first ends.
+  const auto place = contact(join_meshes(block, translated(block, {2.5, 0.25, 0.25})));
+  ASSERT_TRUE(place);
+  EXPECT_NEAR(place->x, 2.75, 1.0);
+  EXPECT_TRUE(contact(join_meshes(block, translated(block, {3, 0, 0}))));  // touching with doubled points
+}
+
 TEST(SimplifySurface, KeptTetsStayToTheBit) {
   const TetMesh input = make_bulged_block(8, 6);
   SurfaceOptions options = with_bound(0.5, 0.6);
