@@ -144,7 +144,15 @@ int quality(const std::string& path, bool as_json) {
                                   {"min_quality", "least quality"},
                                   {"min_dihedral_deg", "least dihedral angle, deg"},
                                   {"p1_dihedral_deg", "1st percentile of it, deg"},
-                                  {"max_dihedral_deg", "greatest dihedral angle, deg"}});
+                                  {"p5_dihedral_deg", "5th percentile of it, deg"},
+                                  {"max_dihedral_deg", "greatest dihedral angle, deg"},
+                                  {"p99_max_dihedral_deg", "99th percentile of it, deg"},
+                                  {"mean_mean_ratio", "mean ratio, mean"},
+                                  {"p5_mean_ratio", "mean ratio, 5th percentile"},
+                                  {"mean_radius_ratio", "radius ratio, mean"},
+                                  {"p5_radius_ratio", "radius ratio, 5th percentile"},
+                                  {"mean_edge_ratio", "edge ratio, mean"},
+                                  {"p5_edge_ratio", "edge ratio, 5th percentile"}});
   print_histogram(judgement.figures.value("histogram", json()), judgement.figures.value("tets", 0.0));
   print_findings(judgement.violations);
   return code;

@@ -49,6 +49,13 @@ void add_real(json& figures, const std::string& key, double value) {
   if (!reasons.empty()) figures["null_reasons"] = std::move(reasons);
 }
 
+void add_spread(json& figures, const std::string& name, const judge::Spread& spread) {
+  add_real(figures, "mean_" + name, spread.mean);
+  add_real(figures, "p5_" + name, spread.p5);
+  add_real(figures, "p1_" + name, spread.p1);
+  add_real(figures, "min_" + name, spread.least);
+}
+
 void add_quality(json& figures, const judge::Quality& quality) {
   figures["histogram"] = quality.histogram;
   add_real(figures, "volume", quality.volume);
@@ -59,7 +66,13 @@ void add_quality(json& figures, const judge::Quality& quality) {
   add_real(figures, "min_quality", quality.min_quality);
   add_real(figures, "min_dihedral_deg", quality.min_dihedral_deg);
   add_real(figures, "p1_dihedral_deg", quality.p1_dihedral_deg);
+  add_real(figures, "p5_dihedral_deg", quality.p5_dihedral_deg);
   add_real(figures, "max_dihedral_deg", quality.max_dihedral_deg);
+  add_real(figures, "p99_max_dihedral_deg", quality.p99_max_dihedral_deg);
+  add_real(figures, "p95_max_dihedral_deg", quality.p95_max_dihedral_deg);
+  add_spread(figures, "mean_ratio", quality.mean_ratio);
+  add_spread(figures, "radius_ratio", quality.radius_ratio);
+  add_spread(figures, "edge_ratio", quality.edge_ratio);
 }
 
 /// How far the skin moved. A skin that is the input's to the bit did not, and costs nothing here.

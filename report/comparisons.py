@@ -14,9 +14,12 @@ measures in which it is better at its count. Up to the share `input_up_to_ratio`
 whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
 decided.
 
-The time ratio is the median over rounds of kernel(`time_against`) / kernel(`of`), the two of one round taken together (of a label
-with seeds its median over them), with the interval of that median. If the comparison has a `time_factor`, the whole interval is to
-be at least that: below it the ratio is short, across it open. Without a factor the ratio is only shown.
+A time ratio, one for each label of `time_against`, is the median over rounds of kernel(label) / kernel(`of`), the two of one round
+taken together (of a label with seeds its median over them), with the interval of that median. If the comparison has a
+`time_factor`, the whole interval of each is to be at least that: below it the ratio is short, across it open. Without a factor the
+ratios are only shown.
+
+Being no worse than the best of many is hard; what each peer alone and each measure alone comes to is in standings.py.
 
 A comparison with `required: true` holds if no finding of it is short, open or cannot be decided; the exit code says so.
 """
@@ -28,16 +31,12 @@ import intervals
 from contest import short_sweep
 from equal_count import is_equal, tets_of, tolerance_of
 from intervals import median_interval, percent
+from measure_text import MET, OPEN, SCATTERS, SHORT, SHOWN, TITLES, amount
 from records import figure, median, present
+from standings import standings_text
 from tables import align, outcome_text, write_atomically, write_csv
 
-MET, SHORT, OPEN, SHOWN = "met", "short", "cannot be decided", "shown"
-SCATTERS = "open"  # the figures scatter by more than the margin
-TITLES = {
-    "percent_above_0_5": "% > 0.5", "percent_above_0_6": "% > 0.6", "mean_quality": "mean", "min_dihedral_deg": "least angle",
-    "p1_dihedral_deg": "1% angle", "surface_distance_upper": "distance", "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
-}
-DIGITS = {"percent_above_0_5": 2, "percent_above_0_6": 2, "mean_quality": 4, "min_dihedral_deg": 2, "p1_dihedral_deg": 2}
+COLUMNS_A_TABLE = 5  # so that a table stays within some 100 columns
 
 
 @dataclass
@@ -45,7 +44,7 @@ class Comparison:
     of: str
     peers: list
     measures: list
-    time_against: str = ""
+    time_against: tuple = ()
     time_factor: object = None
     input_up_to_ratio: float = -1.0
     required: bool = False
@@ -63,6 +62,7 @@ class Finding:
     margin: object = None  # positive where own is better
     reason: str = ""
     interval: object = None  # of a time ratio
+    by_peer: dict = field(default_factory=dict)  # label: verdict against that peer alone
 
 
 @dataclass
@@ -91,9 +91,14 @@ def read_comparisons(plan_data):
             continue
         ratio = figure(entry, "input_up_to_ratio")
         found.append(Comparison(entry["of"], list(entry["against_best_of"]), list(entry["measures"]),
-                                str(entry.get("time_against") or ""), figure(entry, "time_factor"),
+                                labels_of(entry.get("time_against")), figure(entry, "time_factor"),
                                 -1.0 if ratio is None else ratio, entry.get("required") is True))
     return found
+
+
+def labels_of(value):
+    """One label or a list of them, as a tuple."""
+    return tuple(value) if isinstance(value, list) else ((value,) if value else ())
 
 
 def sign_of(run, measure):
@@ -184,18 +189,18 @@ def scatter_text(own, peers, sign):
     return "the figures scatter by more than the difference"
 
 
-def time_finding(run, comparison, mesh, sweep, own):
-    """The finding on time."""
-    other = find_group(run, mesh, sweep, comparison.time_against)
+def time_finding(run, comparison, mesh, sweep, own, label):
+    """The finding on the time of `label` over that of `own`."""
+    other = find_group(run, mesh, sweep, label)
     own_times, other_times = round_times(own), round_times(other)
     ratios = [other_times[key] / own_times[key] for key in own_times if key in other_times]
     if not ratios:
-        missing = comparison.of if not own_times else comparison.time_against
-        return Finding("time", OPEN, reason=f"no accepted time of {missing}")
+        missing = label if own_times else comparison.of
+        return Finding("time", OPEN, best_label=label, reason=f"no accepted time of {missing}")
     ratio, interval, factor = median(ratios), median_interval(ratios), comparison.time_factor
     if factor is None:
-        return Finding("time", SHOWN, ratio, interval=interval)
-    finding = Finding("time", SCATTERS, ratio, factor, comparison.time_against, ratio - factor, interval=interval)
+        return Finding("time", SHOWN, ratio, best_label=label, interval=interval)
+    finding = Finding("time", SCATTERS, ratio, factor, label, ratio - factor, interval=interval)
     if interval is None or not interval.keeps_level:
         finding.reason = f"{len(ratios)} rounds are too few for a 95% interval"
     elif interval.low >= factor or interval.high < factor:
@@ -235,11 +240,10 @@ def compare(run, comparison, mesh, sweep):
             spans = [spans.get(label, (value, value)) for label, value in values if value is not None]
             reason = scatter_text(span_of(own, measure), spans, sign_of(run, measure))
             verdict = SCATTERS if reason else verdict
-        findings.append(Finding(measure, verdict, value, best, label, margin, reason))
-    row = Row(comparison, mesh, sweep, own_tets, findings, left_out)
-    if comparison.time_against:
-        findings.append(time_finding(run, comparison, mesh, sweep, own))
-    return row
+        alone = {peer: decide(value, [(peer, theirs)], sign_of(run, measure))[0] for peer, theirs in values if peer != "input"}
+        findings.append(Finding(measure, verdict, value, best, label, margin, reason, by_peer=alone))
+    findings += [time_finding(run, comparison, mesh, sweep, own, label) for label in comparison.time_against]
+    return Row(comparison, mesh, sweep, own_tets, findings, left_out)
 
 
 def compare_all(run):
@@ -253,14 +257,6 @@ def compare_all(run):
 
 
 # --- In words -----------------------------------------------------------------------------------------------------------
-
-
-def amount(measure, value):
-    """A difference or figure of a measure, with as many digits as it takes to tell it from zero."""
-    digits = DIGITS.get(measure)
-    if digits is None or (value and round(abs(value), digits) == 0):
-        return f"{value:.2g}" if value else "0"
-    return f"{value:.{digits}f}"
 
 
 def interval_text(interval):
@@ -278,13 +274,18 @@ def cell(finding):
 
 
 def comparison_table(rows):
-    """Margins of `of` over the best peer, one line a mesh and point of the sweep."""
+    """Margins of `of` over the best peer, one line a mesh and point of the sweep; folded where there are many measures."""
     comparison = rows[0].comparison
-    header = ["mesh", "", "tets", *(TITLES.get(measure, measure) for measure in comparison.measures)]
-    header += ["time ratio"] if comparison.time_against else []
-    lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
-              *map(cell, row.findings), row.met_text] for row in rows]
-    return align([*header, "met"], lines)
+    titles = [TITLES.get(measure, measure) for measure in comparison.measures]
+    titles += [f"time, {label}" if len(comparison.time_against) > 1 else "time ratio" for label in comparison.time_against]
+    blocks = []
+    for start in range(0, len(titles), COLUMNS_A_TABLE):
+        part = slice(start, start + COLUMNS_A_TABLE)
+        is_last = start + COLUMNS_A_TABLE >= len(titles)
+        lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
+                  *map(cell, row.findings[part]), *([row.met_text] if is_last else [])] for row in rows]
+        blocks.append(align(["mesh", "", "tets", *titles[part], *(["met"] if is_last else [])], lines))
+    return "\n\n".join(blocks)
 
 
 def shortfall_lines(row, with_shortfalls):
@@ -299,7 +300,7 @@ def shortfall_lines(row, with_shortfalls):
         elif finding.verdict != SHORT or not with_shortfalls:
             continue
         elif finding.measure == "time":
-            yield (f"{place}: {finding.own:.2f} times as fast as {comparison.time_against}, "
+            yield (f"{place}: {finding.own:.2f} times as fast as {finding.best_label}, "
                    f"{comparison.time_factor:g} times is asked for.")
         else:
             yield (f"{place}: {title} {amount(finding.measure, finding.own)}, short of "
@@ -322,7 +323,8 @@ def summary_line(rows):
     met = lambda findings: sum(finding.verdict == MET for finding in findings)
     text = f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than {peers_text(comparison)}"
     if times and comparison.time_factor is not None:
-        text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
+        text += (f"; at least {comparison.time_factor:g} times as fast as {', '.join(comparison.time_against)} in "
+                 f"{met(times)} of {len(times)}")
     for verdict in (SCATTERS, OPEN):
         count = sum(finding.verdict == verdict for finding in [*figures, *times])
         text += f"; {count} {verdict}" if count else ""
@@ -361,7 +363,10 @@ def comparisons_text(run, rows, with_shortfalls=True):
             title += f"; up to {100 * plan.input_up_to_ratio:g}% removed the input is a peer too"
         lines = [line for row in own for line in shortfall_lines(row, with_shortfalls)]
         lines += [line for line in [time_line(own)] if line]
-        blocks.append("\n".join([title, "", comparison_table(own), "", *lines, summary_line(own)]))
+        parts = [title, "", comparison_table(own), "", *lines, summary_line(own)]
+        if len(plan.peers) > 1 or len(own) > 1:
+            parts += ["", standings_text(own)]
+        blocks.append("\n".join(parts))
     return "\n\n".join(blocks)
 
 

@@ -1,7 +1,8 @@
 """The contest's table: every answer of every contestant, mesh by mesh and count by count, none left out.
 
 Ranked, and marked where best, are the accepted answers at equal count (equal_count.py), by the median where a method gives
-several. An accepted answer at another count is shown with its count. A rejected one is shown in brackets, with the judge's
+several. Three tables, so that none is too wide: what simplifiers are known by; shape by measures that none of them is made to
+raise; what the mesh is worth to linear finite elements. An accepted answer at another count is shown with its count. A rejected one is shown in brackets, with the judge's
 reason; what gave no answer to judge, with its outcome.
 """
 
@@ -35,7 +36,7 @@ class Column:
         return format(value, self.form)
 
 
-COLUMNS = [
+FAMILIAR = [
     Column("tets", "tets", ",.0f"),
     Column("percent_above_0_5", "% > 0.5", ".2f", 1),
     Column("percent_above_0_6", "% > 0.6", ".2f", 1),
@@ -48,6 +49,35 @@ COLUMNS = [
     Column("kernel_s", "kernel", "time", -1),
     Column("peak_rss_bytes", "memory", "MiB", -1),
 ]
+SHAPE = [
+    Column("mean_mean_ratio", "ratio", ".4f", 1),
+    Column("p5_mean_ratio", "5%", ".3f", 1),
+    Column("mean_radius_ratio", "3r/R", ".4f", 1),
+    Column("p5_radius_ratio", "5%", ".3f", 1),
+    Column("mean_edge_ratio", "edges", ".4f", 1),
+    Column("p5_edge_ratio", "5%", ".3f", 1),
+    Column("p5_dihedral_deg", "5% angle", ".2f", 1),
+    Column("p99_max_dihedral_deg", "99% angle", ".2f", -1),
+    Column("max_dihedral_deg", "greatest", ".2f", -1),
+]
+PURPOSE = [
+    Column("p1_error", "error", ".4f", -1),
+    Column("p1_error_worst", "worst error", ".4f", -1),
+    Column("explicit_step", "explicit step", ".4f", 1),
+    Column("stiffness_condition", "condition", ",.0f", -1),
+    Column("scaled_condition", "scaled", ",.0f", -1),
+]
+COLUMNS = [*FAMILIAR, *SHAPE, *PURPOSE]
+TABLES = [
+    ("", FAMILIAR),
+    ("Shape, by measures that no simplifier here is made to raise: mean ratio, radius ratio and edge ratio with their 5th percentiles;\n"
+     "5th percentile of the least, 99th percentile and greatest of the greatest dihedral angles", SHAPE),
+    ("What the mesh is worth to linear finite elements: error on bendings and twists in the energy norm, root mean square and worst;\n"
+     "longest explicit step; condition of the stiffness, as it is and scaled by its diagonal blocks", PURPOSE),
+]
+
+
+OF_ANSWERS = ("boundary_changed_faces", "surface_distance_upper", "volume_drift_relative", "kernel_s", "peak_rss_bytes")
 
 
 @dataclass
@@ -181,12 +211,12 @@ def section_title(run, section):
     return f"{title}: {section.asked:,.0f} of {start:,.0f} tetrahedra asked for"
 
 
-def used_columns(sections):
-    return [column for column in COLUMNS
+def used_columns(sections, columns=tuple(COLUMNS)):
+    return [column for column in columns
             if any(standing.values.get(column.name) is not None for section in sections for standing in section.standings)]
 
 
-def standing_cells(standing, columns):
+def standing_cells(standing, columns, with_note):
     cells = [standing.label]
     for column in columns:
         text = column.text(standing.values.get(column.name))
@@ -194,27 +224,27 @@ def standing_cells(standing, columns):
             cells.append(f"({text})")
         else:
             cells.append(text + standing.marks.get(column.name, " "))
-    return [*cells, standing.note]
+    return [*cells, standing.note if with_note else ""]
 
 
 def input_cells(run, section, columns):
     record = run.inputs.get(section.mesh)
     if record is None:
         return None
-    quality = [column.text(figure(record, "judge", column.name)) + " " for column in columns[:6]]
-    return ["input", *quality, *([""] * (len(columns) - 6)), ""]
+    quality = [(column.text(figure(record, "judge", column.name)) if column.name not in OF_ANSWERS else "") + " " for column in columns]
+    return ["input", *quality, ""]
 
 
-def contest_text(run, sections):
-    """The whole table, with one header; a title line opens each section."""
-    columns = used_columns(sections)
-    header = ["label", *(column.title + " " for column in columns), "note"]
+def table_text(run, sections, columns, with_note):
+    """One table with one header; a title line opens each section."""
+    header = ["label", *(column.title + " " for column in columns), "note" if with_note else ""]
     lines = [header]
     for section in sections:
         lines.append(section_title(run, section))
         cells = input_cells(run, section, columns)
         lines += [cells] if cells else []
-        lines += [standing_cells(standing, columns) for standing in section.standings]
+        lines += [standing_cells(standing, columns, with_note) for standing in section.standings
+                  if with_note or any(standing.values.get(column.name) is not None for column in columns)]
     widths = [max(len(line[i]) for line in lines if isinstance(line, list)) for i in range(len(header) - 1)]
     out = []
     for line in lines:
@@ -225,7 +255,17 @@ def contest_text(run, sections):
         out.append("  ".join(parts).rstrip())
         if line is header:
             out.append("  ".join("-" * width for width in widths))
-    return "\n".join([*out, "", legend_text(run, sections)])
+    return "\n".join(out)
+
+
+def contest_text(run, sections):
+    """All tables, then what the marks mean. Notes stand in the first one alone; the others leave out who has no figures."""
+    blocks = []
+    for title, columns in TABLES:
+        used = used_columns(sections, columns)
+        if used:
+            blocks += [f"{title}\n" if title else None, table_text(run, sections, used, not title), ""]
+    return "\n".join([*(block for block in blocks if block is not None), legend_text(run, sections)])
 
 
 def legend_text(run, sections):

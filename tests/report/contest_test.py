@@ -4,6 +4,7 @@ import unittest
 
 from support import ReportTest
 import comparisons
+import measure_text
 import synthetic
 from synthetic import answer
 
@@ -20,6 +21,9 @@ class Contest(ReportTest):
         code, out, _ = self.report("--no-charts")
         self.assertEqual(code, 0)
         return {row["label"]: row for row in self.table("contest.csv")}, out
+
+    def contest_file(self):
+        return (self.folder / "tables" / "contest.txt").read_text(encoding="utf-8")
 
     def line_of(self, out, label):
         return next(line for line in out.splitlines() if line.startswith(label))
@@ -105,7 +109,29 @@ class Contest(ReportTest):
         self.assertEqual(best, [("kidney", "refined")] * 2 + [("liver", "cgal_1")] * 2)
 
 
+    def test_shape_and_purpose_have_tables_of_their_own_and_marks(self):
+        lines = [answer("refined", 90), answer("cgal_1", 80), answer("gone", None, outcome="crashed", kernel_s=None)]
+        for line, ratio, angle, error in ((lines[0], 0.8, 150.0, 0.31), (lines[1], 0.9, 140.0, 0.32)):
+            line["judge"].update(mean_mean_ratio=ratio, p99_max_dihedral_deg=angle, p1_error=error)
+        self.run_contest(lines)
+        best = {row["label"]: row["best_in"].split() for row in self.table("contest.csv")}
+        self.assertLessEqual({"mean_mean_ratio", "p99_max_dihedral_deg"}, set(best["cgal_1"]))
+        self.assertIn("p1_error", best["refined"])
+        familiar, shape, purpose = self.contest_file().split("label ")[1:4]
+        self.assertIn("gone", familiar)
+        self.assertNotIn("gone", shape + purpose)  # it has no figure there: its reason stands above
+        self.assertIn("140.00*", shape)
+        self.assertIn("0.3100*", purpose)
+
+    def test_a_run_without_the_new_figures_has_the_first_table_alone(self):
+        self.run_contest([answer("refined", 90), answer("cgal_1", 80)])
+        self.assertNotIn("Shape", self.contest_file())
+
+
 class Comparisons(ReportTest):
+    def text(self, name):
+        return (self.folder / "tables" / name).read_text(encoding="utf-8")
+
     def compare(self, lines, plan=None):
         """The rows of comparisons.csv by measure, and comparisons.txt."""
         synthetic.write_run(self.folder, lines, plan or synthetic.CONTEST)
@@ -146,6 +172,38 @@ class Comparisons(ReportTest):
         self.assertEqual((rows["time"]["verdict"], float(rows["time"]["value"])), ("shown", 0.5))
         self.assertIn("0.5x", out)
         self.assertNotIn("times as fast", out)
+
+    def test_each_of_several_peers_has_its_own_time_ratio(self):
+        entry = {**synthetic.CONTEST["comparisons"][0], "time_against": ["cgal_2", "cgal_1", "gone"]}
+        self.compare([answer("refined", 96, 0.5, kernel_s=0.02), answer("cgal_1", 95, 0.5, kernel_s=0.1),
+                      answer("cgal_2", 97, 0.5, kernel_s=0.4)], {**synthetic.CONTEST, "comparisons": [entry]})
+        times = [row for row in self.table("comparisons.csv") if row["measure"] == "time"]
+        self.assertEqual([(row["best_label"], row["verdict"]) for row in times],
+                         [("cgal_2", "met"), ("cgal_1", "short"), ("gone", "cannot be decided")])
+        self.assertEqual([float(row["value"]) for row in times[:2]], [20.0, 5.0])
+        self.assertIn("5.00 times as fast as cgal_1, 10 times is asked for.", self.text("comparisons.txt"))
+
+    def test_each_peer_alone_and_each_measure_alone(self):
+        lines = [answer("refined", 96, ratio, mean=0.66, least=12 if ratio == 0.5 else 20, kernel_s=0.02) for ratio in (0.5, 0.7)]
+        lines += [answer("cgal_1", 95, ratio, mean=0.64, least=18, kernel_s=0.2) for ratio in (0.5, 0.7)]
+        lines += [answer("cgal_2", 94, 0.5, mean=0.68, least=11, kernel_s=0.4), answer("cgal_2", 99, 0.7, tets=3000)]
+        rows = [line.split() for line in self.compare(lines)[1].splitlines()]
+        self.assertIn(["cgal_1", "5", "1", "6", "10", "10", "10"], rows)  # the least angle at 50%
+        self.assertIn(["cgal_2", "2", "1", "3"], rows)  # the mean at 50%; at 70% its count is another
+        self.assertIn(["least", "angle", "1", "1", "-2.00", "-6.00", "cgal_1,", "kidney,", "50%", "removed"], rows)
+        self.assertIn(["mean", "1", "1", "0.0000", "-0.0200", "cgal_2,", "kidney,", "50%", "removed"], rows)
+
+    def test_many_measures_are_folded_so_that_no_line_gets_too_long(self):
+        names = list(measure_text.TITLES)[:14]
+        entry = {**synthetic.CONTEST["comparisons"][0], "measures": names, "time_against": ["cgal_1", "cgal_2"]}
+        lines = [answer(label, 95, 0.5) for label in ("refined", "cgal_1", "cgal_2")]
+        for line in lines:
+            line["judge"].update({name: 0.123456 for name in names})
+        self.compare(lines, {**synthetic.CONTEST, "comparisons": [entry]})
+        text = self.text("comparisons.txt").split("\n\n")[1:]
+        self.assertLessEqual(max(len(line) for block in text for line in block.splitlines()), 100)
+        for name in names:
+            self.assertIn(measure_text.TITLES[name], "".join(text))
 
     def test_the_time_ratio_is_taken_round_by_round(self):
         lines = []
