@@ -1,8 +1,11 @@
 #include "experiments/judge_record.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/judge/linear_elements.h"
 #include "core/judge/surface.h"
 #include "experiments/keep.h"
 
@@ -149,6 +152,27 @@ void add_region_figures(json& figures, const TetMesh& mesh, const TetMesh& input
   if (regions.empty() || figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0)
     return;
   figures["region_tets"] = judge::compare_in_regions(mesh, input, judge_regions(regions)).output_tets;
+}
+
+bool is_of_linear_elements(const std::string& measure) {
+  constexpr std::array kNames{"p1_error", "p1_error_worst", "stiffness_condition", "scaled_condition",
+                              "explicit_step"};
+  return std::find(kNames.begin(), kNames.end(), measure) != kNames.end();
+}
+
+void add_linear_element_figures(json& figures, const TetMesh& mesh) {
+  if (figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0) return;
+  const judge::LinearElementFigures found = judge::measure_linear_elements(mesh);
+  const std::array<std::pair<const char*, double>, 5> named{
+      {{"p1_error", found.p1_error},
+       {"p1_error_worst", found.p1_error_worst},
+       {"stiffness_condition", found.stiffness_condition},
+       {"scaled_condition", found.scaled_condition},
+       {"explicit_step", found.explicit_step}}};
+  for (const auto& [key, value] : named) {
+    figures[key] = found.reason.empty() ? json(value) : json();
+    if (!found.reason.empty()) figures["null_reasons"][key] = found.reason;
+  }
 }
 
 }  // namespace palpate::experiments

@@ -37,7 +37,7 @@ void add_discrete_surface(const SurfaceMesh& surface) {
   gmsh::model::geo::synchronize();
 }
 
-TetMesh collect_tets(const SurfaceMesh& surface) {
+TetMesh collect_tets() {
   std::vector<std::size_t> tags;
   std::vector<double> coordinates;
   std::vector<double> parameters;
@@ -57,13 +57,9 @@ TetMesh collect_tets(const SurfaceMesh& surface) {
   for (std::size_t i = 0; i + 3 < corners.size(); i += 4) {
     Tet tet{};
     for (std::size_t k = 0; k < 4; ++k) tet[k] = index_of.at(corners[i + k]);
-    const auto& p = mesh.points;
-    if (orientation(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) < 0) std::swap(tet[2], tet[3]);
     mesh.tets.push_back(tet);
   }
   if (mesh.tets.empty()) throw std::runtime_error("gmsh left no tetrahedra: it could not fill the surface");
-  if (mesh.points.size() < surface.points.size())
-    throw std::runtime_error("gmsh dropped vertices of the skin");
   return mesh;
 }
 
@@ -71,21 +67,6 @@ std::vector<Triangle> sorted_corners(std::vector<Triangle> triangles) {
   for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   std::sort(triangles.begin(), triangles.end());
   return triangles;
-}
-
-void check_filled(const SurfaceMesh& surface, const TetMesh& mesh) {
-  if (!std::equal(surface.points.begin(), surface.points.end(), mesh.points.begin())) {
-    throw std::runtime_error("gmsh moved vertices of the skin");
-  }
-  const auto& p = mesh.points;
-  for (const Tet& t : mesh.tets) {
-    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) <= 0) {
-      throw std::runtime_error("gmsh left a tetrahedron without volume");
-    }
-  }
-  if (sorted_corners(build_boundary(mesh)) != sorted_corners(surface.triangles)) {
-    throw std::runtime_error("gmsh changed the triangles of the skin");
-  }
 }
 
 }  // namespace
@@ -114,9 +95,25 @@ TetMesh fill_surface(const SurfaceMesh& surface, const FillSettings& settings) {
     if (line.rfind("Error", 0) == 0) failure = line;
   }
   if (!failure.empty()) throw std::runtime_error("gmsh could not fill the surface: " + failure);
-  TetMesh mesh = collect_tets(surface);
-  check_filled(surface, mesh);
-  return mesh;
+  return collect_tets();
+}
+
+void check_filled(const SurfaceMesh& surface, TetMesh& mesh) {
+  if (mesh.points.size() < surface.points.size())
+    throw std::runtime_error("gmsh dropped vertices of the skin");
+  if (!std::equal(surface.points.begin(), surface.points.end(), mesh.points.begin())) {
+    throw std::runtime_error("gmsh moved vertices of the skin");
+  }
+  const auto& p = mesh.points;
+  for (Tet& t : mesh.tets) {
+    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) < 0) std::swap(t[2], t[3]);
+    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) == 0) {
+      throw std::runtime_error("gmsh left a tetrahedron without volume");
+    }
+  }
+  if (sorted_corners(build_boundary(mesh)) != sorted_corners(surface.triangles)) {
+    throw std::runtime_error("gmsh changed the triangles of the skin");
+  }
 }
 
 }  // namespace palpate::reference

@@ -12,25 +12,35 @@ namespace palpate::reference {
 
 namespace {
 
+/// Fills a surface; the clock runs from the surface in memory to the mesh in memory.
+TetMesh fill(const Request& request, double& kernel_s) {
+  if (!request.options.contains("interior_size") || !request.options["interior_size"].is_number()) {
+    throw InputError("request", 0, "the option interior_size", "none");
+  }
+  nlohmann::json options = request.options;
+  const double threshold = take_optimize_threshold(options);
+  const SurfaceMesh surface = read_off(request.input);
+  const auto start = std::chrono::steady_clock::now();
+  TetMesh mesh = fill_surface(surface, {options["interior_size"].get<double>(), threshold});
+  kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  check_filled(surface, mesh);
+  return mesh;
+}
+
 Response answer(const Request& request) {
   const GmshSession session;
   Response response;
   TetMesh mesh;
-  const auto start = std::chrono::steady_clock::now();
   if (request.contest == "mesh" && request.method == "gmsh.delaunay") {
-    if (!request.options.contains("interior_size") || !request.options["interior_size"].is_number()) {
-      throw InputError("request", 0, "the option interior_size", "none");
-    }
-    nlohmann::json options = request.options;
-    const double threshold = take_optimize_threshold(options);
-    mesh = fill_surface(read_off(request.input), {options["interior_size"].get<double>(), threshold});
+    mesh = fill(request, response.kernel_s);
   } else if (request.contest == "convert" && request.method == "gmsh.read") {
+    const auto start = std::chrono::steady_clock::now();
     mesh = read_msh(request.input, response.notes);
+    response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   } else {
     throw InputError("request", 0, "mesh gmsh.delaunay or convert gmsh.read",
                      request.contest + " " + request.method);
   }
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   write_medit(request.output, mesh);
   response.report = {{"vertices", mesh.points.size()}, {"tets", mesh.tets.size()}};
   return response;

@@ -26,8 +26,10 @@ Response answer(const Request& request) {
     settings.interior_size = size;
     const auto start = std::chrono::steady_clock::now();
     TimedMesh result;
-    result.mesh = fill_surface(take_skin(mesh), settings);
+    const SurfaceMesh skin = take_skin(mesh);
+    result.mesh = fill_surface(skin, settings);
     result.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    check_filled(skin, result.mesh);
     return result;
   };
   return run_remesher(request, remesher);
