@@ -295,6 +295,8 @@ def shortfall_lines(row, with_shortfalls):
     undecided = {}
     for finding in row.findings:
         title = TITLES.get(finding.measure, finding.measure)
+        if finding.measure == "time" and len(comparison.time_against) > 1:
+            title += f" against {finding.best_label}"
         if finding.verdict in (OPEN, SCATTERS):
             undecided.setdefault((finding.verdict, finding.reason), []).append(title)
         elif finding.verdict != SHORT or not with_shortfalls:

@@ -138,28 +138,35 @@ TetMesh near_unit_size(const TetMesh& mesh) {
   return scaled;
 }
 
+Vec3 centroid_of(const TetMesh& mesh) {
+  Vec3 sum;
+  double volume = 0.0;
+  for (const Tet& tet : mesh.tets) {
+    const double part = tet_gradients(mesh, tet).volume;
+    volume += part;
+    sum = sum + part * centroid_of(mesh, tet);
+  }
+  return (1.0 / volume) * sum;
+}
+
 /// Nothing if a tet has no positive volume in double precision.
 std::optional<Body> build_body(const TetMesh& mesh) {
   Body body;
   body.mesh = near_unit_size(mesh);
-  Vec3 centroid;
+  const Vec3 centroid = centroid_of(body.mesh);
+  for (Vec3& p : body.mesh.points) p = p - centroid;
   for (const Tet& tet : body.mesh.tets) {
     body.shapes.push_back(tet_gradients(body.mesh, tet));
     const TetGradients& shape = body.shapes.back();
-    if (!(shape.volume > 0.0) || !std::isfinite(length_sq(shape.gradient[0]))) return std::nullopt;
+    if (!(shape.volume > 0.0) || !std::isfinite(shape.volume * length_sq(shape.gradient[0])))
+      return std::nullopt;
     body.volume += shape.volume;
-    centroid = centroid + shape.volume * centroid_of(body.mesh, tet);
-  }
-  centroid = (1.0 / body.volume) * centroid;
-  for (Vec3& p : body.mesh.points) p = p - centroid;
-  for (std::size_t t = 0; t < body.mesh.tets.size(); ++t) {
-    const double volume = body.shapes[t].volume;
-    const Eigen::Vector3d center = vector_of(centroid_of(body.mesh, body.mesh.tets[t]));
-    for (const Index v : body.mesh.tets[t]) {
+    const Eigen::Vector3d center = vector_of(centroid_of(body.mesh, tet));
+    for (const Index v : tet) {
       const Eigen::Vector3d arm = vector_of(body.mesh.points[v]) - center;
-      body.within_tets += volume / 20.0 * arm * arm.transpose();  // exact for quadratics
+      body.within_tets += shape.volume / 20.0 * arm * arm.transpose();  // exact for quadratics
     }
-    body.moments += volume * center * center.transpose();
+    body.moments += shape.volume * center * center.transpose();
   }
   body.moments += body.within_tets;
   return body;

@@ -175,8 +175,9 @@ class Comparisons(ReportTest):
 
     def test_each_of_several_peers_has_its_own_time_ratio(self):
         entry = {**synthetic.CONTEST["comparisons"][0], "time_against": ["cgal_2", "cgal_1", "gone"]}
-        self.compare([answer("refined", 96, 0.5, kernel_s=0.02), answer("cgal_1", 95, 0.5, kernel_s=0.1),
-                      answer("cgal_2", 97, 0.5, kernel_s=0.4)], {**synthetic.CONTEST, "comparisons": [entry]})
+        lines = [answer(label, 95, 0.5, kernel_s=seconds, repeat=repeat) for repeat in range(9)
+                 for label, seconds in (("refined", 0.02), ("cgal_1", 0.1), ("cgal_2", 0.4))]
+        self.compare(lines, {**synthetic.CONTEST, "comparisons": [entry]})
         times = [row for row in self.table("comparisons.csv") if row["measure"] == "time"]
         self.assertEqual([(row["best_label"], row["verdict"]) for row in times],
                          [("cgal_2", "met"), ("cgal_1", "short"), ("gone", "cannot be decided")])
