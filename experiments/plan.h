@@ -137,8 +137,8 @@ struct Comparison {
   std::string of;
   std::vector<std::string> against_best_of;
   std::vector<std::string> measures;        ///< each has a better side
-  std::vector<std::string> time_against;    ///< labels whose times are divided by that of `of`, each alone
-  std::optional<double> time_factor;        ///< how large each ratio is to be; nothing: it is only shown
+  std::string time_against;                 ///< label whose time is divided by that of `of`; empty: none
+  std::optional<double> time_factor;        ///< how large that ratio is to be; nothing: it is only shown
   std::optional<double> input_up_to_ratio;  ///< up to this share of removed tets the input is a peer too
 };
 

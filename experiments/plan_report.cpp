@@ -31,17 +31,6 @@ void add_once(const YamlValue& at, const char* what, std::string name, std::vect
   names.push_back(std::move(name));
 }
 
-/// One label or a list of them, each once.
-std::vector<std::string> read_labels(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
-  if (!value.is_list()) return {known_label(value, contestants)};
-  std::vector<std::string> labels;
-  for (const YamlValue& item : value.items()) {
-    add_once(item, "label", known_label(item, contestants), labels);
-  }
-  if (labels.empty()) value.fail_expected("at least one label");
-  return labels;
-}
-
 Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   const YamlFields fields =
       value.fields({"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio"});
@@ -65,7 +54,7 @@ Comparison read_comparison(const YamlValue& value, const std::vector<PlanContest
   if (comparison.measures.empty()) measures.fail_expected("at least one measure");
   const auto time_against = fields.find("time_against");
   const auto time_factor = fields.find("time_factor");
-  if (time_against) comparison.time_against = read_labels(*time_against, contestants);
+  if (time_against) comparison.time_against = known_label(*time_against, contestants);
   if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
   if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
   if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);

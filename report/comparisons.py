@@ -14,10 +14,10 @@ measures in which it is better at its count. Up to the share `input_up_to_ratio`
 whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
 decided.
 
-A time ratio, one for each label of `time_against`, is the median over rounds of kernel(label) / kernel(`of`), the two of one round
-taken together (of a label with seeds its median over them), with the interval of that median. If the comparison has a
-`time_factor`, the whole interval of each is to be at least that: below it the ratio is short, across it open. Without a factor the
-ratios are only shown.
+The time ratio is the median over rounds of kernel(`time_against`) / kernel(`of`), the two of one round taken together (of a label
+with seeds its median over them), with the interval of that median. If the comparison has a `time_factor`, the whole interval is to
+be at least that: below it the ratio is short, across it open. Without a factor the ratio is only shown, and so are those of the
+other peers that count, each alone.
 
 Being no worse than the best of many is hard; what each peer alone and each measure alone comes to is in standings.py.
 
@@ -44,10 +44,15 @@ class Comparison:
     of: str
     peers: list
     measures: list
-    time_against: tuple = ()
+    time_against: str = ""
     time_factor: object = None
     input_up_to_ratio: float = -1.0
     required: bool = False
+
+    @property
+    def timed(self):
+        """The labels whose times are shown: `time_against`, whose ratio a factor judges, then the other peers."""
+        return list(dict.fromkeys([self.time_against, *self.peers])) if self.time_against else []
 
 
 @dataclass
@@ -91,14 +96,9 @@ def read_comparisons(plan_data):
             continue
         ratio = figure(entry, "input_up_to_ratio")
         found.append(Comparison(entry["of"], list(entry["against_best_of"]), list(entry["measures"]),
-                                labels_of(entry.get("time_against")), figure(entry, "time_factor"),
+                                str(entry.get("time_against") or ""), figure(entry, "time_factor"),
                                 -1.0 if ratio is None else ratio, entry.get("required") is True))
     return found
-
-
-def labels_of(value):
-    """One label or a list of them, as a tuple."""
-    return tuple(value) if isinstance(value, list) else ((value,) if value else ())
 
 
 def sign_of(run, measure):
@@ -197,7 +197,8 @@ def time_finding(run, comparison, mesh, sweep, own, label):
     if not ratios:
         missing = label if own_times else comparison.of
         return Finding("time", OPEN, best_label=label, reason=f"no accepted time of {missing}")
-    ratio, interval, factor = median(ratios), median_interval(ratios), comparison.time_factor
+    ratio, interval = median(ratios), median_interval(ratios)
+    factor = comparison.time_factor if label == comparison.time_against else None
     if factor is None:
         return Finding("time", SHOWN, ratio, best_label=label, interval=interval)
     finding = Finding("time", SCATTERS, ratio, factor, label, ratio - factor, interval=interval)
@@ -242,7 +243,9 @@ def compare(run, comparison, mesh, sweep):
             verdict = SCATTERS if reason else verdict
         alone = {peer: decide(value, [(peer, theirs)], sign_of(run, measure))[0] for peer, theirs in values if peer != "input"}
         findings.append(Finding(measure, verdict, value, best, label, margin, reason, by_peer=alone))
-    findings += [time_finding(run, comparison, mesh, sweep, own, label) for label in comparison.time_against]
+    counted = [label for label, _ in peers]
+    findings += [time_finding(run, comparison, mesh, sweep, own, label) for label in comparison.timed
+                 if label == comparison.time_against or label in counted]
     return Row(comparison, mesh, sweep, own_tets, findings, left_out)
 
 
@@ -276,15 +279,21 @@ def cell(finding):
 def comparison_table(rows):
     """Margins of `of` over the best peer, one line a mesh and point of the sweep; folded where there are many measures."""
     comparison = rows[0].comparison
-    titles = [TITLES.get(measure, measure) for measure in comparison.measures]
-    titles += [f"time, {label}" if len(comparison.time_against) > 1 else "time ratio" for label in comparison.time_against]
+    cells = {}  # by row and title
+    for row in rows:
+        for finding in row.findings:
+            title = TITLES.get(finding.measure, finding.measure)
+            if finding.measure == "time":
+                title = f"time, {finding.best_label}" if len(comparison.peers) > 1 else "time ratio"
+            cells[id(row), title] = cell(finding)
+    titles = list(dict.fromkeys(title for _, title in cells))
     blocks = []
     for start in range(0, len(titles), COLUMNS_A_TABLE):
-        part = slice(start, start + COLUMNS_A_TABLE)
+        part = titles[start:start + COLUMNS_A_TABLE]
         is_last = start + COLUMNS_A_TABLE >= len(titles)
         lines = [[row.mesh, short_sweep(row.sweep), "" if row.own_tets is None else f"{row.own_tets:,.0f}",
-                  *map(cell, row.findings[part]), *([row.met_text] if is_last else [])] for row in rows]
-        blocks.append(align(["mesh", "", "tets", *titles[part], *(["met"] if is_last else [])], lines))
+                  *(cells.get((id(row), title), "") for title in part), *([row.met_text] if is_last else [])] for row in rows]
+        blocks.append(align(["mesh", "", "tets", *part, *(["met"] if is_last else [])], lines))
     return "\n\n".join(blocks)
 
 
@@ -295,7 +304,7 @@ def shortfall_lines(row, with_shortfalls):
     undecided = {}
     for finding in row.findings:
         title = TITLES.get(finding.measure, finding.measure)
-        if finding.measure == "time" and len(comparison.time_against) > 1:
+        if finding.measure == "time" and len(comparison.peers) > 1:
             title += f" against {finding.best_label}"
         if finding.verdict in (OPEN, SCATTERS):
             undecided.setdefault((finding.verdict, finding.reason), []).append(title)
@@ -325,8 +334,7 @@ def summary_line(rows):
     met = lambda findings: sum(finding.verdict == MET for finding in findings)
     text = f"{comparison.of}: {met(figures)} of {len(figures)} figures no worse than {peers_text(comparison)}"
     if times and comparison.time_factor is not None:
-        text += (f"; at least {comparison.time_factor:g} times as fast as {', '.join(comparison.time_against)} in "
-                 f"{met(times)} of {len(times)}")
+        text += f"; at least {comparison.time_factor:g} times as fast as {comparison.time_against} in {met(times)} of {len(times)}"
     for verdict in (SCATTERS, OPEN):
         count = sum(finding.verdict == verdict for finding in [*figures, *times])
         text += f"; {count} {verdict}" if count else ""

@@ -19,7 +19,7 @@ def times_against(rows, label):
 def peer_lines(rows):
     """A line for each peer: figures no worse than its own, and its time over that of `of`."""
     comparison = rows[0].comparison
-    for label in dict.fromkeys([*comparison.peers, *comparison.time_against]):
+    for label in dict.fromkeys([*comparison.peers, *comparison.timed]):
         verdicts = [finding.by_peer[label] for row in rows for finding in row.findings if label in finding.by_peer]
         decided = [verdict for verdict in verdicts if verdict != OPEN]
         met = sum(verdict == MET for verdict in decided)
