@@ -10,7 +10,7 @@
 #include "core/mesh/topology.h"
 #include "reference/adapter.h"
 #include "reference/deform_problem.h"
-#include "reference/problem_file.h"
+#include "reference/json_file.h"
 
 namespace {
 
@@ -72,7 +72,7 @@ Response answer(const Request& request) {
   if (behave == "nan_file") field.back().x = std::numeric_limits<double>::quiet_NaN();
   const std::string further = request.options.value("further", "");
   if (!further.empty()) {
-    for (const nlohmann::json& item : reference::read_problem_file(further)) {
+    for (const nlohmann::json& item : reference::read_json_file(further)) {
       Request one = request;
       one.options["further"] = "";
       one.problem = item.at("problem_in").get<std::string>();
