@@ -154,6 +154,14 @@ FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices,
     FilledSurface closer = fill_to_vertices(best.skin, vertices, best.interior_size);
     if (is_better(closer, best, vertices)) best = std::move(closer);
   }
+  // Over one skin the count may jump across what is wanted: others nearby have their jumps elsewhere.
+  for (const double factor : {0.98, 1.02, 0.96, 1.04}) {
+    if (is_close_enough(best.mesh.points.size(), vertices)) break;
+    const SurfaceMesh other = make_skin(factor * size);
+    if (other.points.size() >= vertices) continue;
+    FilledSurface filled = fill_to_vertices(other, vertices, best.interior_size);
+    if (is_better(filled, best, vertices)) best = std::move(filled);
+  }
   if (!is_close_enough(best.mesh.points.size(), vertices)) {
     throw InputError(
         name, 0, "a number of vertices that it can be made with",

@@ -49,8 +49,8 @@ bool is_close_enough(std::uint64_t found, std::uint64_t wanted);
 using SkinMaker = std::function<SurfaceMesh(double interior_size)>;
 
 /// Looks for skin and interior size together: first both, at the maker's own ratio, until the count is within
-/// 8%, then the interior alone by fill_to_vertices().
-/// Throws: InputError if no size tried comes within 1% of `vertices`.
+/// 8%, then the interior alone by fill_to_vertices(), over up to four skins nearby if the first cannot have
+/// it. Throws: InputError if no size tried comes within 1% of `vertices`.
 FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices, double start,
                              const std::string& name);
 

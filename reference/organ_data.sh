@@ -1,7 +1,7 @@
 #!/bin/bash
 # Usage: organ_data.sh FOLDER [MEMBER]
 # Puts a file of CGAL's data (CC0) into FOLDER, unpacked: liver.inr, a segmented CT, or the MEMBER that is
-# named (data/meshes/femur.off). It comes from Debian's package libcgal-demo: from its doc folder when that is
+# named (data/meshes/hand.off). It comes from Debian's package libcgal-demo: from its doc folder when that is
 # installed, else out of the package itself, which apt-get downloads without installing.
 set -euo pipefail
 

@@ -119,7 +119,7 @@ SurfaceMesh build_stomach_surface(int frequency) {
   const SurfaceMesh sphere = build_geodesic_sphere(frequency);
   SurfaceMesh skin;
   const Vec3 outer{90.0, 40.0, 40.0};
-  const Vec3 inner{78.0, 28.0, 28.0};
+  const Vec3 inner{66.0, 18.0, 18.0};
   for (const Vec3& p : sphere.points) skin.points.push_back(bent_bag_point(scaled(p, outer)));
   for (const Vec3& p : sphere.points) skin.points.push_back(bent_bag_point(scaled(p, inner)));
   skin.triangles = sphere.triangles;

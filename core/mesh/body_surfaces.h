@@ -10,8 +10,8 @@ namespace palpate {
 /// genus 0 and free of self-intersections. Throws: as build_geodesic_sphere.
 SurfaceMesh build_spleen_surface(int frequency);
 
-/// A closed bent bag with a cavity, as a full stomach is, in millimetres: 180 along its axis, walls of 8 to
-/// 16. Two skins, the inner one turned inward; each is a geodesic sphere of `frequency`, bent by one map that
+/// A closed bent bag with a cavity, as a full stomach is, in millimetres: 180 along its axis, walls of 15 to
+/// 29. Two skins, the inner one turned inward; each is a geodesic sphere of `frequency`, bent by one map that
 /// is one-to-one. Throws: as build_geodesic_sphere.
 SurfaceMesh build_stomach_surface(int frequency);
 

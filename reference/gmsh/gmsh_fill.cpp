@@ -53,7 +53,9 @@ bool is_hollow(const SurfaceMesh& surface, const std::vector<std::vector<Triangl
 /// outside first. Node tag = vertex + 1.
 void add_discrete_surface(const SurfaceMesh& surface) {
   std::vector<std::vector<Triangle>> pieces = split_pieces(surface);
-  if (!is_hollow(surface, pieces)) pieces = {surface.triangles};
+  const bool hollow = is_hollow(surface, pieces);
+  if (!hollow) pieces = {surface.triangles};
+  gmsh::option::setNumber("Mesh.Renumber", hollow ? 0 : 1);  // else patch by patch
   std::stable_sort(pieces.begin(), pieces.end(), [&](const auto& a, const auto& b) {
     return enclosed_volume({surface.points, a}) > enclosed_volume({surface.points, b});
   });

@@ -98,10 +98,10 @@ TEST_F(Formats, AnElementNumberThatIsThereTwiceIsRefused) {
   // Two blocks of version 4.1.
   const std::string head =
       "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 5 1 5\n3 1 0 5\n1\n2\n3\n4\n5\n"
-      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n2 2 1 2\n3 1 4 1\n1 1 2 3 4\n3 2 4 1\n";
+      "0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n$Elements\n2 2 1 2\n3 1 4 1\n1 1 2 3 4\n3 1 4 1\n";
   const std::string blocks = refusal(write("b.msh", head + "1 2 3 4 5\n$EndElements\n"));
-  EXPECT_NE(blocks.find(":24: expected elements"), std::string::npos) << blocks;
-  EXPECT_NE(blocks.find("element number 1 on line 22 too"), std::string::npos) << blocks;
+  EXPECT_NE(blocks.find(":23: expected elements"), std::string::npos) << blocks;
+  EXPECT_NE(blocks.find("element number 1 on line 21 too"), std::string::npos) << blocks;
   EXPECT_EQ(read_mesh(write("c.msh", head + "2 2 3 4 5\n$EndElements\n")).mesh.tets.size(), 2U);
 }
 
