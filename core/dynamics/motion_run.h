@@ -29,7 +29,7 @@ struct MotionRunOptions {
       0;  ///< steps between calls of the observer; 0: at the start and the end alone
   /// Asked before each step; true ends the run. May be empty. The plain engine takes steps for up to some 10
   /// ms before it asks again. The motion is the same whether it is asked or not.
-  std::function<bool()> should_stop;
+  std::function<bool()> should_stop = nullptr;
 };
 
 /// What happened in a run. Nothing of it is hidden by a limit: what a speed limit cuts is counted.
