@@ -114,7 +114,7 @@ void print_histogram(const json& histogram, double tets) {
   std::cout << '\n' << table.text();
 }
 
-int quality(const std::string& path, bool as_json) {
+int quality(const std::string& path, bool as_json, bool with_linear_elements) {
   MeditFile file = read_mesh(path, ReadOrientation::kKeep);
   Judgement judgement = judge_mesh(file.mesh);
   if (judgement.validity.inverted_tets == file.mesh.tets.size()) {
@@ -123,6 +123,7 @@ int quality(const std::string& path, bool as_json) {
     judgement = judge_mesh(file.mesh);
   }
   for (const std::string& note : file.notes) print_note(note);
+  if (with_linear_elements) add_linear_element_figures(judgement.figures, file.mesh);
   const int code = judgement.violations.empty() ? kDone : kNotAccepted;
   if (as_json) {
     print_json(judgement.figures);
@@ -144,7 +145,20 @@ int quality(const std::string& path, bool as_json) {
                                   {"min_quality", "least quality"},
                                   {"min_dihedral_deg", "least dihedral angle, deg"},
                                   {"p1_dihedral_deg", "1st percentile of it, deg"},
-                                  {"max_dihedral_deg", "greatest dihedral angle, deg"}});
+                                  {"p5_dihedral_deg", "5th percentile of it, deg"},
+                                  {"max_dihedral_deg", "greatest dihedral angle, deg"},
+                                  {"p99_max_dihedral_deg", "99th percentile of it, deg"},
+                                  {"mean_mean_ratio", "mean ratio, mean"},
+                                  {"p5_mean_ratio", "mean ratio, 5th percentile"},
+                                  {"mean_radius_ratio", "radius ratio, mean"},
+                                  {"p5_radius_ratio", "radius ratio, 5th percentile"},
+                                  {"mean_edge_ratio", "edge ratio, mean"},
+                                  {"p5_edge_ratio", "edge ratio, 5th percentile"},
+                                  {"p1_error", "error of linear elements"},
+                                  {"p1_error_worst", "the same, worst field"},
+                                  {"explicit_step", "longest explicit step"},
+                                  {"stiffness_condition", "condition of the stiffness"},
+                                  {"scaled_condition", "the same, scaled"}});
   print_histogram(judgement.figures.value("histogram", json()), judgement.figures.value("tets", 0.0));
   print_findings(judgement.violations);
   return code;
@@ -197,7 +211,12 @@ void add_quality_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("quality", "Judge a mesh: validity, sizes, quality");
   command->add_option("MESH", *path, "Mesh to judge")->required();
   command->add_flag("--json", *as_json, "Print the figures as JSON");
-  command->callback([path, as_json, &exit_code] { exit_code = quality(*path, *as_json); });
+  auto with_linear_elements = std::make_shared<bool>(false);
+  command->add_flag("--linear-elements", *with_linear_elements,
+                    "Also what the mesh is worth to linear finite elements (seconds at 100k tetrahedra)");
+  command->callback([path, as_json, with_linear_elements, &exit_code] {
+    exit_code = quality(*path, *as_json, *with_linear_elements);
+  });
 }
 
 }  // namespace palpate::experiments

@@ -1,8 +1,11 @@
 #include "experiments/judge_record.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
+#include "core/judge/linear_elements.h"
 #include "core/judge/surface.h"
 #include "experiments/keep.h"
 
@@ -49,6 +52,13 @@ void add_real(json& figures, const std::string& key, double value) {
   if (!reasons.empty()) figures["null_reasons"] = std::move(reasons);
 }
 
+void add_spread(json& figures, const std::string& name, const judge::Spread& spread) {
+  add_real(figures, "mean_" + name, spread.mean);
+  add_real(figures, "p5_" + name, spread.p5);
+  add_real(figures, "p1_" + name, spread.p1);
+  add_real(figures, "min_" + name, spread.least);
+}
+
 void add_quality(json& figures, const judge::Quality& quality) {
   figures["histogram"] = quality.histogram;
   add_real(figures, "volume", quality.volume);
@@ -59,7 +69,13 @@ void add_quality(json& figures, const judge::Quality& quality) {
   add_real(figures, "min_quality", quality.min_quality);
   add_real(figures, "min_dihedral_deg", quality.min_dihedral_deg);
   add_real(figures, "p1_dihedral_deg", quality.p1_dihedral_deg);
+  add_real(figures, "p5_dihedral_deg", quality.p5_dihedral_deg);
   add_real(figures, "max_dihedral_deg", quality.max_dihedral_deg);
+  add_real(figures, "p99_max_dihedral_deg", quality.p99_max_dihedral_deg);
+  add_real(figures, "p95_max_dihedral_deg", quality.p95_max_dihedral_deg);
+  add_spread(figures, "mean_ratio", quality.mean_ratio);
+  add_spread(figures, "radius_ratio", quality.radius_ratio);
+  add_spread(figures, "edge_ratio", quality.edge_ratio);
 }
 
 /// How far the skin moved. A skin that is the input's to the bit did not, and costs nothing here.
@@ -136,6 +152,27 @@ void add_region_figures(json& figures, const TetMesh& mesh, const TetMesh& input
   if (regions.empty() || figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0)
     return;
   figures["region_tets"] = judge::compare_in_regions(mesh, input, judge_regions(regions)).output_tets;
+}
+
+bool is_of_linear_elements(const std::string& measure) {
+  constexpr std::array kNames{"p1_error", "p1_error_worst", "stiffness_condition", "scaled_condition",
+                              "explicit_step"};
+  return std::find(kNames.begin(), kNames.end(), measure) != kNames.end();
+}
+
+void add_linear_element_figures(json& figures, const TetMesh& mesh) {
+  if (figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0) return;
+  const judge::LinearElementFigures found = judge::measure_linear_elements(mesh);
+  const std::array<std::pair<const char*, double>, 5> named{
+      {{"p1_error", found.p1_error},
+       {"p1_error_worst", found.p1_error_worst},
+       {"stiffness_condition", found.stiffness_condition},
+       {"scaled_condition", found.scaled_condition},
+       {"explicit_step", found.explicit_step}}};
+  for (const auto& [key, value] : named) {
+    figures[key] = found.reason.empty() ? json(value) : json();
+    if (!found.reason.empty()) figures["null_reasons"][key] = found.reason;
+  }
 }
 
 }  // namespace palpate::experiments

@@ -30,6 +30,14 @@ Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<co
 void add_region_figures(nlohmann::json& figures, const TetMesh& mesh, const TetMesh& input,
                         std::span<const std::string> regions);
 
+/// Adds what a mesh with sound arrays is worth to linear elements (core/judge/linear_elements.h): p1_error,
+/// p1_error_worst, stiffness_condition, scaled_condition, explicit_step; null, with the judge's reason, where
+/// there is none. It takes seconds for 100,000 tets, so it is done only where it is asked for.
+void add_linear_element_figures(nlohmann::json& figures, const TetMesh& mesh);
+
+/// Whether a measure is one of these.
+bool is_of_linear_elements(const std::string& measure);
+
 /// A finite number as itself, any other as null; adds "key: reason" to `reasons` for the latter.
 nlohmann::json finite_or_null(double value, const std::string& key, nlohmann::json& reasons);
 

@@ -1,4 +1,5 @@
 // The contest simplify: meshes in, meshes out, held against their inputs.
+#include <algorithm>
 #include <filesystem>
 
 #include "core/base/error.h"
@@ -31,6 +32,18 @@ void add_report_violations(json& record) {
                                      ", the judge counts " + seen.dump());
     }
   }
+}
+
+/// Whether the plan shows, bounds or compares a measure of linear elements.
+bool asks_for_linear_elements(const Plan& plan) {
+  const auto asks = [](const auto& names) {
+    return std::any_of(names.begin(), names.end(), is_of_linear_elements);
+  };
+  return asks(plan.measure) || (plan.claim && is_of_linear_elements(plan.claim->measure)) ||
+         std::any_of(plan.accept.begin(), plan.accept.end(),
+                     [](const AcceptBound& bound) { return is_of_linear_elements(bound.measure); }) ||
+         std::any_of(plan.comparisons.begin(), plan.comparisons.end(),
+                     [&](const Comparison& comparison) { return asks(comparison.measures); });
 }
 
 class SimplifyContest : public Contest {
@@ -76,6 +89,7 @@ class SimplifyContest : public Contest {
       const TetMesh output = read_mesh(file, ReadOrientation::kKeep).mesh;
       Judgement judgement = judge_output(output, mesh.mesh, facts.contestant.keep);
       add_region_figures(judgement.figures, output, mesh.mesh, facts.plan.region);
+      if (asks_for_linear_elements(facts.plan)) add_linear_element_figures(judgement.figures, output);
       return judgement.figures;
     };
     json record = start_record(facts, mesh_facts(mesh), answer);
@@ -94,6 +108,7 @@ class SimplifyContest : public Contest {
     json record = start_input_record(setting_.plan, mesh_facts(mesh), mesh.name + "/input", "input");
     Judgement judgement = judge_mesh(mesh.mesh);
     add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, setting_.plan.region);
+    if (asks_for_linear_elements(setting_.plan)) add_linear_element_figures(judgement.figures, mesh.mesh);
     for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
       record["null_reasons"][key] = "the input mesh itself: nothing ran";
     record["judge"] = judgement.figures;

@@ -53,14 +53,27 @@ struct Counts {
                             ///< the thesis's n_hull, so this implies A.3; A.2 proves it for every ball
 };
 
-/// Shape of the tets, by the thesis's quality factor (2.3.5) and by interior dihedral angles.
+/// A figure of the tets over all of them. The p-th percentile is that of nearest rank: the ceil(p n / 100)-th
+/// smallest of the n figures.
+struct Spread {
+  double mean = 0.0;
+  double p5 = 0.0;  ///< 5th percentile
+  double p1 = 0.0;  ///< 1st percentile
+  double least = 0.0;
+};
+
+/// Shape of the tets, by the thesis's quality factor (2.3.5), by interior dihedral angles, and by ratios that
+/// are 1 for a regular tet alone (edge_ratio: for equal edges) and that no simplifier here is made to raise.
 ///
 ///   q = cbrt(q1 q2 q3);  q1 = least solid angle / 0.55 sr,  q2 = shortest / longest edge,
 ///   q3 = min(1, V / ideal volume)
 ///
-/// A tet that is not positive (inverted, flat, or with a point that is not finite) has q = 0, a least
-/// dihedral angle of 0 and a greatest of 180 degrees. If the ideal volume is not positive, every q is 0.
-/// Nothing is ever NaN; a mesh without tets has zeros throughout.
+///   mean ratio = 12 (3 V)^(2/3) / sum of the squared edges,  radius ratio = 3 inradius / circumradius,
+///   edge ratio = shortest / longest edge
+///
+/// A tet that is not positive (inverted, flat, or with a point that is not finite) has q and all ratios 0, a
+/// least dihedral angle of 0 and a greatest of 180 degrees. If the ideal volume is not positive, every q is
+/// 0. Nothing is ever NaN; a mesh without tets has zeros throughout.
 struct Quality {
   double volume = 0.0;                        ///< sum of the signed volumes, in the mesh's own unit cubed
   double ideal_volume = 0.0;                  ///< the one that q3 used: volume / tets, or the one given
@@ -70,8 +83,14 @@ struct Quality {
   double mean_quality = 0.0;
   double min_quality = 0.0;
   double min_dihedral_deg = 0.0;
-  double p1_dihedral_deg = 0.0;  ///< 1st percentile, by nearest rank, of the tets' least dihedral angles
+  double p1_dihedral_deg = 0.0;  ///< 1st percentile of the tets' least dihedral angles
+  double p5_dihedral_deg = 0.0;  ///< 5th percentile of the same
   double max_dihedral_deg = 0.0;
+  double p99_max_dihedral_deg = 0.0;  ///< 99th percentile of the tets' greatest dihedral angles
+  double p95_max_dihedral_deg = 0.0;  ///< 95th percentile of the same
+  Spread mean_ratio;
+  Spread radius_ratio;
+  Spread edge_ratio;
 };
 
 /// What became of the input.
@@ -117,7 +136,7 @@ Validity check_validity(const TetMesh& mesh);
 Counts count_elements(const TetMesh& mesh);
 
 /// Quality with the mesh's own ideal volume (`ideal_volume` 0), or with one that is given, as the input's.
-/// Time and memory: linear, 24 bytes a tet.
+/// Time and memory: linear, 56 bytes a tet.
 /// Throws: ContractError if a tet has invalid indices, or if the ideal volume is negative or not finite.
 Quality measure_quality(const TetMesh& mesh, double ideal_volume = 0.0);
 

@@ -19,13 +19,17 @@ struct Shapes {
   std::vector<double> shape_factor;  ///< q1 q2; 0 for a tet that is not positive
   std::vector<double> volume;        ///< signed, in units of 2^(3 length exponent)
   std::vector<double> min_dihedral;  ///< radians
-  double max_dihedral = 0.0;
+  std::vector<double> max_dihedral;  ///< radians
+  std::vector<double> mean_ratio;
+  std::vector<double> radius_ratio;
+  std::vector<double> edge_ratio;  ///< 0 for a tet that is not positive
 };
 
 Shapes measure_shapes(const TetMesh& mesh, int length_exponent) {
   const std::size_t n = mesh.tets.size();
   const std::vector<Vec3>& p = mesh.points;
-  Shapes shapes{std::vector<double>(n), std::vector<double>(n), std::vector<double>(n), 0.0};
+  const std::vector<double> none(n);
+  Shapes shapes{none, none, none, none, none, none, none};
   for (std::size_t i = 0; i < n; ++i) {
     const Tet& t = mesh.tets[i];
     require(has_valid_indices(t, p.size()), "measure_quality: a tet with invalid indices");
@@ -34,7 +38,10 @@ Shapes measure_shapes(const TetMesh& mesh, int length_exponent) {
         shape.is_positive ? shape.min_solid_angle / kIdealSolidAngle * shape.edge_ratio : 0.0;
     shapes.volume[i] = shape.volume.in_units_of(length_exponent);
     shapes.min_dihedral[i] = shape.min_dihedral;
-    shapes.max_dihedral = std::max(shapes.max_dihedral, shape.max_dihedral);
+    shapes.max_dihedral[i] = shape.max_dihedral;
+    shapes.mean_ratio[i] = shape.mean_ratio;
+    shapes.radius_ratio[i] = shape.radius_ratio;
+    shapes.edge_ratio[i] = shape.is_positive ? shape.edge_ratio : 0.0;
   }
   return shapes;
 }
@@ -49,12 +56,35 @@ double percent(std::uint64_t part, std::size_t whole) {
   return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-/// Nearest rank: the ceil(n / 100)-th smallest. Reorders `values`, which are not empty.
-double first_percentile(std::vector<double>& values) {
-  const std::size_t rank = (values.size() + 99) / 100;
+/// Nearest rank: the ceil(share n / 100)-th smallest. Reorders `values`, which are not empty.
+double percentile(std::vector<double>& values, std::size_t share) {
+  const std::size_t rank = (share * values.size() + 99) / 100;
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
   std::nth_element(values.begin(), place, values.end());
   return *place;
+}
+
+/// Reorders `values`, which are not empty.
+Spread spread_of(std::vector<double>& values) {
+  CompensatedSum sum;
+  for (const double value : values) sum.add(value);
+  return {sum.value() / static_cast<double>(values.size()), percentile(values, 5), percentile(values, 1),
+          *std::min_element(values.begin(), values.end())};
+}
+
+/// The figures that don't hang on an ideal volume. Reorders the angles and ratios.
+void add_angles_and_ratios(Shapes& shapes, Quality& result) {
+  const Spread least = spread_of(shapes.min_dihedral);
+  result.min_dihedral_deg = kDegreesPerRadian * least.least;
+  result.p1_dihedral_deg = kDegreesPerRadian * least.p1;
+  result.p5_dihedral_deg = kDegreesPerRadian * least.p5;
+  result.max_dihedral_deg =
+      kDegreesPerRadian * *std::max_element(shapes.max_dihedral.begin(), shapes.max_dihedral.end());
+  result.p99_max_dihedral_deg = kDegreesPerRadian * percentile(shapes.max_dihedral, 99);
+  result.p95_max_dihedral_deg = kDegreesPerRadian * percentile(shapes.max_dihedral, 95);
+  result.mean_ratio = spread_of(shapes.mean_ratio);
+  result.radius_ratio = spread_of(shapes.radius_ratio);
+  result.edge_ratio = spread_of(shapes.edge_ratio);
 }
 
 }  // namespace
@@ -88,10 +118,7 @@ Quality measure_quality(const TetMesh& mesh, double ideal_volume) {
   result.mean_quality = sum.value() / static_cast<double>(n);
   result.percent_above_0_5 = percent(above_0_5, n);
   result.percent_above_0_6 = percent(above_0_6, n);
-  result.p1_dihedral_deg = kDegreesPerRadian * first_percentile(shapes.min_dihedral);
-  result.min_dihedral_deg =
-      kDegreesPerRadian * *std::min_element(shapes.min_dihedral.begin(), shapes.min_dihedral.end());
-  result.max_dihedral_deg = kDegreesPerRadian * shapes.max_dihedral;
+  add_angles_and_ratios(shapes, result);
   return result;
 }
 

@@ -144,6 +144,23 @@ double solid_angle(const EdgeVectors& edges, const Angles& angles, std::size_t v
   return excess > kSmallSolidAngle ? excess : small_solid_angle(edges, angles, vertex, least);
 }
 
+/// Requires: a positive volume.
+double mean_ratio(const EdgeVectors& edges, double volume) {
+  double squares = 0.0;
+  for (const Vec3& e : edges.e) squares += dot(e, e);
+  const double root = std::cbrt(3.0 * volume);
+  return 12.0 * root * root / squares;
+}
+
+/// Requires: a positive volume.
+double radius_ratio(const EdgeVectors& edges, double volume) {
+  const auto& [a, b, c, d, e, f] = edges.e;
+  double area = 0.0;
+  for (const Vec3& normal : outward_normals(edges)) area += 0.5 * length(normal);
+  const double turned = length(dot(a, a) * cross(b, c) + dot(b, b) * cross(c, a) + dot(c, c) * cross(a, b));
+  return turned > 0.0 ? std::min(1.0, 108.0 * (volume / area) * (volume / turned)) : 0.0;
+}
+
 }  // namespace
 
 double ScaledVolume::in_units_of(int length_exponent) const {
@@ -177,6 +194,8 @@ TetShape measure_tet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
   for (std::size_t v = 1; v < 4; ++v) {
     shape.min_solid_angle = std::min(shape.min_solid_angle, solid_angle(edges, angles, v));
   }
+  shape.mean_ratio = mean_ratio(edges, shape.volume.value);
+  shape.radius_ratio = radius_ratio(edges, shape.volume.value);
   return shape;
 }
 
