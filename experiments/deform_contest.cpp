@@ -1,5 +1,6 @@
 // The contest deform: problems in, displacements out, held against a converged reference.
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "core/base/error.h"
@@ -8,6 +9,8 @@
 #include "core/mesh/topology.h"
 #include "experiments/contest.h"
 #include "experiments/deform_input.h"
+#include "experiments/output_file.h"
+#include "experiments/pad_force.h"
 #include "reference/deform_problem.h"
 
 namespace palpate::experiments {
@@ -45,13 +48,34 @@ json describe_reference(const DeformReference& reference) {
   figures["differences"] = estimate.difference;
   figures["rule"] = estimate.rule;
   figures["reference_error"] = or_null(estimate.error.relative_l2);
+  figures["reference_error_deformation"] = or_null(estimate.error.relative_deformation);
   figures["reference_error_max"] = or_null(estimate.error.relative_max);
   figures["reference_error_energy"] = or_null(estimate.error.relative_energy);
+  figures["reference_error_energy_whole"] = or_null(reference.whole_energy);
+  if (!reference.pad_force_n.empty()) {
+    figures["reference_error_pad_force"] = or_null(reference.pad_force_error);
+    figures["pad_forces_n"] = json::array();
+    for (const Vec3& force : reference.pad_force_n)
+      figures["pad_forces_n"].push_back({force.x, force.y, force.z});
+  }
   figures["max_displacement_m"] = largest(estimate.field);
   return figures;
 }
 
-/// Figures of an answer: errors at the vertices of the scene's own mesh, whatever mesh it was solved on.
+/// The pads' forces of an answer, against those of the reference; nothing where no pad moves.
+void judge_pad_force(const DeformReference& reference, const ProblemFiles& solved_on,
+                     std::span<const Vec3> nodes, json& figures) {
+  if (reference.pad_force_n.empty()) return;
+  std::vector<Vec3> forces;
+  for (const ElasticSupport& support : solved_on.problem.supports) {
+    if (is_moved(support)) forces.push_back(measure_pad_force(solved_on.mesh, support, nodes));
+  }
+  const double error = relative_force_error(forces, reference.pad_force_n);
+  if (std::isfinite(error)) figures["pad_force"] = error;
+}
+
+/// Figures of an answer: errors at the vertices of the scene's own mesh, whatever mesh it was solved on; of
+/// the energy between them, too.
 json judge_displacement(const DeformInput& input, const DeformReference& reference,
                         const ProblemFiles& solved_on, const json& report,
                         const std::filesystem::path& file) {
@@ -61,22 +85,35 @@ json judge_displacement(const DeformInput& input, const DeformReference& referen
     figures["findings"].push_back("its outcome is " + outcome);
     return figures;
   }
-  const std::size_t vertices = solved_on.mesh.points.size();
-  std::vector<Vec3> field = reference::read_displacement(file, vertices, build_edges(solved_on.mesh).size());
-  field.resize(vertices);
-  figures["max_displacement_m"] = largest(field);
+  const std::size_t rows = solved_on.mesh.points.size();
+  std::vector<Vec3> nodes = judge::with_midpoints(
+      solved_on.mesh, reference::read_displacement(file, rows, build_edges(solved_on.mesh).size()));
+  figures["max_displacement_m"] = largest({nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(rows)});
+  judge_pad_force(reference, solved_on, nodes, figures);
+  const std::size_t vertices = input.own.mesh.points.size();
   if (&solved_on != &input.own) {
-    judge::TransferredField moved = judge::transfer_field(solved_on.mesh, field, input.own.mesh.points);
+    const std::vector<Vec3> points = judge::with_midpoints(input.own.mesh, input.own.mesh.points);
+    const std::span<const Vec3> all = points;
+    judge::TransferredField moved = judge::transfer_field(solved_on.mesh, nodes, all.first(vertices));
     figures["points_outside"] = moved.outside;
     figures["farthest_outside_m"] = moved.farthest_outside;
-    field = std::move(moved.value);
+    const judge::TransferredField between =
+        judge::transfer_field(solved_on.mesh, nodes, all.subspan(vertices));
+    nodes = std::move(moved.value);
+    nodes.insert(nodes.end(), between.value.begin(), between.value.end());
   }
+  const std::span<const Vec3> field(nodes.data(), vertices);
   const Material& material = input.own.problem.material;
-  const judge::DisplacementError error = judge::compare_displacement(
-      input.own.mesh, field, reference.estimate.field, material.lambda_pa(), material.mu_pa());
+  const auto compare = [&](std::span<const Vec3> answer, std::span<const Vec3> truth) {
+    return judge::compare_displacement(input.own.mesh, answer, truth, material.lambda_pa(), material.mu_pa());
+  };
+  const judge::DisplacementError error = compare(field, reference.estimate.field);
   figures["displacement_l2"] = error.relative_l2;
+  figures["displacement_deformation"] = error.relative_deformation;
   figures["displacement_max"] = error.relative_max;
   figures["displacement_energy"] = error.relative_energy;
+  figures["displacement_energy_whole"] = compare(nodes, reference.field).relative_energy;
+  figures["rigid_share"] = error.rigid_share;
   figures["worst_vertex"] = error.worst_point;
   const auto& own_error = reference.estimate.error.relative_l2;
   figures["reference_error"] = or_null(own_error);
@@ -118,6 +155,7 @@ class DeformContest : public Contest {
       DeformReference reference = solve_reference(input, setting_);
       if (reference.interrupted) return false;
       json record = build_reference_record(input, reference);
+      if (reference.failure.empty()) keep_field(id, reference.field);
       if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));
       references_.emplace(id, std::move(reference));
     }
@@ -188,6 +226,13 @@ class DeformContest : public Contest {
 
   std::filesystem::path folder_of(const std::string& id) const { return setting_.folder.paths().problem(id); }
 
+  /// Keeps the field that answers are judged by with the run: anyone can judge again.
+  void keep_field(const std::string& id, std::span<const Vec3> field) const {
+    const std::filesystem::path file = setting_.folder.paths().reference(id);
+    create_folder(file.parent_path());
+    reference::write_displacement(file, field);
+  }
+
   json build_reference_record(const DeformInput& input, const DeformReference& reference) const {
     std::string id = input.scene + "/reference";
     for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
@@ -197,6 +242,10 @@ class DeformContest : public Contest {
     record["judge"] = describe_reference(reference);
     record["outcome"] = reference.outcome;
     record["message"] = reference.failure;
+    if (reference.failure.empty())
+      record["mesh_file"] = std::filesystem::relative(setting_.folder.paths().reference(input.id),
+                                                      setting_.folder.paths().folder)
+                                .string();
     for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
       record["null_reasons"][key] = "several runs: see judge.level_reports";
     return record;

@@ -1,5 +1,7 @@
 #include "experiments/deform_input.h"
 
+#include <cmath>
+
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
@@ -40,8 +42,25 @@ void fail(DeformReference& reference, const std::string& outcome, const std::str
   reference.failure = why;
 }
 
-/// The displacement of one level at the vertices of the problem's own mesh. What goes wrong is put into
-/// `reference`.
+/// The pads' forces of a level, as its report has them: integrated on its own mesh, which no other has. The
+/// order is at least 1 (twice that of the energy norm), so a level is no farther off than the one before is
+/// from it.
+void add_pad_force(const DeformInput& input, const json& report, DeformReference& reference) {
+  const std::vector<ElasticSupport>& supports = input.own.problem.supports;
+  if (!report.contains("support_forces_n") || report.at("support_forces_n").size() != supports.size()) return;
+  std::vector<Vec3> now;
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    if (!is_moved(supports[k])) continue;
+    const json& force = report.at("support_forces_n").at(k);
+    now.push_back({force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()});
+  }
+  if (!reference.pad_force_n.empty())
+    reference.pad_force_error = relative_force_error(reference.pad_force_n, now);
+  reference.pad_force_n = std::move(now);
+}
+
+/// The displacement of one level at the vertices and edge midpoints of the problem's own mesh. What goes
+/// wrong is put into `reference`.
 std::vector<Vec3> solve_level(const DeformInput& input, int level, const ContestSetting& setting,
                               DeformReference& reference) {
   const PlanReference& plan = *setting.plan.reference;
@@ -72,14 +91,34 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
   }
   const std::size_t vertices = input.own.mesh.points.size();
   try {
-    std::vector<Vec3> field =
-        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size());
-    field.resize(vertices);
-    return field;
+    add_pad_force(input, answer.report, reference);
+    return judge::with_midpoints(
+        input.own.mesh,
+        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size()));
   } catch (const InputError& error) {
     fail(reference, "bad_answer", which + "cannot be read: " + error.what());
     return {};
   }
+}
+
+/// Fills in what is judged by from the levels so far, coarsest first. Throws: InputError where they judge
+/// nothing.
+void estimate_from(const DeformInput& input, const PlanReference& plan,
+                   const std::vector<std::vector<Vec3>>& levels, DeformReference& reference) {
+  const Material& material = input.own.problem.material;
+  const std::size_t vertices = input.own.mesh.points.size();
+  std::vector<std::vector<Vec3>> at_vertices = levels;
+  for (std::vector<Vec3>& level : at_vertices) level.resize(vertices);
+  const auto estimate = [&](std::span<const std::vector<Vec3>> given) {
+    return judge::estimate_reference(input.own.mesh, given, material.lambda_pa(), material.mu_pa(),
+                                     {plan.stated_order});
+  };
+  reference.estimate = estimate(at_vertices);
+  const judge::ReferenceEstimate whole = estimate(levels);
+  reference.whole_energy = whole.error.relative_energy;
+  reference.field = reference.estimate.field;
+  reference.field.insert(reference.field.end(), whole.field.begin() + static_cast<std::ptrdiff_t>(vertices),
+                         whole.field.end());
 }
 
 TetMesh scaled(TetMesh mesh, double factor) {
@@ -88,6 +127,21 @@ TetMesh scaled(TetMesh mesh, double factor) {
 }
 
 }  // namespace
+
+bool is_moved(const ElasticSupport& support) {
+  return length_sq(support.by_m) > 0.0;
+}
+
+double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth) {
+  require(force.size() == truth.size(), "relative_force_error: sizes differ");
+  double off = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    off += length_sq(force[k] - truth[k]);
+    whole += length_sq(truth[k]);
+  }
+  return std::sqrt(off / whole);
+}
 
 json problem_sweep(const json& sweep) {
   json own = json::object();
@@ -152,15 +206,13 @@ DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::pat
 
 DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting) {
   const PlanReference& plan = *setting.plan.reference;
-  const Material& material = input.own.problem.material;
   DeformReference reference;
   std::vector<std::vector<Vec3>> levels;
   for (int level = 0; level < plan.levels; ++level) {
     levels.push_back(solve_level(input, level, setting, reference));
     if (reference.interrupted || !reference.failure.empty()) return reference;
     try {
-      reference.estimate = judge::estimate_reference(input.own.mesh, levels, material.lambda_pa(),
-                                                     material.mu_pa(), {plan.stated_order});
+      estimate_from(input, plan, levels, reference);
     } catch (const InputError& error) {
       fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
       return reference;

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/judge/reference_estimate.h"
 #include "core/mesh/boundary_problem.h"
@@ -37,10 +39,14 @@ struct DeformInput {
 
 /// What came of the reference.
 struct DeformReference {
-  std::string failure;                 ///< why there is none; empty if there is
-  std::string outcome = "accepted";    ///< of its record
-  judge::ReferenceEstimate estimate;   ///< at the vertices of the problem's own mesh
-  std::vector<nlohmann::json> levels;  ///< what each level reports, with its times
+  std::string failure;                    ///< why there is none; empty if there is
+  std::string outcome = "accepted";       ///< of its record
+  judge::ReferenceEstimate estimate;      ///< at the vertices of the problem's own mesh
+  std::vector<Vec3> field;                ///< estimate.field, and then the same at the midpoints of the edges
+  std::optional<double> whole_energy;     ///< relative energy error of `field`, quadratic in each tet
+  std::vector<Vec3> pad_force_n;          ///< on the body, of each pad that moves, at the finest level
+  std::optional<double> pad_force_error;  ///< how far the level before is from it, over its size
+  std::vector<nlohmann::json> levels;     ///< what each level reports, with its times
   bool interrupted = false;
 };
 
@@ -50,6 +56,13 @@ struct SimplifiedInput {
   ProblemFiles files;
   nlohmann::json report;
 };
+
+/// Whether a support is a pad that moves.
+bool is_moved(const ElasticSupport& support);
+
+/// sqrt(sum |f - t|^2 / sum |t|^2) over the pads; not finite where the truth is zero. Throws: ContractError
+/// if the sizes differ.
+double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth);
 
 /// The part of a case's sweep that makes its problem: poisson_ratio and vertices.
 nlohmann::json problem_sweep(const nlohmann::json& sweep);

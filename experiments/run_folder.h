@@ -31,6 +31,11 @@ struct RunPaths {
     return folder / "displacements" / (case_id + ".csv");
   }
 
+  /// The field that a problem of the contest deform is judged by.
+  std::filesystem::path reference(const std::string& problem_id) const {
+    return folder / "references" / (problem_id + ".csv");
+  }
+
   /// The history of a case of the contest motion.
   std::filesystem::path history(const std::string& case_id) const {
     return folder / "histories" / (case_id + ".csv");

@@ -18,9 +18,12 @@ NO_SIMPLIFIER = "none"
 FINITE_ELEMENTS = "fem.p1"  # what a user would take instead: stands beside each figure
 BEST, BEST_OTHER, COARSE = "*", "+", "~"
 
-# The three errors: name in the records, title, and where the reference record has its own error in that figure.
-ERRORS = [("displacement_l2", "L2", "reference_error"), ("displacement_max", "max", "reference_error_max"),
-          ("displacement_energy", "energy", "reference_error_energy")]
+# The errors: name in the records, title, and where the reference record has its own error in that figure.
+ERRORS = [("displacement_l2", "L2", "reference_error"), ("displacement_deformation", "deform", "reference_error_deformation"),
+          ("displacement_energy", "energy", "reference_error_energy"),
+          ("displacement_energy_whole", "whole", "reference_error_energy_whole"),
+          ("displacement_max", "max", "reference_error_max"), ("pad_force", "pad", "reference_error_pad_force")]
+SHARE = "stiffness_share_springs"
 TIMES = [("identify_s", "identify"), ("solve_s", "solve"), ("kernel_s", "kernel")]
 MAIN = ERRORS[0][0]
 
@@ -139,7 +142,7 @@ def is_valid(reference):
 
 def values_of(group):
     values = {name: median(group.figures("judge", name)) for name, _, _ in ERRORS}
-    for name in ("identify_s", "solve_s", "iterations"):
+    for name in ("identify_s", "solve_s", "iterations", SHARE):
         values[name] = median(present(figure(record, "report", name) for record in group.accepted()))
     timing = timing_of(group)
     values["kernel_s"] = timing["kernel_median_s"] if timing else None
@@ -193,6 +196,12 @@ def read_sections(run):
     for section in sections.values():
         mark_rows(section.rows)
     return list(sections.values())
+
+
+def shown_errors(sections):
+    """Those of the errors that any row has: a run without pads has no column for them."""
+    return [error for error in ERRORS if error[0] == MAIN
+            or any(row.values[error[0]] is not None for section in sections for row in section.rows)]
 
 
 def labels_of(sections):

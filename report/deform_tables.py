@@ -1,7 +1,7 @@
 """Tables of a contest of displacements: problem by problem, scene by scene, over sets of scenes, and of the references."""
 
-from deform import (BEST, BEST_OTHER, COARSE, ERRORS, MAIN, MARGIN, TIMES, labels_of, root_mean_square, scene_sets, setting_of, setting_text,
-                    settings_of)
+from deform import (BEST, BEST_OTHER, COARSE, ERRORS, MAIN, MARGIN, SHARE, TIMES, labels_of, root_mean_square, scene_sets, setting_of,
+                    setting_text, settings_of, shown_errors)
 from records import figure
 from tables import align, seconds_text, write_atomically, write_csv
 
@@ -41,12 +41,14 @@ def factor_of(row, section):
     return row.values[MAIN] / other.values[MAIN]
 
 
-def row_cells(row, section):
+def row_cells(row, section, errors):
     cells = [row.label]
-    for name, _, _ in ERRORS:
+    for name, _, _ in errors:
         cells.append(percent_text(row.values[name]) + row.marks.get(name, "").ljust(2))
     factor = factor_of(row, section)
     cells.append("" if factor is None else f"{factor:.2f}")
+    share = row.values[SHARE]
+    cells.append("" if share is None else f"{100 * share:.0f}")
     for name, _ in TIMES:
         cells.append(seconds_text(row.values[name]) + (row.marks.get(name, "").ljust(1) if name == "kernel_s" else ""))
     return [*cells, row.note]
@@ -70,19 +72,22 @@ def pad_columns(lines):
 
 def sections_text(sections):
     """The whole table, problem by problem."""
-    titles = [f"{title} %  " for _, title, _ in ERRORS]
-    lines = [["label", *titles, "x P1", *(title + (" " if name == "kernel_s" else "") for name, title in TIMES), "note"]]
+    errors = shown_errors(sections)
+    titles = [f"{title} %  " for _, title, _ in errors]
+    lines = [["label", *titles, "x P1", "springs %", *(title + (" " if name == "kernel_s" else "") for name, title in TIMES), "note"]]
     for section in sections:
         lines += ["", section.title, f"  {reference_text(section)}"]
         # Without a reference no row has a figure; the line above says why.
-        lines += [row_cells(row, section) for row in section.rows] if section.has_reference else []
+        lines += [row_cells(row, section, errors) for row in section.rows] if section.has_reference else []
     return pad_columns(lines) + "\n\n" + legend_text(sections)
 
 
 def legend_text(sections):
     marks = "".join(mark for section in sections for row in section.rows for mark in row.marks.values())
-    lines = ["Errors in % of the reference, at the vertices of the scene's own mesh. x P1: the L2 error over that of linear finite",
-             "elements (fem.p1) on the same mesh. Times: median over repeats; kernel holds identify, assembly and solve."]
+    lines = ["Errors in % of the reference, at the vertices of the scene's own mesh. deform: L2 after the best rigid motion is taken off error and",
+             "reference. energy: in the norm of the strains, of the vertices alone; whole: with what happens between them. pad: force of the pads that",
+             "move. x P1: the L2 error over that of linear finite elements (fem.p1) on the same mesh. springs: share of the elastic energy that",
+             "springs hold. Times: median over repeats; kernel holds identify, assembly and solve."]
     if BEST in marks:
         lines.append(f"{BEST} least of the column" + (f"; {BEST_OTHER} least without finite elements." if BEST_OTHER in marks else "."))
     if COARSE in marks:
@@ -90,27 +95,30 @@ def legend_text(sections):
     return "\n".join(lines)
 
 
-def matrix_cell(section, row):
+def matrix_cell(section, row, name):
     if row is None:
         return ""
     if row.is_judged:
-        return percent_text(row.values[MAIN]) + row.marks.get(MAIN, "").ljust(2)
+        return percent_text(row.values[name]) + row.marks.get(name, "").ljust(2)
     return "failed  " if section.has_reference else "no ref.  "
 
 
 def matrix_text(sections):
-    """Relative L2 error, label by scene: one table for each Poisson ratio, number of vertices and mesh."""
+    """Each error, label by scene: one table for each error, Poisson ratio, number of vertices and mesh."""
     out = []
     for setting in settings_of(sections):
         own = [section for section in sections if setting_of(section) == setting]
-        rows = []
-        for label in labels_of(own):
-            cells = [matrix_cell(section, section.find(label)) for section in own]
-            rows.append([label, *cells, ""])
-        header = ["label", *(section.problem.scene + "  " for section in own), ""]
-        heading = setting_text(setting)
-        out.append(f"Relative L2 error in %{f', {heading}' if heading else ''}\n\n" + pad_columns([header, *rows]))
+        for name, title, _ in shown_errors(own):
+            rows = [[label, *(matrix_cell(section, section.find(label), name) for section in own), ""] for label in labels_of(own)]
+            header = ["label", *(section.problem.scene + "  " for section in own), ""]
+            heading = setting_text(setting)
+            out.append(f"{TITLES[name]} in %{f', {heading}' if heading else ''}\n\n" + pad_columns([header, *rows]))
     return "\n\n".join(out)
+
+
+TITLES = {"displacement_l2": "Relative L2 error", "displacement_deformation": "Error of the deformation", "displacement_energy": "Energy error",
+          "displacement_energy_whole": "Energy error with midpoints", "displacement_max": "Greatest error over greatest displacement",
+          "pad_force": "Error of the pads' force"}
 
 
 def set_rows(run, sections):
@@ -133,22 +141,35 @@ def set_rows(run, sections):
                               "without_reference": len(every) - len(own),
                               "coarse": sum(row.is_coarse(MAIN) for row in judged), "rms": root_mean_square(values),
                               "worst": max(values, default=None), "worst_scene": worst.problem.scene if worst else "",
-                              "p1_rms": root_mean_square(peer_values), "p1_worst": max(peer_values, default=None)})
+                              "p1_rms": root_mean_square(peer_values), "p1_worst": max(peer_values, default=None),
+                              "errors": {name: spread_of(judged, name) for name, _, _ in ERRORS}})
     return found
 
 
+def spread_of(rows, name):
+    """(rms, worst, how many figures the reference cannot tell) of an error; pads are not in every scene."""
+    values = [row.values[name] for row in rows if row.values[name] is not None]
+    return root_mean_square(values), max(values, default=None), sum(row.is_coarse(name) for row in rows)
+
+
+def spread_text(spread):
+    rms, worst, coarse = spread
+    return "" if rms is None else f"{percent_text(rms)} / {percent_text(worst)}{COARSE if coarse else ''}"
+
+
 def sets_text(run, sections):
-    """rms and worst over each set of scenes, with P1's over the same scenes beside them."""
+    """rms and worst over each set of scenes, of all errors side by side."""
     rows = []
+    errors = shown_errors(sections)
     for entry in set_rows(run, sections):
         note = [] if entry["solved"] == entry["scenes"] else [f"solved {entry['solved']} of {entry['scenes']}"]
         note += [f"no reference on {entry['without_reference']}"] if entry["without_reference"] else []
         note += [f"{entry['coarse']} marked {COARSE}"] if entry["coarse"] else []
-        rows.append([entry["set"], setting_text(entry["setting"]), entry["label"], percent_text(entry["rms"]),
-                     percent_text(entry["worst"]), entry["worst_scene"], percent_text(entry["p1_rms"]),
-                     percent_text(entry["p1_worst"]), "; ".join(note)])
-    header = ["scenes", "problem", "label", "rms %", "worst %", "on", "P1 rms %", "P1 worst %", "note"]
-    return "Relative L2 error over sets of scenes\n\n" + align(header, without_repeated_names(rows))
+        rows.append([entry["set"], setting_text(entry["setting"]), entry["label"],
+                     *(spread_text(entry["errors"][name]) for name, _, _ in errors), entry["worst_scene"], "; ".join(note)])
+    header = ["scenes", "problem", "label", *(f"{title} %" for _, title, _ in errors), "worst on", "note"]
+    return ("Errors over sets of scenes: root mean square / worst. worst on, note: of the L2 error\n\n"
+            + align(header, without_repeated_names(rows)))
 
 
 def without_repeated_names(rows):
@@ -162,7 +183,7 @@ def without_repeated_names(rows):
 
 ROW_HEADER = ["scene", "poisson_ratio", "vertices_wanted", "vertices", "simplify", "tets_removed_ratio", "label", "method",
               *(name for name, _, _ in ERRORS), *(own for _, _, own in ERRORS), "marked", "best_in",
-              "best_without_finite_elements_in", "times_p1",
+              "best_without_finite_elements_in", "times_p1", SHARE,
               *(name for name, _ in TIMES), "iterations", "note"]
 
 
@@ -175,6 +196,7 @@ def write_rows(sections, folder):
             rows.append([row.problem.scene, row.problem.poisson_ratio, row.problem.wanted_vertices, row.vertices, row.simplify,
                          row.ratio, row.label, row.method, *(row.values[name] for name, _, _ in ERRORS),
                          *(row.own_errors[name] for name, _, _ in ERRORS), marked, best, other, factor_of(row, section),
+                         row.values[SHARE],
                          *(row.values[name] for name, _ in TIMES), row.values["iterations"], row.note])
     write_csv(folder / "displacement.csv", ROW_HEADER, rows)
 
@@ -196,8 +218,10 @@ def write_references(run, folder):
 def write_sets(run, sections, folder):
     header = ["set", "poisson_ratio", "vertices", "simplify", "tets_removed_ratio", "label", "scenes", "solved",
               "without_reference", "coarse", "rms", "worst", "worst_scene", "p1_rms", "p1_worst"]
-    rows = [[entry["set"], *entry["setting"], *(entry[name] for name in header[5:])] for entry in set_rows(run, sections)]
-    write_csv(folder / "displacement_sets.csv", header, rows)
+    spreads = [f"{name}_{kind}" for name, _, _ in ERRORS for kind in ("rms", "worst", "coarse")]
+    rows = [[entry["set"], *entry["setting"], *(entry[name] for name in header[5:]),
+             *(value for name, _, _ in ERRORS for value in entry["errors"][name])] for entry in set_rows(run, sections)]
+    write_csv(folder / "displacement_sets.csv", [*header, *spreads], rows)
 
 
 def write_tables(run, sections, folder):

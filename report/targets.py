@@ -9,11 +9,12 @@ label did not solve is missed.
 
 from dataclasses import dataclass
 
-from deform import COARSE, MAIN, NO_SIMPLIFIER, root_mean_square, scene_sets
+from deform import COARSE, ERRORS, MAIN, NO_SIMPLIFIER, root_mean_square, scene_sets
 from deform_tables import percent_text
 from tables import align, write_atomically, write_csv
 
 MET, MISSED, OPEN = "met", "missed", "open"
+TITLES = {name: title for name, title, _ in ERRORS}
 
 
 @dataclass
@@ -137,10 +138,10 @@ def targets_text(outcomes):
     for outcome in outcomes:
         p1 = outcome.values(outcome.p1_rows)
         worst = outcome.worst_row
-        rows.append([outcome.state, str(outcome.target.get("text", "")), outcome.label, percent_text(outcome.target["at_most"]),
+        rows.append([outcome.state, str(outcome.target.get("text", "")), TITLES.get(outcome.measure, outcome.measure), outcome.label, percent_text(outcome.target["at_most"]),
                      percent_text(outcome.worst), gap_text(outcome), percent_text(root_mean_square(outcome.values(outcome.rows))),
                      "" if worst is None else worst.problem.name, percent_text(max(p1, default=None)), outcome.note])
-    header = ["target", "what", "best label", "at most %", "worst %", "by", "rms %", "worst on", "P1 worst %", "note"]
+    header = ["target", "what", "error", "best label", "at most %", "worst %", "by", "rms %", "worst on", "P1 worst %", "note"]
     states = [outcome.state for outcome in outcomes]
     count = ", ".join(f"{states.count(state)} {state}" for state in (MET, MISSED, OPEN) if state in states)
     return (f"Targets: {count} ({OPEN}: the bound is within the error of the reference or the scatter of the answers, or scenes are missing)\n\n" + align(header, rows))

@@ -21,6 +21,13 @@ void check_theta(double theta) {
     throw InputError("theta", 0, "a number in [0, 1]", std::to_string(theta));
 }
 
+void check_stabilise(const BlendOptions& options) {
+  if (!(options.stabilise >= 0.0 && options.stabilise <= 1.0))
+    throw InputError("stabilise", 0, "a number in [0, 1]", std::to_string(options.stabilise));
+  if (options.stabilise > 0.0 && options.strain == StrainSize::kLarge)
+    throw InputError("stabilise", 0, "0 at large strain", std::to_string(options.stabilise));
+}
+
 StrainLaw law_of(StrainSize strain, StrainLaw large_law) {
   if (strain == StrainSize::kSmall) return StrainLaw::kLinear;
   if (large_law == StrainLaw::kLinear)
@@ -147,11 +154,13 @@ BuiltModel build_spring_model(const TetMesh& mesh, SpringNetwork springs, const 
 BuiltModel build_blend_model(const TetMesh& mesh, const Material& material, const BlendOptions& options) {
   check_material(material);
   check_theta(options.theta);
-  const double mu = material.mu_pa();
-  const double lambda = material.lambda_pa();
+  check_stabilise(options);
+  const double kept = options.stabilise * material.mu_pa();
+  const double mu = material.mu_pa() - kept;
+  const double lambda = material.lambda_pa() + 2.0 / 3.0 * kept;
   BuiltModel built;
   // 3 lambda + 2 theta mu >= 0 keeps each smoothed energy >= 0; for nu >= 0 every theta does.
-  built.theta = std::max(options.theta, std::min(1.0, -1.5 * lambda / mu));
+  built.theta = std::max(options.theta, mu > 0.0 ? std::min(1.0, -1.5 * lambda / mu) : 0.0);
   if (built.theta > options.theta)
     built.warnings.push_back(raised_theta(options.theta, built.theta, material.poisson_ratio));
   built.model.rest = mesh.points;
@@ -161,6 +170,9 @@ BuiltModel build_blend_model(const TetMesh& mesh, const Material& material, cons
   if (built.theta < 1.0)
     built.model.strain_terms.push_back(
         {build_strain_operator(mesh, options.rest), {0.0, (1.0 - built.theta) * mu}, law});
+  if (kept > 0.0)
+    built.model.strain_terms.push_back(
+        {build_strain_operator(mesh, StrainDomain::kTet), {-2.0 / 3.0 * kept, kept}, law});
   return built;
 }
 

@@ -62,6 +62,7 @@ struct BlendOptions {
   double theta = 0.7;                         ///< share of the shear modulus that is smoothed
   StrainDomain domain = StrainDomain::kNode;  ///< where lambda and theta mu are averaged
   StrainDomain rest = StrainDomain::kTet;     ///< where (1 - theta) mu is
+  double stabilise = 0.0;                     ///< alpha: share of mu that each tet keeps, volume left alone
 };
 
 /// Linear elements blended with smoothed ones, without springs: a node-based smoothed finite element method,
@@ -73,7 +74,15 @@ struct BlendOptions {
 /// 2 mu eps_T : eps_T. An affine displacement has the exact energy and no force inside, whatever theta is.
 /// Where nu < 0 makes 3 lambda + 2 theta mu negative, theta is raised until it is not, with a warning.
 ///
-/// Throws: InputError for theta outside [0, 1].
+/// With alpha the shear above is (1 - alpha) mu in place of mu, and each tet adds the energy of alpha mu of a
+/// change of shape alone, while the nodes keep the whole bulk modulus:
+///
+///   + alpha mu sum_T V_T (eps_T : eps_T - 1/3 (tr eps_T)^2) + 1/3 alpha mu sum_n V_n (tr eps_n)^2
+///
+/// which no deformation of a tet but a uniform swelling escapes (M. Gee, C. Dohrmann, S. Key, W. Wall, Int.
+/// J. Numer. Meth. Engng 78 (2009), 429-443). Small strain alone.
+///
+/// Throws: InputError for theta or alpha outside [0, 1], or alpha > 0 at large strain.
 BuiltModel build_blend_model(const TetMesh& mesh, const Material& material, const BlendOptions& options);
 
 }  // namespace palpate::dynamics

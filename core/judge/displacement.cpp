@@ -6,10 +6,14 @@
 
 #include "core/base/error.h"
 #include "core/judge/compensated_sum.h"
+#include "core/judge/rigid_part.h"
 #include "core/judge/tet_edges.h"
 
 namespace palpate::judge {
 namespace {
+
+/// A field whose deformation is a smaller share of it than this is a rigid motion, rounded.
+constexpr double kRigid = 1e-12;
 
 /// A tet's volume and the gradients of its four barycentric coordinates.
 struct Element {
@@ -132,6 +136,7 @@ class Ruler {
       : mesh_(mesh), lambda_(lambda), mu_(mu) {
     require(mu > 0.0 && 3.0 * lambda + 2.0 * mu > 0.0, "displacement: the material is not positive");
     require_indices(mesh);
+    points_ = mesh.points;
     if (rows == mesh.points.size()) {
       share_ = linear_shares(mesh);
       return;
@@ -140,21 +145,27 @@ class Ruler {
     require(rows == mesh.points.size() + edges_.edges.size(),
             "displacement: neither one row a vertex nor one a vertex and edge");
     share_ = quadratic_shares(mesh, edges_);
+    for (const Edge& edge : edges_.edges)
+      points_.push_back(0.5 * (mesh.points[edge[0]] + mesh.points[edge[1]]));
   }
 
   DisplacementSize measure(std::span<const Vec3> field) const {
     DisplacementSize size;
     CompensatedSum sum;
+    CompensatedSum strained;
+    const std::vector<Vec3> rest = without_rigid_motion(points_, share_, field);
     double most = 0.0;
     for (std::size_t i = 0; i < field.size(); ++i) {
       const double square = length_sq(field[i]);
       sum.add(share_[i] * square);
+      strained.add(share_[i] * length_sq(rest[i]));
       if (square > most) {
         most = square;
         size.max_point = i;
       }
     }
     size.l2 = std::sqrt(sum.value());
+    size.deformation = std::sqrt(strained.value());
     size.max = std::sqrt(most);
     const double energy = edges_.edges.empty() ? linear_energy(mesh_, field, lambda_, mu_)
                                                : quadratic_energy(mesh_, edges_, field, lambda_, mu_);
@@ -167,6 +178,7 @@ class Ruler {
   double lambda_;
   double mu_;
   TetEdges edges_;  // empty for fields that are linear in each tet
+  std::vector<Vec3> points_;
   std::vector<double> share_;
 };
 
@@ -210,7 +222,17 @@ DisplacementError compare_displacement(const TetMesh& mesh, std::span<const Vec3
     throw InputError("reference displacement", 0, "a body that moves", "zero displacements");
   if (!(whole.energy > 0.0))
     throw InputError("reference displacement", 0, "a body that is strained", "a rigid motion");
-  return {off.l2 / whole.l2, off.max / whole.max, off.energy / whole.energy, off.max_point};
+  if (!(whole.deformation > kRigid * whole.l2))
+    throw InputError("reference displacement", 0, "a body that is strained", "a rigid motion");
+  DisplacementError error;
+  error.relative_l2 = off.l2 / whole.l2;
+  error.relative_deformation = off.deformation / whole.deformation;
+  error.relative_max = off.max / whole.max;
+  error.relative_energy = off.energy / whole.energy;
+  error.worst_point = off.max_point;
+  const double strained = whole.deformation / whole.l2;
+  error.rigid_share = std::max(0.0, 1.0 - strained * strained);
+  return error;
 }
 
 }  // namespace palpate::judge

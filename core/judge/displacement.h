@@ -15,6 +15,7 @@ namespace palpate::judge {
 /// build_edges numbers them).
 struct DisplacementSize {
   double l2 = 0.0;            ///< sqrt(sum w |u|^2), w the share of the volume of each point, in m^3 (below)
+  double deformation = 0.0;   ///< the same of u less its best rigid motion (core/judge/rigid_part.h)
   double max = 0.0;           ///< max |u|
   double energy = 0.0;        ///< sqrt(a(u, u)), a(u, u) = integral of lambda (tr e)^2 + 2 mu e : e
   std::size_t max_point = 0;  ///< the first row at which `max` is taken
@@ -37,10 +38,14 @@ std::vector<Vec3> with_midpoints(const TetMesh& mesh, std::span<const Vec3> fiel
 
 /// Errors against a reference at the same points, with each point's share of the volume as its weight.
 struct DisplacementError {
-  double relative_l2 = 0.0;      ///< sqrt(sum w |u - r|^2 / sum w |r|^2)
+  double relative_l2 = 0.0;  ///< sqrt(sum w |u - r|^2 / sum w |r|^2)
+  /// The same after the best rigid motion is taken off u - r and off r, each its own. A support that gives
+  /// lets a body move far and strain little; this says how wrong the strained shape is.
+  double relative_deformation = 0.0;
   double relative_max = 0.0;     ///< max |u - r| / max |r|
   double relative_energy = 0.0;  ///< sqrt(a(u - r, u - r) / a(r, r)), a = linear elasticity on the mesh
   std::size_t worst_point = 0;   ///< where relative_max is taken
+  double rigid_share = 0.0;      ///< of sum w |r|^2: what r's best rigid motion has of it
 };
 
 /// Compares two fields given at the vertices of `mesh` (points in m), or both at its n + e quadratic nodes:
@@ -49,10 +54,10 @@ struct DisplacementError {
 DisplacementError compare_displacement(const TetMesh& mesh, std::span<const Vec3> field,
                                        std::span<const Vec3> truth, double lambda_pa, double mu_pa);
 
-/// A field on the vertices of `source`, linear in each tet, evaluated at `points`: barycentric inside;
-/// outside, at the nearest point of the nearest boundary face. `outside` counts those that are farther out
-/// than rounding (1e-12 of the box's diagonal). Time: a search in trees of boxes for each point. Throws:
-/// ContractError for other sizes or no tets, InputError for numbers that are not finite.
+/// A field of `source`, linear in each tet (n rows) or quadratic (n + e rows), evaluated at `points`: by its
+/// shape functions inside; outside, at the nearest point of the nearest boundary face. `outside` counts those
+/// that are farther out than rounding (1e-12 of the box's diagonal). Time: a search in trees of boxes for
+/// each point. Throws: ContractError for other sizes or no tets, InputError for numbers that are not finite.
 struct TransferredField {
   std::vector<Vec3> value;
   std::size_t outside = 0;

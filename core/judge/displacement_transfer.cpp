@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "core/judge/displacement.h"
 #include "core/judge/surface.h"
+#include "core/judge/tet_edges.h"
 #include "core/judge/tet_tree.h"
 #include "core/judge/triangle_tree.h"
 
@@ -62,22 +63,26 @@ std::array<double, 4> pulled_inside(std::array<double, 4> share) {
 class Transfer {
  public:
   Transfer(const TetMesh& source, std::span<const Vec3> field)
-      : source_(source), field_(field), tets_(source), skin_(build_boundary(source)), triangles_(corners()) {}
+      : source_(source), field_(field), tets_(source), skin_(build_boundary(source)), triangles_(corners()) {
+    if (field.size() == source.points.size()) return;
+    edges_ = number_edges(source);
+    require(field.size() == source.points.size() + edges_.edges.size(),
+            "transfer_field: neither one value a vertex nor one a vertex and edge");
+  }
 
   /// Value at p, and how far p lies outside (0 inside).
   std::pair<Vec3, double> at(const Vec3& p) const {
     const TetPlace place = tets_.find(p);
-    if (place.least >= kInside) return {in_tet(field_, place.tet, place.share), 0.0};
+    if (place.least >= kInside) return {value_in_tet(place.tet, place.share), 0.0};
     const Nearest nearest = triangles_.nearest(p);
     const double skin_distance = std::sqrt(nearest.distance_sq);
     if (place.tet != kNoIndex) {  // between tets that rounding has parted: the nearest skin may be far away
       const std::array<double, 4> inside = pulled_inside(place.share);
       const double distance = length(p - in_tet(source_.points, place.tet, inside));
-      if (distance < skin_distance) return {in_tet(field_, place.tet, inside), distance};
+      if (distance < skin_distance) return {value_in_tet(place.tet, inside), distance};
     }
-    const Triangle& t = skin_.triangles[nearest.triangle];
     const TriangleShares share = nearest_on_triangle(p, triangles_.triangle(nearest.triangle));
-    return {blend({field_[t[0]], field_[t[1]], field_[t[2]]}, share), skin_distance};
+    return {value_on_face(skin_.triangles[nearest.triangle], share), skin_distance};
   }
 
  private:
@@ -95,8 +100,38 @@ class Transfer {
     return sum;
   }
 
+  /// Linear shape functions b_i, or quadratic ones: b_i (2 b_i - 1) at the corners, 4 b_i b_j at midpoints.
+  Vec3 value_in_tet(Index t, const std::array<double, 4>& share) const {
+    if (edges_.edges.empty()) return in_tet(field_, t, share);
+    Vec3 sum;
+    for (std::size_t i = 0; i < 4; ++i)
+      sum = sum + share[i] * (2.0 * share[i] - 1.0) * field_[source_.tets[t][i]];
+    for (std::size_t k = 0; k < kTetEdges.size(); ++k) {
+      const auto [i, j] = kTetEdges[k];
+      const double bubble = 4.0 * share[static_cast<std::size_t>(i)] * share[static_cast<std::size_t>(j)];
+      sum = sum + bubble * at_midpoint(edges_.of_tet[t][k]);
+    }
+    return sum;
+  }
+
+  Vec3 value_on_face(const Triangle& t, const TriangleShares& share) const {
+    if (edges_.edges.empty()) return blend({field_[t[0]], field_[t[1]], field_[t[2]]}, share);
+    Vec3 sum;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3;
+      const Edge ends{std::min(t[i], t[j]), std::max(t[i], t[j])};
+      const auto place = std::lower_bound(edges_.edges.begin(), edges_.edges.end(), ends);
+      sum = sum + share[i] * (2.0 * share[i] - 1.0) * field_[t[i]] +
+            4.0 * share[i] * share[j] * at_midpoint(static_cast<Index>(place - edges_.edges.begin()));
+    }
+    return sum;
+  }
+
+  Vec3 at_midpoint(Index edge) const { return field_[source_.points.size() + edge]; }
+
   const TetMesh& source_;
   std::span<const Vec3> field_;
+  TetEdges edges_;  // empty for fields that are linear in each tet
   TetTree tets_;
   SurfaceMesh skin_;
   TriangleTree triangles_;
@@ -112,7 +147,6 @@ void require_finite(std::span<const Vec3> values, const char* name) {
 
 TransferredField transfer_field(const TetMesh& source, std::span<const Vec3> field,
                                 std::span<const Vec3> points) {
-  require(field.size() == source.points.size(), "transfer_field: not one value a vertex");
   require(!source.tets.empty(), "transfer_field: a mesh without tetrahedra");
   for (const Tet& tet : source.tets)
     for (const Index v : tet)

@@ -191,6 +191,7 @@ ReferenceEstimate estimate_reference(const TetMesh& mesh, std::span<const std::v
     return over(bound_of(decision, found, figure, lowest_order), whole.*figure);
   };
   estimate.error.relative_l2 = bound(&DisplacementSize::l2, kLowestOrder);
+  estimate.error.relative_deformation = bound(&DisplacementSize::deformation, kLowestOrder);
   estimate.error.relative_max = bound(&DisplacementSize::max, kLowestLocalOrder);
   estimate.error.relative_energy = bound(&DisplacementSize::energy, kLowestLocalOrder);
   if (found.has_previous) estimate.difference.push_back(found.previous.l2 / whole.l2);

@@ -21,10 +21,11 @@ enum class ReferenceKind {
 /// "extrapolated", "finest".
 std::string reference_kind_name(ReferenceKind kind);
 
-/// The error of a reference in the three figures of DisplacementError, each relative to the reference itself;
+/// The error of a reference in the four figures of DisplacementError, each relative to the reference itself;
 /// nothing where there is no estimate.
 struct ReferenceError {
   std::optional<double> relative_l2;
+  std::optional<double> relative_deformation;
   std::optional<double> relative_max;
   std::optional<double> relative_energy;
 };
@@ -57,10 +58,10 @@ struct ReferenceOptions {
 ///   one level:    that level, and no estimate.
 /// Error: extrapolated, max(1/x, 1/x0 - 1/x) D; finest, D / x0; x0 = 2^p0 - 1. It is no less than the true
 /// error for any sum of terms a_i h^(p_i) with p_i >= p0 whose a_i point the same way or across. p0 is 1 in
-/// the L2 norm, 1/2 for maximum and energy (the edge of a hard clamp), or the order observed in that figure
-/// if it is less. A last difference below 1/16 of the one before counts as 1/16 of it (order 4). Where the
-/// differences point elsewhere, the error is the larger one; where they do not shrink, there is no estimate.
-/// docs/judge.md has the proof.
+/// the L2 norm, with rigid motions or without, 1/2 for maximum and energy (the edge of a hard clamp), or the
+/// order observed in that figure if it is less. A last difference below 1/16 of the one before counts as 1/16
+/// of it (order 4). Where the differences point elsewhere, the error is the larger one; where they do not
+/// shrink, there is no estimate. docs/judge.md has the proof.
 ///
 /// Throws: ContractError for no level or other sizes; InputError for values that are not finite, a field that
 /// is zero, or a stated order outside [1, 4].

@@ -126,9 +126,10 @@ void BoundaryTerms::find_faces(const TetMesh& mesh, const BoundaryProblem& probl
   for (const ElasticSupport& support : problem.supports) {
     for (const LocalFace& face : body.find_faces(support.patch.faces)) {
       const double area = length(area_vector(mesh, support.patch.faces[face.given]));
-      supports_.push_back(
-          {face, support.stiffness_pa_per_m * support.patch.weight[face.given] * area, support.by_m});
+      supports_.push_back({face, support.stiffness_pa_per_m * support.patch.weight[face.given] * area,
+                           support.by_m, support_count_});
     }
+    ++support_count_;
   }
   for (const Traction& traction : problem.tractions) {
     for (const LocalFace& face : body.find_faces(traction.patch.faces)) {
@@ -190,18 +191,28 @@ double BoundaryTerms::support_energy(const Vector& u, double factor) const {
   return sum_over_processes(energy);
 }
 
-Vec3 BoundaryTerms::total_support_force(const Vector& u, double factor) const {
-  std::array<double, 3> sum{};  // the shape functions of a face add up to 1
+std::vector<Vec3> BoundaryTerms::support_forces(const Vector& u, double factor) const {
+  std::vector<std::array<double, 3>> sum(support_count_);  // the shape functions of a face add up to 1
   const LocalEntries at(u.get());
   for (const FaceTerm& term : supports_) {
     const std::array<double, 3> by = scaled(term.vector, factor);
     for (std::size_t i = 0; i < static_cast<std::size_t>(term.face.node_count); ++i) {
       const std::size_t entry = 3 * static_cast<std::size_t>(term.face.nodes[i]);
       const double share = term.scale * face_load(term.face.node_count, i);
-      for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] -= share * (at[entry + axis] - by[axis]);
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        sum[term.of][axis] -= share * (at[entry + axis] - by[axis]);
     }
   }
-  return {sum_over_processes(sum[0]), sum_over_processes(sum[1]), sum_over_processes(sum[2])};
+  std::vector<Vec3> forces;
+  for (const auto& [x, y, z] : sum)
+    forces.push_back({sum_over_processes(x), sum_over_processes(y), sum_over_processes(z)});
+  return forces;
+}
+
+Vec3 BoundaryTerms::total_support_force(const Vector& u, double factor) const {
+  Vec3 sum;
+  for (const Vec3& force : support_forces(u, factor)) sum = sum + force;
+  return sum;
 }
 
 Vec3 BoundaryTerms::total_at_held(const Vector& force) const {

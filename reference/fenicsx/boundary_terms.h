@@ -31,6 +31,8 @@ class BoundaryTerms {
   double support_energy(const Vector& u, double factor) const;
   /// The sum of that pull, in N, of all processes together.
   Vec3 total_support_force(const Vector& u, double factor) const;
+  /// The same of each support by itself, in the problem's order: the integral of k (factor by - u).
+  std::vector<Vec3> support_forces(const Vector& u, double factor) const;
   /// The sum of the held entries of `force` by axis, of all processes together.
   Vec3 total_at_held(const Vector& force) const;
   /// Adds tractions, pressures and nodal forces.
@@ -43,8 +45,9 @@ class BoundaryTerms {
   };
   struct FaceTerm {
     LocalFace face;
-    double scale;  ///< support: k x weight x area, in N/m; load: 1
-    Vec3 vector;   ///< support: where it stands; load: the force on the face
+    double scale;        ///< support: k x weight x area, in N/m; load: 1
+    Vec3 vector;         ///< support: where it stands; load: the force on the face
+    std::size_t of = 0;  ///< support: its place in the problem
   };
 
   void find_held(const TetMesh& mesh, const BoundaryProblem& problem, const ElasticBody& body);
@@ -55,6 +58,7 @@ class BoundaryTerms {
   std::size_t owned_nodes_ = 0;
   bool is_moved_ = false;
   std::vector<FaceTerm> supports_;
+  std::size_t support_count_ = 0;
   std::vector<FaceTerm> loads_;
   std::vector<std::pair<PetscInt, Vec3>> nodal_forces_;
 };

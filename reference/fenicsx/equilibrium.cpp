@@ -200,6 +200,7 @@ Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem
   found.solver = system.name();
   found.strain_energy_j = body.stored_energy(found.displacement);
   found.support_energy_j = loaded.terms().support_energy(found.displacement, 1.0);
+  found.support_forces_n = loaded.terms().support_forces(found.displacement, 1.0);
   found.solve_s = system.solve_s();
   found.assembly_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - found.solve_s;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "reference/fenicsx/linear_solver.h"
 
@@ -25,6 +26,7 @@ struct Equilibrium {
   double residual_relative = 0.0;
   double strain_energy_j = 0.0;
   double support_energy_j = 0.0;
+  std::vector<Vec3> support_forces_n;  ///< of each support on the body, in the problem's order
   double assembly_s = 0.0;
   double solve_s = 0.0;
 };

@@ -151,6 +151,9 @@ Response answer(const Request& request) {
                        {"support_energy_j", found.support_energy_j},
                        {"assembly_s", setup_s + found.assembly_s},
                        {"solve_s", found.solve_s}};
+    response.report["support_forces_n"] = json::array();
+    for (const Vec3& force : found.support_forces_n)
+      response.report["support_forces_n"].push_back({force.x, force.y, force.z});
     if (found.outcome == "converged") rows = gather_rows(task.mesh, body, found.displacement);
   });
   if (!rows.empty()) write_displacement(request.output, rows);

@@ -93,6 +93,7 @@ dynamics::BlendOptions take_blend(const std::string& method, StrainSize strain, 
   blend.theta = take_number(options, "theta", 0.0, 1.0, blend.theta);
   blend.domain = take_domain(options, "domain", blend.domain);
   blend.rest = take_domain(options, "rest", blend.rest);
+  blend.stabilise = take_number(options, "stabilise", 0.0, 1.0, 0.0);
   blend.large_law = take_law(options, blend.large_law);
   return blend;
 }

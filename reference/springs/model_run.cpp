@@ -2,9 +2,13 @@
 
 #include <array>
 #include <chrono>
+#include <cmath>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/dynamics/elastic_model.h"
 #include "core/dynamics/static_equilibrium.h"
 #include "reference/deform_problem.h"
 #include "reference/fusion_options.h"
@@ -36,6 +40,15 @@ dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json
   out.linear.method = kMethods[take_choice(options, "solver", {"auto", "direct", "conjugate_gradients"})];
   out.linear.threads = threads;
   return out;
+}
+
+/// Share of the elastic energy of a displacement that the springs hold: 1 for springs alone, 0 for smoothed
+/// elements alone. Nothing where there is no energy.
+std::optional<double> spring_share(const dynamics::ElasticModel& model, std::span<const Vec3> displacement) {
+  const dynamics::ElasticModel springs{model.rest, model.springs, model.springs_are_linear, {}, {}};
+  const double whole = dynamics::elastic_energy(model, displacement);
+  if (!(whole > 0.0) || !std::isfinite(whole)) return std::nullopt;
+  return dynamics::elastic_energy(springs, displacement) / whole;
 }
 
 void report_solution(const dynamics::StaticReport& report, Response& response) {
@@ -77,6 +90,8 @@ Response run_model(const Request& request) {
 
   response.report["theta"] = built.theta;
   report_solution(solution.report, response);
+  if (const auto share = spring_share(built.model, solution.displacement_m))
+    response.report["stiffness_share_springs"] = *share;
   if (solution.report.outcome == dynamics::StaticOutcome::kConverged)
     write_displacement(request.output, solution.displacement_m);
   return response;

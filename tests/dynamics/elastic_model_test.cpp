@@ -52,6 +52,11 @@ std::vector<Named> all_models(const TetMesh& mesh, StrainSize strain) {
            build_blend_model(mesh, kMaterial, {strain, law, 0.6, domain, StrainDomain::kTet}).model});
     }
   }
+  if (strain == StrainSize::kSmall) {
+    BlendOptions stabilised;
+    stabilised.stabilise = 0.2;
+    out.push_back({"stabilised blend", build_blend_model(mesh, kMaterial, stabilised).model});
+  }
   return out;
 }
 

@@ -231,5 +231,43 @@ TEST(TransferField, BadInput) {
   EXPECT_TRUE(transfer_field(mesh, field, {}).value.empty());
 }
 
+// Rows of midpoints: a quadratic field is carried over exactly, inside the body and on its flat sides.
+TEST(DisplacementTransfer, AQuadraticFieldIsExactAtAllPointsOfTheBody) {
+  const auto curved = [](const Vec3& p) {
+    return Vec3{p.x * p.x - p.y * p.z, 2.0 * p.y * p.y, p.x * p.z + p.y};
+  };
+  const TetMesh mesh = build_kuhn_cube(3, 0.3, 8);
+  const std::vector<Vec3> nodes = with_midpoints(mesh, mesh.points);
+  std::vector<Vec3> field;
+  for (const Vec3& p : nodes) field.push_back(curved(p));
+  SplitMix64 random(5);
+  std::vector<Vec3> points{{0, 0, 0}, {1, 1, 1}, {0.3, 0.4, 1.0}};
+  add_random_points(points, 300, random, 0.0, 1.0);
+  const TransferredField moved = transfer_field(mesh, field, points);
+  EXPECT_EQ(moved.outside, 0U);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LE(distance_to(moved.value[i], curved(points[i])), 1e-13) << i;
+  // Without its midpoints the same field is off by the order of h^2.
+  const TransferredField linear =
+      transfer_field(mesh, std::span<const Vec3>(field).first(mesh.points.size()), points);
+  double most = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    most = std::max(most, distance_to(linear.value[i], curved(points[i])));
+  EXPECT_GT(most, 0.02);
+}
+
+// Outside, the value of the nearest point of the skin, by the face's own quadratic shape functions.
+TEST(DisplacementTransfer, OutsideAQuadraticFieldIsTakenFromTheSkin) {
+  const auto curved = [](const Vec3& p) { return Vec3{p.x * p.x, p.x * p.y, p.y * p.y}; };
+  const TetMesh mesh = build_kuhn_cube(2, 0.2, 9);
+  std::vector<Vec3> field;
+  for (const Vec3& p : with_midpoints(mesh, mesh.points)) field.push_back(curved(p));
+  const std::vector<Vec3> points{{0.3, 0.7, 1.5}, {0.61, 0.22, -0.1}};
+  const TransferredField moved = transfer_field(mesh, field, points);
+  EXPECT_EQ(moved.outside, 2U);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    EXPECT_LE(distance_to(moved.value[i], curved(points[i])), 1e-13) << i;
+}
+
 }  // namespace
 }  // namespace palpate::judge

@@ -34,7 +34,7 @@ class Rows(DeformTest):
     def test_the_reference_is_no_contestant_and_is_described(self):
         rows, out = self.run_deform([reference_record("bar", own=0.0021), deformed("bar", "isotropy", 0.05)])
         self.assertEqual(list(rows), ["isotropy"])
-        self.assertIn("reference: extrapolated, 3 levels, order 2.10; its own error in %: L2 0.210, max 0.420, energy 0.840", out)
+        self.assertIn("reference: extrapolated, 3 levels, order 2.10; its own error in %: L2 0.210, energy 0.840, max 0.420", out)
         reference = self.table("references.csv")[0]
         self.assertEqual((reference["scene"], reference["order"], reference["reference_error"]), ("bar", "2.1", "0.0021"))
 
@@ -54,7 +54,7 @@ class Rows(DeformTest):
                                      deformed("bar", "good", 0.0199, own=0.004), deformed("bar", "far", 0.05, own=0.004)])
         self.assertEqual(rows["far"]["marked"], "")
         self.assertEqual(rows["fine"]["marked"], "displacement_energy")
-        self.assertEqual(rows["good"]["marked"], "displacement_l2 displacement_max displacement_energy")
+        self.assertEqual(rows["good"]["marked"], "displacement_l2 displacement_energy displacement_max")
         self.assertIn("1.99*~", self.line_of(out, "good"))
         self.assertIn("not 5 times better", out)
 
@@ -106,6 +106,41 @@ class Rows(DeformTest):
         self.assertEqual(code, 0)
         self.assertIn("no records", out)
         self.assertIn("no charts", out)
+
+
+class Deformation(DeformTest):
+    """The errors that show deformation stand beside the L2 error, each with the reference's own."""
+
+    def judged(self, label, l2, **more):
+        line = deformed("pad", label, l2)
+        line["judge"] |= {"displacement_deformation": 4 * l2, "displacement_energy_whole": 10 * l2, "rigid_share": 0.9, **more}
+        line["report"] |= {"stiffness_share_springs": 0.12}
+        return line
+
+    def test_all_errors_stand_side_by_side(self):
+        rows, out = self.run_deform([reference_record("pad", reference_error_deformation=0.001, reference_error_pad_force=0.001),
+                                     self.judged("a", 0.01, pad_force=0.003)])
+        header = next(line for line in out.splitlines() if line.startswith("label"))
+        self.assertEqual(header.split()[:13:2], ["label", "%", "%", "%", "%", "%", "%"])
+        self.assertEqual(header.split()[1:13:2], ["L2", "deform", "energy", "whole", "max", "pad"])
+        self.assertEqual(self.line_of(out, "a").split()[1:8], ["1.00", "4.00", "2.00", "10.0~", "1.50", "0.300~", "12"])
+        self.assertEqual(rows["a"]["marked"], "displacement_energy_whole pad_force")
+        self.assertEqual(rows["a"]["stiffness_share_springs"], "0.12")
+
+    def test_sets_have_root_mean_square_and_worst_of_each(self):
+        self.run_deform([reference_record("pad"), self.judged("a", 0.01), reference_record("other"), deformed("other", "a", 0.03)])
+        row = self.table("displacement_sets.csv")[0]
+        self.assertAlmostEqual(float(row["displacement_deformation_rms"]), 0.04)  # the scene that has none does not count
+        self.assertAlmostEqual(float(row["displacement_max_rms"]), 1.5 * ((0.01**2 + 0.03**2) / 2) ** 0.5)
+        self.assertEqual(row["displacement_max_worst"], "0.045")
+        self.assertEqual(row["pad_force_rms"], "")
+
+    def test_a_target_may_bound_the_deformation(self):
+        targets = [{"text": "shape", "labels": ["a"], "measure": "displacement_deformation", "at_most": 0.03}]
+        _, out = self.run_deform([reference_record("pad", reference_error_deformation=0.001), self.judged("a", 0.01)], targets=targets)
+        row = self.table("targets.csv")[0]
+        self.assertEqual((row["state"], row["worst"], row["measure"]), ("missed", "0.04", "displacement_deformation"))
+        self.assertIn("deform", next(line for line in out.splitlines() if "shape" in line))
 
 
 class Sets(DeformTest):
