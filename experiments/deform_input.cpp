@@ -42,6 +42,13 @@ void fail(DeformReference& reference, const std::string& outcome, const std::str
   reference.failure = why;
 }
 
+Vec3 read_force(const json& force) {
+  const bool is_vector = force.is_array() && force.size() == 3 && force[0].is_number() &&
+                         force[1].is_number() && force[2].is_number();
+  if (!is_vector) throw InputError("support_forces_n", 0, "three finite numbers a support", force.dump());
+  return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
+}
+
 /// The pads' forces of a level, as its report has them: integrated on its own mesh, which no other has. The
 /// order is at least 1 (twice that of the energy norm), so a level is no farther off than the one before is
 /// from it.
@@ -51,8 +58,7 @@ void add_pad_force(const DeformInput& input, const json& report, DeformReference
   std::vector<Vec3> now;
   for (std::size_t k = 0; k < supports.size(); ++k) {
     if (!is_moved(supports[k])) continue;
-    const json& force = report.at("support_forces_n").at(k);
-    now.push_back({force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()});
+    now.push_back(read_force(report.at("support_forces_n").at(k)));
   }
   if (!reference.pad_force_n.empty())
     reference.pad_force_error = relative_force_error(reference.pad_force_n, now);

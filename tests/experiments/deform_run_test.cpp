@@ -7,9 +7,12 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/mesh/medit.h"
+#include "core/mesh/topology.h"
 #include "experiments/case_list.h"
 #include "experiments/record_file.h"
 #include "experiments/runner.h"
+#include "reference/deform_problem.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -55,7 +58,8 @@ TEST_F(DeformRun, AnErrorOfATenthIsFoundToBeOne) {
     for (const char* label : {"block/stiff", "block/quadratic"}) {
       const json& record = all.at(label + end);
       EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
-      for (const char* key : {"displacement_l2", "displacement_max", "displacement_energy"})
+      for (const char* key : {"displacement_l2", "displacement_deformation", "displacement_max",
+                              "displacement_energy", "displacement_energy_whole"})
         EXPECT_NEAR(record.at("judge").at(key).get<double>(), 0.1, 1e-12) << key;
       EXPECT_EQ(record.at("scene").at("poisson_ratio"), json::parse(ratio));
       EXPECT_EQ(record.at("stop"), json());
@@ -82,6 +86,43 @@ TEST_F(DeformRun, TheReferenceIsExtrapolatedAndJudgesItself) {
   EXPECT_GT(own, 0.0);
   EXPECT_NEAR(figures.at("reference_ratio").get<double>(), 0.1 / own, 1e-9);
   EXPECT_EQ(figures.at("reference_too_coarse"), own > 0.1 / 5.0);
+}
+
+// Another program can judge again from the run folder alone.
+TEST_F(DeformRun, TheFieldThatIsJudgedByIsKeptWithTheRun) {
+  fixture_.run(add_plan("[{method: test.field, label: off, set: {factor: 1.1}}]", "",
+                        "{method: test.field, levels: 3, set: {bias: 0.08}}"));
+  const auto all = fixture_.records();
+  const auto file = fixture_.folder() / "run" / all.at("block/reference").at("mesh_file").get<std::string>();
+  const auto rows = all.at("block/off").at("mesh").at("vertices").get<std::size_t>();
+  const TetMesh mesh = read_medit(fixture_.folder() / "run/problems/block/in.mesh").mesh;
+  const std::vector<Vec3> kept = reference::read_displacement(file, rows, build_edges(mesh).size());
+  ASSERT_EQ(kept.size(), rows + build_edges(mesh).size());
+  const auto answer = fixture_.folder() / "run" / all.at("block/off").at("mesh_file").get<std::string>();
+  const std::vector<Vec3> given = reference::read_displacement(answer, rows, build_edges(mesh).size());
+  for (std::size_t i = 0; i < rows; ++i) EXPECT_LE(length(given[i] - 1.1 * kept[i]), 1e-12);
+}
+
+// A linear field times 1 + d pulls by d times the integral of k u less: twice the d, twice the error.
+TEST_F(DeformRun, ThePadsForceIsHeldAgainstTheReferencesOwn) {
+  SceneText pressed;
+  pressed.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.005], "
+      "elastic_pa_per_m: 1.0e6}}]";
+  fixture_.folder().add("block.yaml", pressed.yaml());
+  fixture_.run(add_plan(
+      "\n  - {method: test.field, label: exact}\n  - {method: test.field, label: near, set: {factor: 1.1}}"
+      "\n  - {method: test.field, label: far, set: {factor: 1.2, midpoints: true}}"));
+  const auto all = fixture_.records();
+  const auto error = [&](const std::string& label) {
+    return all.at("block/" + label).at("judge").at("pad_force").get<double>();
+  };
+  EXPECT_NEAR(error("exact"), 0.0, 1e-12);
+  EXPECT_GT(error("near"), 0.01);
+  EXPECT_NEAR(error("far"), 2.0 * error("near"), 1e-12);
+  const json& reference = all.at("block/reference").at("judge");
+  EXPECT_EQ(reference.at("pad_forces_n").size(), 1U) << "the support does not move";
+  EXPECT_EQ(reference.at("reference_error_pad_force"), 0.0) << "both levels are the same";
 }
 
 TEST_F(DeformRun, ARowWhoseReferenceIsTooCoarseIsMarked) {

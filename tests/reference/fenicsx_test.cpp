@@ -333,6 +333,32 @@ TEST_F(FiniteElements, RefinedAnswerIsThatOfTheRefinedMeshAtTheBaseMeshsNodes) {
   }
 }
 
+// With nothing but a pad that moves, the least of all energies is half of by . F, and a finer mesh, whose
+// fields hold the coarser one's, can only lower it. Supports and pad balance each other.
+TEST_F(FiniteElements, ThePadsForceIsTwiceTheLeastEnergyOverItsWayAndFallsWhenRefined) {
+  const TetMesh mesh = build_kuhn_cube(2, 0.3, 4);
+  BoundaryProblem problem = supported_cube(mesh, 1.0);
+  problem.tractions.clear();
+  problem.gravity_m_s2 = {};
+  for (const std::string& method : kMethods) {
+    double coarser = INFINITY;
+    for (const int refine : {0, 1}) {
+      solve(method, mesh, problem, {{"refine", refine}, {"rtol", 1e-12}});
+      std::vector<Vec3> forces;
+      for (const json& force : report_.at("support_forces_n"))
+        forces.push_back({force.at(0).get<double>(), force.at(1).get<double>(), force.at(2).get<double>()});
+      ASSERT_EQ(forces.size(), 2U);
+      const double work = dot(problem.supports[1].by_m, forces[1]);
+      const double energy =
+          report_.at("energy_j").get<double>() + report_.at("support_energy_j").get<double>();
+      EXPECT_NEAR(work, 2.0 * energy, 1e-9 * energy) << method << ' ' << refine;
+      EXPECT_LE(length(forces[0] + forces[1]), 1e-9 * length(forces[1])) << method;
+      EXPECT_LT(work, coarser) << method;
+      coarser = work;
+    }
+  }
+}
+
 TEST_F(FiniteElements, WhatCannotBeSolvedIsAnOutcome) {
   const TetMesh mesh = build_kuhn_cube(2, 0.0, 1);
   BoundaryProblem problem;

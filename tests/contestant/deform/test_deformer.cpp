@@ -32,6 +32,23 @@ std::vector<Vec3> linear_field(const DeformTask& task, double factor, bool midpo
   return field;
 }
 
+/// The pull of each support, exact for a field that is linear on each face.
+nlohmann::json support_forces(const DeformTask& task, const std::vector<Vec3>& field) {
+  nlohmann::json forces = nlohmann::json::array();
+  for (const ElasticSupport& support : task.problem.supports) {
+    Vec3 sum;
+    for (std::size_t k = 0; k < support.patch.faces.size(); ++k) {
+      const auto [a, b, c] = support.patch.faces[k];
+      const std::vector<Vec3>& p = task.mesh.points;
+      const double area = 0.5 * length(cross(p[b] - p[a], p[c] - p[a]));
+      sum = sum + (support.stiffness_pa_per_m * support.patch.weight[k] * area) *
+                      (support.by_m - (1.0 / 3.0) * (field[a] + field[b] + field[c]));
+    }
+    forces.push_back({sum.x, sum.y, sum.z});
+  }
+  return forces;
+}
+
 Response answer(const Request& request) {
   const std::string behave = request.options.value("behave", "field");
   if (behave == "refuse") throw InputError("not this problem");
@@ -48,6 +65,7 @@ Response answer(const Request& request) {
   const double error = request.options.value("bias", 0.0) / std::pow(4.0, request.options.value("refine", 0));
   std::vector<Vec3> field = linear_field(task, request.options.value("factor", 1.0) * (1.0 + error),
                                          request.options.value("midpoints", false));
+  response.report["support_forces_n"] = support_forces(task, field);
   if (behave == "short_file") field.pop_back();
   if (behave == "nan_file") field.back().x = std::numeric_limits<double>::quiet_NaN();
   std::ofstream file(request.output);  // write_displacement would refuse what is not finite
