@@ -290,7 +290,7 @@ TEST_F(TrueProblem, AWrongReferenceIsFoundByAnotherMethod) {
   const ReferenceEstimate linear = estimate(solve(kMaterial));
   ReferenceEstimate right;
   right.field = truth_;
-  right.error = {0.001, 0.001, 0.001};
+  right.error = {0.001, 0.001, 0.001, 0.001};
   const ReferenceAgreement good = compare_references(mesh_, right, linear, kLambda, kMu);
   EXPECT_TRUE(good.agree) << good.relative_l2 << " " << *good.expected;
 

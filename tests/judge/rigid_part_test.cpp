@@ -91,19 +91,19 @@ TEST(RigidPart, OnALineOrAPointOnlyWhatMovesItIsTakenOff) {
   EXPECT_THROW(without_rigid_motion(point, std::vector<double>{}, point), ContractError);
 }
 
-// u = (s x, 0, 0) on a cube about the origin has no rigid part; a shift of a hides s from the L2 error.
+// A swelling u = s p about the center has no rigid part: p x s p = 0. A shift hides it from the L2 error.
 TEST(DeformationError, DoesNotSeeAShiftAndASmallErrorInItIsNotHidden) {
   TetMesh mesh = build_kuhn_cube(2, 0.0, 1);
   for (Vec3& p : mesh.points) p = p - Vec3{0.5, 0.5, 0.5};
   const auto stretched = [&](double s, double shift) {
     std::vector<Vec3> field;
-    for (const Vec3& p : mesh.points) field.push_back({s * p.x + shift, 0, 0});
+    for (const Vec3& p : mesh.points) field.push_back(s * p + Vec3{shift, 0, 0});
     return field;
   };
   const std::vector<Vec3> truth = stretched(0.01, 1.0);
   const DisplacementError same = compare_displacement(mesh, stretched(0.01, 2.0), truth, 1.0, 1.0);
   EXPECT_NEAR(same.relative_deformation, 0.0, 1e-12);
-  EXPECT_NEAR(same.relative_l2, 1.0, 1e-4);  // 1 over sqrt(1 + (0.01)^2 <x^2>)
+  EXPECT_NEAR(same.relative_l2, 1.0, 1e-4);  // 1 over sqrt(1 + (0.01)^2 <p^2>)
   const DisplacementError half = compare_displacement(mesh, stretched(0.005, 1.0), truth, 1.0, 1.0);
   EXPECT_NEAR(half.relative_deformation, 0.5, 1e-11);
   EXPECT_LT(half.relative_l2, 0.005);
