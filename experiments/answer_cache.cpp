@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <vector>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -96,20 +97,79 @@ ContestantAnswer keep(const fs::path& folder, const json& key, ContestantAnswer 
   return answer;
 }
 
+fs::path folder_of(const json& key) {
+  const std::string name = hash_bytes(key.dump());
+  return cache_root() / "answer_cache" / name.substr(name.find(':') + 1);
+}
+
+/// The same task with another problem.
+ContestantTask with_problem(ContestantTask task, const fs::path& problem) {
+  task.problem_in = problem;
+  return task;
+}
+
+/// Those of the problems whose answers are not kept.
+std::vector<fs::path> find_missing(const ContestantTask& task, std::span<const fs::path> problems) {
+  std::vector<fs::path> missing;
+  for (const fs::path& problem : problems) {
+    const json key = key_of(with_problem(task, problem));
+    if (!load(folder_of(key), key)) missing.push_back(problem);
+  }
+  return missing;
+}
+
+fs::path further_output(const ContestantTask& task, std::size_t k) {
+  return task.scratch / ("further_" + std::to_string(k) + ".csv");
+}
+
+/// Keeps the answers to further problems, and takes them out of the report. One without its displacement, or
+/// a report of another shape, is not kept: it is then asked for by itself.
+void keep_further(const ContestantTask& task, std::span<const fs::path> problems, ContestantAnswer& answer) {
+  const json reports = answer.report.value("further", json::array());
+  answer.report.erase("further");
+  if (!reports.is_array() || reports.size() != problems.size()) return;
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    const json& report = reports.at(k);
+    ContestantAnswer one = answer;
+    one.output = further_output(task, k);
+    if (!report.is_object() || report.value("outcome", json()) != "converged" ||
+        !fs::is_regular_file(one.output))
+      continue;
+    one.report = report;
+    const json solve_s = report.value("solve_s", json());
+    if (solve_s.is_number()) one.kernel_s = solve_s.get<double>();
+    const json key = key_of(with_problem(task, problems[k]));
+    keep(folder_of(key), key, std::move(one));
+  }
+}
+
 }  // namespace
 
-ContestantAnswer run_cached(const ContestantTask& task, bool& was_kept) {
+ContestantAnswer run_cached(const ContestantTask& task, bool& was_kept, std::span<const fs::path> further) {
   was_kept = false;
   if (!task.method.contestant->unavailable().empty()) return run_contestant(task);
   const json key = key_of(task);
-  const std::string name = hash_bytes(key.dump());
-  const fs::path folder = cache_root() / "answer_cache" / name.substr(name.find(':') + 1);
+  const fs::path folder = folder_of(key);
   if (auto kept = load(folder, key)) {
     was_kept = true;
     return *std::move(kept);
   }
-  ContestantAnswer answer = run_contestant(task);
-  return answer.outcome == "ok" ? keep(folder, key, std::move(answer)) : answer;
+  ContestantTask asked = task;
+  std::vector<fs::path> missing;
+  if (task.method.method->find_option("further") != nullptr) missing = find_missing(task, further);
+  if (!missing.empty()) {
+    json list = json::array();
+    for (std::size_t k = 0; k < missing.size(); ++k)
+      list.push_back(
+          {{"problem_in", missing[k].string()}, {"displacement_out", further_output(task, k).string()}});
+    const fs::path file = task.scratch / "further.json";
+    write_file_atomically(file, list.dump(2) + "\n");
+    asked.options["further"] = file.string();
+  }
+  ContestantAnswer answer = run_contestant(asked);
+  if (answer.outcome != "ok") return answer;
+  keep_further(task, missing, answer);
+  return keep(folder, key, std::move(answer));
 }
 
 }  // namespace palpate::experiments

@@ -2,6 +2,9 @@
 // build folder.
 #pragma once
 
+#include <filesystem>
+#include <span>
+
 #include "experiments/contestant_run.h"
 
 namespace palpate::experiments {
@@ -10,6 +13,11 @@ namespace palpate::experiments {
 /// bytes of mesh, problem and program. Only an answer that is "ok" is kept. Its output lies in the cache (for
 /// the caller to read, not to move), or in the task's scratch folder where the cache cannot be written; its
 /// times are those of the run that made it. `was_kept` tells whether it was there.
-ContestantAnswer run_cached(const ContestantTask& task, bool& was_kept);
+///
+/// `further` are problems of the same task but for their loads, which will be asked for next: a method with
+/// the option "further" solves those that are not kept in the same process, with the same factors, and their
+/// answers are kept too, each as if it had been asked for by itself.
+ContestantAnswer run_cached(const ContestantTask& task, bool& was_kept,
+                            std::span<const std::filesystem::path> further = {});
 
 }  // namespace palpate::experiments

@@ -152,7 +152,7 @@ class DeformContest : public Contest {
     for (const std::string& id : order_) {
       const DeformInput& input = inputs_.at(id);
       setting_.progress.show("reference of " + id);
-      DeformReference reference = solve_reference(input, setting_);
+      DeformReference reference = solve_reference(input, setting_, companions_of(id));
       if (reference.interrupted) return false;
       json record = build_reference_record(input, reference);
       if (reference.failure.empty()) keep_field(id, reference.field);
@@ -225,6 +225,19 @@ class DeformContest : public Contest {
   }
 
   std::filesystem::path folder_of(const std::string& id) const { return setting_.folder.paths().problem(id); }
+
+  /// The problems after this one that differ from it in their loads alone.
+  std::vector<std::filesystem::path> companions_of(const std::string& id) const {
+    const std::string name = stiffness_name(inputs_.at(id).own);
+    std::vector<std::filesystem::path> found;
+    if (name.empty()) return found;
+    const auto at = std::find(order_.begin(), order_.end(), id);
+    for (auto other = std::next(at); other != order_.end(); ++other) {
+      const ProblemFiles& files = inputs_.at(*other).own;
+      if (stiffness_name(files) == name) found.push_back(files.problem_file);
+    }
+    return found;
+  }
 
   /// Keeps the field that answers are judged by with the run: anyone can judge again.
   void keep_field(const std::string& id, std::span<const Vec3> field) const {

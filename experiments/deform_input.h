@@ -93,9 +93,16 @@ void write_problem(ProblemFiles& files, const std::filesystem::path& folder);
 void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
                       nlohmann::json& described);
 
+/// Names what a problem's stiffness is made of: the mesh, the material, what holds the body. Problems of one
+/// name differ in their loads alone, and can share a factorisation. Empty where it cannot be shared: large
+/// strain, or held faces that move.
+std::string stiffness_name(const ProblemFiles& files);
+
 /// Solves the reference on the problem's mesh and its refinements; what an earlier run solved is taken from
-/// the cache. `scratch` gives an empty folder for each solution.
-DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting);
+/// the cache. `companions` are problem files of the same stiffness that come later: they are solved along, as
+/// far as it is certain that they will be asked for.
+DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting,
+                                std::span<const std::filesystem::path> companions = {});
 
 /// Simplifies the problem's mesh (or takes the mesh from the cache) and puts the problem on it.
 SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,

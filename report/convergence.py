@@ -6,7 +6,7 @@ A step to a finer mesh is worse if the error grows by more than what the referen
 import math
 from dataclasses import dataclass
 
-from deform import MAIN, NO_SIMPLIFIER
+from deform import ERRORS, MAIN, NO_SIMPLIFIER
 from deform_tables import percent_text
 from tables import align, write_csv
 
@@ -61,19 +61,28 @@ def read_series(sections):
     return [series for series in found.values() if len(series.rows) > 1]
 
 
+def errors_text(series, name):
+    """The errors of one kind, coarsest first: "4.3 > 2.1~"."""
+    shown = [f"{percent_text(row.values[name])}{row.marks.get(name, '').strip('*+')}" for row in series.rows if row.values[name] is not None]
+    return " > ".join(shown)
+
+
 def convergence_text(all_series):
+    """The L2 error with its order and verdict, and the other errors beside it."""
+    others = [(name, title) for name, title, _ in ERRORS
+              if name != MAIN and any(row.values[name] is not None for series in all_series for row in series.rows)]
     rows = []
     for series in all_series:
         ratio = "" if series.poisson_ratio is None else f"{series.poisson_ratio:g}"
-        errors = " > ".join(f"{percent_text(row.values[MAIN])}{row.marks.get(MAIN, '').strip('*+')}" for row in series.rows)
+        errors = errors_text(series, MAIN)
         slope = "" if series.slope is None else f"{-3 * series.slope:.1f}"
         steps = series.steps
         note = "worse when refined" if WORSE in steps else "" if set(steps) == {BETTER} else "the reference cannot tell"
-        rows.append([series.scene, ratio, series.label, errors, slope, note])
+        rows.append([series.scene, ratio, series.label, errors, slope, note, *(errors_text(series, name) for name, _ in others)])
     rows = [row if i == 0 or rows[i - 1][:2] != row[:2] else ["", "", *row[2:]] for i, row in enumerate(rows)]
     sizes = sorted({series_row.problem.wanted_vertices for series in all_series for series_row in series.rows})
     return (f"Refined: L2 error in % at {', '.join(f'{size:,.0f}' for size in sizes)} vertices; order: of the error in the edge length, "
-            "coarsest to finest\n\n" + align(["scene", "nu", "label", "errors", "order", "note"], rows))
+            "coarsest to finest\n\n" + align(["scene", "nu", "label", "errors", "order", "note", *(title for _, title in others)], rows))
 
 
 def write_convergence(all_series, folder):
@@ -81,7 +90,8 @@ def write_convergence(all_series, folder):
     for series in all_series:
         for row, step in zip(series.rows, ["", *series.steps]):
             rows.append([series.scene, series.poisson_ratio, series.label, series.method, row.vertices, row.values[MAIN],
-                         row.own_errors.get(MAIN), row.values["kernel_s"], step])
+                         row.own_errors.get(MAIN), row.values["kernel_s"], step,
+                         *(row.values[name] for name, _, _ in ERRORS if name != MAIN)])
     write_csv(folder / "convergence.csv", ["scene", "poisson_ratio", "label", "method", "vertices", MAIN, "reference_error",
-                                           "kernel_s", "step"], rows)
+                                           "kernel_s", "step", *(name for name, _, _ in ERRORS if name != MAIN)], rows)
     return {"convergence.csv"}

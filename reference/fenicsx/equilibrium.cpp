@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::reference::fenicsx {
@@ -184,13 +186,11 @@ bool solve_once(const LoadedBody& loaded, TangentSystem& system, double toleranc
   return report.converged;
 }
 
-}  // namespace
-
-Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
-                             const EquilibriumOptions& options) {
+/// Solves for one problem with a system that may be in use for others.
+Equilibrium solve_loaded(const BoundaryProblem& problem, const LoadedBody& loaded, ElasticBody& body,
+                         TangentSystem& system, const EquilibriumOptions& options) {
   const auto start = std::chrono::steady_clock::now();
-  const LoadedBody loaded(mesh, problem, body);
-  TangentSystem system(mesh, problem, body, loaded.terms(), options.solver);
+  const double solve_before = system.solve_s();
   Equilibrium found;
   found.displacement = body.create_vector();
   const bool converged = problem.strain == StrainSize::kSmall
@@ -201,9 +201,54 @@ Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem
   found.strain_energy_j = body.stored_energy(found.displacement);
   found.support_energy_j = loaded.terms().support_energy(found.displacement, 1.0);
   found.support_forces_n = loaded.terms().support_forces(found.displacement, 1.0);
-  found.solve_s = system.solve_s();
+  found.solve_s = system.solve_s() - solve_before;
   found.assembly_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - found.solve_s;
+  return found;
+}
+
+bool is_still(const HeldFaces& held) {
+  return length_sq(held.by_m) == 0.0;
+}
+
+bool are_same(const FacePatch& a, const FacePatch& b) {
+  return a.faces == b.faces && a.weight == b.weight;
+}
+
+}  // namespace
+
+bool share_stiffness(const BoundaryProblem& a, const BoundaryProblem& b) {
+  const auto same_held = [](const HeldFaces& x, const HeldFaces& y) {
+    return x.faces == y.faces && x.axes == y.axes && is_still(x) && is_still(y);
+  };
+  const auto same_support = [](const ElasticSupport& x, const ElasticSupport& y) {
+    return are_same(x.patch, y.patch) && x.stiffness_pa_per_m == y.stiffness_pa_per_m;
+  };
+  return a.strain == StrainSize::kSmall && b.strain == StrainSize::kSmall && a.held_field_m.empty() &&
+         b.held_field_m.empty() && a.material.young_modulus_pa == b.material.young_modulus_pa &&
+         a.material.poisson_ratio == b.material.poisson_ratio &&
+         std::equal(a.held.begin(), a.held.end(), b.held.begin(), b.held.end(), same_held) &&
+         std::equal(a.supports.begin(), a.supports.end(), b.supports.begin(), b.supports.end(), same_support);
+}
+
+Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
+                             const EquilibriumOptions& options) {
+  return std::move(find_equilibria(mesh, {&problem, 1}, body, options).front());
+}
+
+std::vector<Equilibrium> find_equilibria(const TetMesh& mesh, std::span<const BoundaryProblem> problems,
+                                         ElasticBody& body, const EquilibriumOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  const LoadedBody first(mesh, problems.front(), body);
+  TangentSystem system(mesh, problems.front(), body, first.terms(), options.solver);
+  const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::vector<Equilibrium> found;
+  found.push_back(solve_loaded(problems.front(), first, body, system, options));
+  found.front().assembly_s += setup_s;
+  for (const BoundaryProblem& problem : problems.subspan(1)) {
+    require(share_stiffness(problems.front(), problem), "find_equilibria: problems of different stiffness");
+    found.push_back(solve_loaded(problem, LoadedBody(mesh, problem, body), body, system, options));
+  }
   return found;
 }
 

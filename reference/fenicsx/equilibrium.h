@@ -1,6 +1,7 @@
 // Static equilibrium of a held and loaded body.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,14 @@ struct Equilibrium {
 /// steps; each by Newton's method with a line search on the total energy.
 Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
                              const EquilibriumOptions& options);
+
+/// The same for several problems that share_stiffness with the first: its tangent is assembled and factored
+/// once. One equilibrium a problem; times are each one's own, and the first has the assembly.
+std::vector<Equilibrium> find_equilibria(const TetMesh& mesh, std::span<const BoundaryProblem> problems,
+                                         ElasticBody& body, const EquilibriumOptions& options);
+
+/// Whether two problems on one mesh differ in their loads alone: the same material, small strain, the same
+/// supports wherever they stand, and nothing that is held moves.
+bool share_stiffness(const BoundaryProblem& a, const BoundaryProblem& b);
 
 }  // namespace palpate::reference::fenicsx

@@ -216,21 +216,24 @@ LinearReport TangentSystem::solve_assembled(const Vector& right, double toleranc
 LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, double tolerance_relative,
                                   const Vector& step) {
   const auto start = std::chrono::steady_clock::now();
-  assemble(fine_, u, small_);
+  const bool is_new = !is_ready_;
+  if (is_new) assemble(fine_, u, small_);
   Vector right = zeros_like(residual);
   check(MatMult(fine_.tangent.get(), step.get(), right.get()), "MatMult");
   check(VecAYPX(right.get(), -1.0, residual.get()), "VecAYPX");
   fine_.terms->clear_held(right);
-  hold(fine_);
-  if (coarse_body_) {
+  if (is_new) hold(fine_);
+  if (is_new && coarse_body_) {
     restrict_displacement(u);
     assemble(coarse_, coarse_.displacement, small_);
     hold(coarse_);
   }
+  is_ready_ = small_;
   assembly_s_ += seconds_since(start);
 
   const auto solve_start = std::chrono::steady_clock::now();
-  check(KSPSetOperators(solver_.get(), fine_.tangent.get(), fine_.tangent.get()), "KSPSetOperators");
+  if (is_new)
+    check(KSPSetOperators(solver_.get(), fine_.tangent.get(), fine_.tangent.get()), "KSPSetOperators");
   Vector free_step = zeros_like(residual);
   const LinearReport report = solve_assembled(right, tolerance_relative, free_step);
   update_ghosts(free_step);

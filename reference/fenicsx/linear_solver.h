@@ -34,7 +34,8 @@ class TangentSystem {
   TangentSystem& operator=(const TangentSystem&) = delete;
 
   /// Solves K(u) step = residual for the free entries of `step`; its held entries stay as they are given, the
-  /// free ones must be zero.
+  /// free ones must be zero. At small strain K is assembled and factored once: later solves take it as it is,
+  /// and their held entries must be zero.
   LinearReport solve(const Vector& u, const Vector& residual, double tolerance_relative, const Vector& step);
 
   /// "mumps", "gamg" or "p-multigrid + gamg".
@@ -70,6 +71,7 @@ class TangentSystem {
   NullSpace rigid_motions_;
   Solver solver_;
   bool small_ = true;
+  bool is_ready_ = false;  ///< small strain: the tangent stands
   std::string name_;
   double assembly_s_ = 0.0;
   double solve_s_ = 0.0;

@@ -20,6 +20,7 @@
 #include "reference/fenicsx/motion_answer.h"
 #include "reference/fenicsx/rigid_motions.h"
 #include "reference/fusion_options.h"
+#include "reference/problem_file.h"
 
 namespace palpate::reference::fenicsx {
 namespace {
@@ -77,6 +78,7 @@ std::vector<Vec3> gather_rows(const TetMesh& base, const ElasticBody& body, cons
 struct Options {
   EquilibriumOptions equilibrium;
   std::int64_t refine = 0;
+  std::string further;  ///< a file that lists more loads of the same body; empty: none
 };
 
 Options read_options(const Request& request) {
@@ -91,6 +93,8 @@ Options read_options(const Request& request) {
   options.equilibrium.tolerance_relative =
       take_number(left, "rtol", 1e-14, 0.1, options.equilibrium.tolerance_relative);
   options.refine = take_whole(left, "refine", 0, kMostRefinements, 0);
+  options.further =
+      take_option<std::string>(left, "further", &json::is_string, "the path of a list of problems", "");
   take_whole(left, "processes", 1, kMostProcesses, 1);  // start_mpirun() has seen to it
   require_all_taken(left);
   return options;
@@ -114,49 +118,96 @@ void together(const Work& work) {
   }
 }
 
+/// One load of the body, and where its displacement goes.
+struct Load {
+  BoundaryProblem problem;
+  std::filesystem::path output;
+};
+
+/// The request's own load and those of the file `further`: [{"problem_in": ..., "displacement_out": ...}].
+std::vector<Load> read_loads(const Request& request, const std::string& further, const DeformTask& task) {
+  std::vector<Load> loads{{task.problem, request.output}};
+  if (further.empty()) return loads;
+  const json list = read_problem_file(further);
+  if (!list.is_array()) throw InputError(further, 0, "a list of problems", "something else");
+  for (const json& item : list) {
+    const auto path = [&](const char* key) {
+      const json value = item.is_object() ? item.value(key, json()) : json();
+      if (!value.is_string())
+        throw InputError(further, 0, std::string("the path \"") + key + "\"", value.dump());
+      return value.get<std::string>();
+    };
+    const std::string file = path("problem_in");
+    Load load{problem_from_json(read_problem_file(file), task.mesh, file), path("displacement_out")};
+    if (!share_stiffness(task.problem, load.problem))
+      throw InputError(file, 0, "the same body on the same supports, at small strain", "another stiffness");
+    loads.push_back(std::move(load));
+  }
+  return loads;
+}
+
+json describe(const Request& request, const Options& options, const ElasticBody& body,
+              const Equilibrium& found) {
+  json report = {{"method", request.method},
+                 {"outcome", found.outcome},
+                 {"refine", options.refine},
+                 {"dofs", 3 * body.global_nodes()},
+                 {"processes", process_count()},
+                 {"solver", found.solver},
+                 {"iterations", found.linear_iterations},
+                 {"newton_steps", found.newton_steps},
+                 {"load_steps", found.load_steps},
+                 {"residual_relative", found.residual_relative},
+                 {"energy_j", found.strain_energy_j},
+                 {"support_energy_j", found.support_energy_j},
+                 {"support_forces_n", json::array()},
+                 {"assembly_s", found.assembly_s},
+                 {"solve_s", found.solve_s}};
+  for (const Vec3& force : found.support_forces_n)
+    report["support_forces_n"].push_back({force.x, force.y, force.z});
+  return report;
+}
+
 Response answer(const Request& request) {
   if (request.contest == "motion") return answer_motion(request);
   const Options options = read_options(request);
   const DeformTask task = read_deform_task(request);
   require_no_free_motion(task.mesh, task.problem);
+  const std::vector<Load> loads = read_loads(request, options.further, task);
   TetMesh mesh = task.mesh;
-  BoundaryProblem problem = task.problem;
+  std::vector<BoundaryProblem> problems;
+  for (const Load& load : loads) problems.push_back(load.problem);
   for (std::int64_t level = 0; level < options.refine; ++level) {
     TetMesh refined = refine_uniformly(mesh);
-    problem = refine_problem(problem, mesh, refined);
+    for (BoundaryProblem& problem : problems) problem = refine_problem(problem, mesh, refined);
     mesh = std::move(refined);
   }
   Response response;
-  std::vector<Vec3> rows;
+  std::vector<std::vector<Vec3>> rows(loads.size());
   together([&] {
     const auto start = std::chrono::steady_clock::now();
     const auto seconds = [&] {
       return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     };
-    ElasticBody body(mesh, problem.material, problem.strain, request.method == "fem.p1" ? 1 : 2);
+    ElasticBody body(mesh, problems.front().material, problems.front().strain,
+                     request.method == "fem.p1" ? 1 : 2);
     const double setup_s = seconds();
-    const Equilibrium found = find_equilibrium(mesh, problem, body, options.equilibrium);
+    std::vector<Equilibrium> found = find_equilibria(mesh, problems, body, options.equilibrium);
     response.kernel_s = seconds();
-    response.report = {{"method", request.method},
-                       {"outcome", found.outcome},
-                       {"refine", options.refine},
-                       {"dofs", 3 * body.global_nodes()},
-                       {"processes", process_count()},
-                       {"solver", found.solver},
-                       {"iterations", found.linear_iterations},
-                       {"newton_steps", found.newton_steps},
-                       {"load_steps", found.load_steps},
-                       {"residual_relative", found.residual_relative},
-                       {"energy_j", found.strain_energy_j},
-                       {"support_energy_j", found.support_energy_j},
-                       {"assembly_s", setup_s + found.assembly_s},
-                       {"solve_s", found.solve_s}};
-    response.report["support_forces_n"] = json::array();
-    for (const Vec3& force : found.support_forces_n)
-      response.report["support_forces_n"].push_back({force.x, force.y, force.z});
-    if (found.outcome == "converged") rows = gather_rows(task.mesh, body, found.displacement);
+    found.front().assembly_s += setup_s;
+    response.report = describe(request, options, body, found.front());
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      if (k > 0) {
+        json report = describe(request, options, body, found[k]);
+        report["factors_of_another_load"] = true;
+        response.report["further"].push_back(std::move(report));
+      }
+      if (found[k].outcome == "converged") rows[k] = gather_rows(task.mesh, body, found[k].displacement);
+    }
   });
-  if (!rows.empty()) write_displacement(request.output, rows);
+  for (std::size_t k = 0; k < loads.size(); ++k) {
+    if (!rows[k].empty()) write_displacement(loads[k].output, rows[k]);
+  }
   return response;
 }
 

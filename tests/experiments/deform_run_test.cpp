@@ -125,6 +125,39 @@ TEST_F(DeformRun, ThePadsForceIsHeldAgainstTheReferencesOwn) {
   EXPECT_EQ(reference.at("reference_error_pad_force"), 0.0) << "both levels are the same";
 }
 
+// Two loads of one body on one support: the first one's processes solve the second along, level by level. A
+// third scene of another material is on its own.
+TEST_F(DeformRun, ReferencesOfOneStiffnessAreSolvedTogether) {
+  SceneText other;
+  other.load = "[{gravity_m_s2: [0, 3, 0]}]";
+  fixture_.folder().add("other.yaml", other.yaml());
+  other.material = "{young_modulus_pa: 9999, poisson_ratio: 0.25, density_kg_m3: 1000}";
+  fixture_.folder().add("soft.yaml", other.yaml());
+  const auto plan = fixture_.folder().add(
+      "plan.yaml",
+      "schema: palpate/plan/1\nquestion: Does it bend?\ncontest: deform\nscenes: [{name: block, file: "
+      "block.yaml}, {name: other, file: other.yaml}, {name: soft, file: soft.yaml}]\n"
+      "reference: {method: test.field, levels: 2}\ncontestants: [test.field]\n");
+  fixture_.run(plan);
+  const auto all = fixture_.records();
+  const auto is_kept = [&](const char* scene, std::size_t level) {
+    return all.at(std::string(scene) + "/reference")
+        .at("judge")
+        .at("level_reports")
+        .at(level)
+        .at("from_cache")
+        .get<bool>();
+  };
+  for (const std::size_t level : {0U, 1U}) {
+    EXPECT_FALSE(is_kept("block", level));
+    EXPECT_TRUE(is_kept("other", level));
+    EXPECT_FALSE(is_kept("soft", level));
+  }
+  EXPECT_FALSE(
+      all.at("block/reference").at("judge").at("level_reports").at(0).at("report").contains("further"));
+  EXPECT_EQ(all.at("other/test.field").at("judge").at("displacement_l2"), 0.0);
+}
+
 TEST_F(DeformRun, ARowWhoseReferenceIsTooCoarseIsMarked) {
   fixture_.run(add_plan(
       "[{method: test.field, label: off, set: {factor: 1.01}}, {method: test.field, label: far, set: "

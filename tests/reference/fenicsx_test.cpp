@@ -16,6 +16,7 @@
 #include "reference/closed_form/solutions.h"
 #include "reference/deform_problem.h"
 #include "tests/support/contestant_starter.h"
+#include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -357,6 +358,40 @@ TEST_F(FiniteElements, ThePadsForceIsTwiceTheLeastEnergyOverItsWayAndFallsWhenRe
       coarser = work;
     }
   }
+}
+
+TEST_F(FiniteElements, FurtherLoadsOfOneBodyAreSolvedWithTheSameFactors) {
+  const TetMesh mesh = irregular_cube();
+  const BoundaryProblem problem = supported_cube(mesh, 1.0);
+  BoundaryProblem pushed = problem;
+  pushed.supports[1].by_m = {0.0, 0.0, 0.02};
+  pushed.tractions.clear();
+  pushed.nodal_forces = {{3, {1.0, -2.0, 0.5}}};
+  BoundaryProblem stiffer = problem;
+  stiffer.supports[0].stiffness_pa_per_m *= 2.0;
+  const test::ScratchFolder folder;
+  const auto list = [&](const BoundaryProblem& further) {
+    const auto file = folder.add("further.json.problem", reference::problem_to_json(further).dump());
+    return folder.add("further.json", json::array({{{"problem_in", file.string()},
+                                                    {"displacement_out", (folder / "further.csv").string()}}})
+                                          .dump());
+  };
+  for (const std::string& method : kMethods) {
+    for (const char* solver : {"mumps", "gamg"}) {
+      const auto alone = solve(method, mesh, pushed, {{"solver", solver}, {"rtol", 1e-12}});
+      const auto first = solve(method, mesh, problem, {{"solver", solver}, {"rtol", 1e-12}});
+      const json options = {{"solver", solver}, {"rtol", 1e-12}, {"further", list(pushed).string()}};
+      EXPECT_LE(difference(solve(method, mesh, problem, options), first), 1e-10);
+      ASSERT_EQ(report_.at("further").size(), 1U);
+      EXPECT_EQ(report_.at("further").at(0).at("outcome"), "converged");
+      const auto along =
+          reference::read_displacement(folder / "further.csv", mesh.points.size(), build_edges(mesh).size());
+      EXPECT_LE(difference(along, alone), 1e-9) << method << ' ' << solver;
+    }
+  }
+  const ContestantAnswer refused = run("fem.p2", mesh, problem, {{"further", list(stiffer).string()}});
+  EXPECT_EQ(refused.outcome, "bad_input");
+  EXPECT_THAT(refused.message, HasSubstr("another stiffness"));
 }
 
 TEST_F(FiniteElements, WhatCannotBeSolvedIsAnOutcome) {

@@ -10,6 +10,7 @@
 #include "core/mesh/topology.h"
 #include "reference/adapter.h"
 #include "reference/deform_problem.h"
+#include "reference/problem_file.h"
 
 namespace {
 
@@ -68,6 +69,16 @@ Response answer(const Request& request) {
   response.report["support_forces_n"] = support_forces(task, field);
   if (behave == "short_file") field.pop_back();
   if (behave == "nan_file") field.back().x = std::numeric_limits<double>::quiet_NaN();
+  const std::string further = request.options.value("further", "");
+  if (!further.empty()) {
+    for (const nlohmann::json& item : reference::read_problem_file(further)) {
+      Request one = request;
+      one.options["further"] = "";
+      one.problem = item.at("problem_in").get<std::string>();
+      one.output = item.at("displacement_out").get<std::string>();
+      response.report["further"].push_back(answer(one).report);
+    }
+  }
   std::ofstream file(request.output);  // write_displacement would refuse what is not finite
   file.precision(17);
   file << "vertex,ux_m,uy_m,uz_m\n";
