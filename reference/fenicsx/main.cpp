@@ -176,6 +176,7 @@ Response answer(const Request& request) {
   const std::vector<Load> loads = read_loads(request, options.further, task);
   TetMesh mesh = task.mesh;
   std::vector<BoundaryProblem> problems;
+  problems.reserve(loads.size());
   for (const Load& load : loads) problems.push_back(load.problem);
   for (std::int64_t level = 0; level < options.refine; ++level) {
     TetMesh refined = refine_uniformly(mesh);
