@@ -15,7 +15,8 @@ class InputGuard {
   void watch(const std::filesystem::path& file);
 
   /// Puts a copy that cannot be written by its mode below `folder`, under the same name, and watches both.
-  /// Returns its path. Throws: InputError if `file` cannot be read or the copy not be written.
+  /// Returns its path; of a file that is not there its own, for the contestant to refuse it. Throws:
+  /// InputError if `file` cannot be read or the copy not be written.
   std::filesystem::path copy(const std::filesystem::path& file, const std::filesystem::path& folder);
 
   /// Looks at every file again and puts back what has changed. Returns the names of those that had, each

@@ -157,7 +157,7 @@ TEST_F(EngineContest, AStepOverTheBoundIsSaid) {
       "[{method: engine.ticks, label: ticks, set: {ticks: 100, tick_s: 0.1, steps_per_tick: 1}, scenes: "
       "[held]}]"));
   const json record = fixture_.records().at("held/ticks");
-  EXPECT_EQ(record.at("outcome"), "rejected");
+  ASSERT_EQ(record.at("outcome"), "rejected") << record;
   EXPECT_EQ(record.at("report").at("outcome"), "diverged");
   EXPECT_GT(record.at("report").at("fewest_steps_per_tick"), 1);
   EXPECT_THAT(record.at("notes").dump(), HasSubstr("is over the bound at rest"));

@@ -125,7 +125,7 @@ TEST_F(Adapter, BadRequestsEndWithOneMessageAndCodeTwo) {
       {changed("schema", "palpate/request/9"), "palpate/request/1"},
       {changed("mesh_in", (folder_ / "none.mesh").string()), "no such file"},
       {changed("mesh_out", (folder_ / "no" / "folder.mesh").string()), "folder"},
-      {"{\"schema\": ", "JSON object"},
+      {"{\"schema\": ", "expected JSON"},
       {"[]", "JSON object"},
   };
   for (const auto& [text, part] : cases) {
