@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -228,7 +229,7 @@ Response answer_ticks(EngineTask task, const Request& request) {
   if (step_s > setup.stable.step_s)
     response.notes.push_back("a time step of " + short_number(step_s) + " s is over the bound at rest, " +
                              short_number(setup.stable.step_s) + " s");
-  for (const double s : run.seconds) response.kernel_s += s;
+  response.kernel_s = std::accumulate(run.seconds.begin(), run.seconds.end(), run.diverged_s);
   response.report = {{"outcome", run.diverged ? "diverged" : "completed"},
                      {"steps_per_tick", options.steps_per_tick},
                      {"fewest_steps_per_tick", setup.steps},

@@ -48,6 +48,7 @@ TickRun run(const dynamics::MotionModel& model, const TickOptions& options) {
                                     ++done;
                                   });
   out.diverged = report.diverged;
+  if (out.diverged) out.diverged_s = std::chrono::duration<double>(Clock::now() - begin[done]).count();
   out.force_n.resize(done);
   for (std::uint64_t k = options.warm_ticks; k < done; ++k)
     out.seconds.push_back(std::chrono::duration<double>(end[k] - begin[k]).count());

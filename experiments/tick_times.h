@@ -26,7 +26,8 @@ struct TickRun {
   std::vector<double> seconds;
   std::vector<Vec3> force_n;
   dynamics::MotionState state;
-  bool diverged = false;  ///< a state was not finite: there are fewer ticks
+  bool diverged = false;    ///< a state was not finite: there are fewer ticks
+  double diverged_s = 0.0;  ///< time of the tick in which that was
 };
 
 /// Steps from rest. A tick takes `steps_per_tick` steps of tick_s / steps_per_tick and reads the tool's

@@ -19,11 +19,7 @@
 #include "reference/fenicsx/motion_answer.h"
 #include "reference/fenicsx/rigid_motions.h"
 #include "reference/fusion_options.h"
-<<<<<<< HEAD
 #include "reference/json_file.h"
-=======
-#include "reference/problem_file.h"
->>>>>>> displ
 
 namespace palpate::reference::fenicsx {
 namespace {
@@ -131,11 +127,7 @@ struct Load {
 std::vector<Load> read_loads(const Request& request, const std::string& further, const DeformTask& task) {
   std::vector<Load> loads{{task.problem, request.output}};
   if (further.empty()) return loads;
-<<<<<<< HEAD
   const json list = read_json_file(further);
-=======
-  const json list = read_problem_file(further);
->>>>>>> displ
   if (!list.is_array()) throw InputError(further, 0, "a list of problems", "something else");
   for (const json& item : list) {
     const auto path = [&](const char* key) {
@@ -145,11 +137,7 @@ std::vector<Load> read_loads(const Request& request, const std::string& further,
       return value.get<std::string>();
     };
     const std::string file = path("problem_in");
-<<<<<<< HEAD
     Load load{problem_from_json(read_json_file(file), task.mesh, file), path("displacement_out")};
-=======
-    Load load{problem_from_json(read_problem_file(file), task.mesh, file), path("displacement_out")};
->>>>>>> displ
     if (!share_stiffness(task.problem, load.problem))
       throw InputError(file, 0, "the same body on the same supports, at small strain", "another stiffness");
     loads.push_back(std::move(load));

@@ -10,11 +10,7 @@
 #include "core/mesh/topology.h"
 #include "reference/adapter.h"
 #include "reference/deform_problem.h"
-<<<<<<< HEAD
 #include "reference/json_file.h"
-=======
-#include "reference/problem_file.h"
->>>>>>> displ
 
 namespace {
 
@@ -76,11 +72,7 @@ Response answer(const Request& request) {
   if (behave == "nan_file") field.back().x = std::numeric_limits<double>::quiet_NaN();
   const std::string further = request.options.value("further", "");
   if (!further.empty()) {
-<<<<<<< HEAD
     for (const nlohmann::json& item : reference::read_json_file(further)) {
-=======
-    for (const nlohmann::json& item : reference::read_problem_file(further)) {
->>>>>>> displ
       Request one = request;
       one.options["further"] = "";
       one.problem = item.at("problem_in").get<std::string>();
