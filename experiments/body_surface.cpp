@@ -160,6 +160,7 @@ const Body* find_body(const std::string& name) {
 const std::vector<BodyInfo>& list_bodies() {
   static const std::vector<BodyInfo> bodies = [] {
     std::vector<BodyInfo> list;
+    list.reserve(kBodies.size());
     for (const Body& body : kBodies)
       list.push_back({body.name, body.summary, std::holds_alternative<ImageBody>(body.source)});
     return list;

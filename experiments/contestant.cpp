@@ -160,7 +160,7 @@ json parse_bounded(const OptionSpec& option, const std::string& text, const std:
 std::filesystem::path find_program(const YamlValue& value, const std::filesystem::path& folder,
                                    const std::filesystem::path& bin_folder) {
   const std::string text = value.text();
-  const std::filesystem::path own = std::filesystem::absolute(folder / text).lexically_normal();
+  std::filesystem::path own = std::filesystem::absolute(folder / text).lexically_normal();
   if (text.find('/') != std::string::npos) return own;
   const std::string name = value.identifier();
   std::error_code error;

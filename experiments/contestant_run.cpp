@@ -22,8 +22,9 @@ using nlohmann::json;
 constexpr std::size_t kLargestAnswer = 16U << 20U;
 constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
 constexpr std::size_t kMostTuned = 16;
-constexpr double kClockStep_s = 1e-6;  // both times come from the steady clock, which counts in nanoseconds
-constexpr double kStart_s = 0.1;       // starting a process takes no longer
+constexpr double kClockStepSeconds =
+    1e-6;                              // both times come from the steady clock, which counts in nanoseconds
+constexpr double kStartSeconds = 0.1;  // starting a process takes no longer
 constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a kernel time gets a note
 
 /// Reads at most `bytes` of a file; empty if it is missing.
@@ -165,7 +166,7 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   const std::string bad_tuned = tuned_error(response, task.tuned);
   if (!bad_tuned.empty()) return failed(std::move(answer), "bad_answer", bad_tuned);
   const double kernel_s = response.at("kernel_s").get<double>();
-  if (kernel_s > process.wall_s + kClockStep_s) {
+  if (kernel_s > process.wall_s + kClockStepSeconds) {
     return failed(std::move(answer), "bad_answer",
                   "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
                       short_number(process.wall_s) + " s of its process");
@@ -179,7 +180,7 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   for (const json& note : response.value("notes", json::array())) {
     answer.notes.push_back(one_line(note.get<std::string>()));
   }
-  if (!answer.searched && process.has_usage && process.user_s > kStart_s &&
+  if (!answer.searched && process.has_usage && process.user_s > kStartSeconds &&
       kernel_s < kTinyShare * process.user_s) {
     answer.notes.push_back("kernel_s is " + short_number(kernel_s) + " s, less than a thousandth of the " +
                            short_number(process.user_s) + " s of processor time of its process");

@@ -36,7 +36,7 @@ void InputGuard::watch(const fs::path& file) {
 fs::path InputGuard::copy(const fs::path& file, const fs::path& folder) {
   watch(file);
   if (watched_.empty() || watched_.back().file != file) return file;
-  const fs::path place = folder / file.filename();
+  fs::path place = folder / file.filename();
   std::error_code error;
   fs::create_directories(folder, error);
   write_file_atomically(place, watched_.back().bytes);
