@@ -204,6 +204,7 @@ std::vector<Vec3> BoundaryTerms::support_forces(const Vector& u, double factor) 
     }
   }
   std::vector<Vec3> forces;
+  forces.reserve(sum.size());
   for (const auto& [x, y, z] : sum)
     forces.push_back({sum_over_processes(x), sum_over_processes(y), sum_over_processes(z)});
   return forces;
