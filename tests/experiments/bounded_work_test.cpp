@@ -25,7 +25,7 @@ TEST(BoundedWork, BringsItsValueBackToTheBit) {
                       {"large", std::numeric_limits<std::uint64_t>::max()},
                       {"text", std::string(300'000, 'x')},
                       {"none", nullptr}};
-  const WorkResult result = run_bounded([&] { return value; }, {});
+  const WorkResult result = run_bounded([&] { return json(value); }, {});
   EXPECT_EQ(result.end, WorkEnd::kDone) << result.message;
   EXPECT_EQ(result.value, value);
 }

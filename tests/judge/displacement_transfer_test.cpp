@@ -239,6 +239,7 @@ TEST(DisplacementTransfer, AQuadraticFieldIsExactAtAllPointsOfTheBody) {
   const TetMesh mesh = build_kuhn_cube(3, 0.3, 8);
   const std::vector<Vec3> nodes = with_midpoints(mesh, mesh.points);
   std::vector<Vec3> field;
+  field.reserve(nodes.size());
   for (const Vec3& p : nodes) field.push_back(curved(p));
   SplitMix64 random(5);
   std::vector<Vec3> points{{0, 0, 0}, {1, 1, 1}, {0.3, 0.4, 1.0}};
