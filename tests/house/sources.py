@@ -7,8 +7,8 @@ headers  every header of ours compiles alone, with the compiler and the include 
 format   clang-format 14 would change nothing
 tidy     clang-tidy 14 finds nothing, with the compile commands of the build
 
-A file that passed is not looked at again until its text, a header of ours that it includes, the settings, the command or
-the tool changes; the marks are kept below BUILD/checked. Without FILE all files that git tracks are held (or, outside
+A file that passed is not looked at again until its text, a header of ours that it includes, the settings, the flags or
+the tool changes; where it lies and what it is called counts for nothing. The marks are kept below BUILD/checked. Without FILE all files that git tracks are held (or, outside
 a git checkout, all that are there). Exits with 1 if a file fails, with 2 if a tool is missing.
 
 A fresh checkout has no marks. For it tests/house/held.txt lists the keys of what has passed, written by --record from the marks of
@@ -28,6 +28,8 @@ import subprocess
 import sys
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+INCLUDED = re.compile(r'^[ \t]*#\s*include\s*"[^"]+".*\n?', re.MULTILINE)
+BLANK = re.compile(r"\n{2,}")
 FOLDERS = ("core", "reference", "experiments", "tests")
 HELD = "tests/house/held.txt"
 RECORDED = ("headers", "tidy")
@@ -58,17 +60,22 @@ def list_sources(root, suffixes):
     return sorted(name for name in names if name.endswith(suffixes))
 
 
-def text_with_headers(root, name, seen=None):
-    """The bytes of a file and of all headers of ours below it, each once."""
-    seen = set() if seen is None else seen
+def headers_below(root, name, seen):
+    """Adds to `seen` the files of ours that a file reaches by its includes, itself among them."""
     if name in seen or not (root / name).is_file():
-        return b""
+        return seen
     seen.add(name)
-    data = (root / name).read_bytes()
-    parts = [name.encode(), b"\0", data]
-    for match in INCLUDE.finditer(data.decode("utf-8", errors="replace")):
-        parts.append(text_with_headers(root, match.group(1), seen))
-    return b"".join(parts)
+    for match in INCLUDE.finditer((root / name).read_text(encoding="utf-8", errors="replace")):
+        headers_below(root, match.group(1), seen)
+    return seen
+
+
+def text_with_headers(root, name):
+    """The text of a file, then those of all headers of ours below it, without the lines that include ours: the same wherever they lie."""
+    texts = {each: BLANK.sub("\n\n", INCLUDED.sub("", (root / each).read_text(encoding="utf-8", errors="replace")))
+             for each in headers_below(root, name, set())}
+    own = texts.pop(name, "")
+    return "\0".join([own, *sorted(texts.values())]).encode()
 
 
 def read_commands(build):
@@ -95,13 +102,18 @@ def flags_near(root, commands, header):
         folder = folder.parent
 
 
+def output_of(words):
+    """The files that a compile command writes."""
+    return [word for before, word in zip(words, words[1:]) if before in ("-o", "-MF", "-MT", "-MQ")]
+
+
 class Check:
     """What one kind of check runs for a file, and on which files."""
 
     def __init__(self, kind, root, build):
         self.kind, self.root, self.build = kind, root, build
         self.suffixes = {"headers": (".h",), "format": (".h", ".cpp"), "tidy": (".cpp",)}[kind]
-        self.held = {} if os.environ.get("PALPATE_FULL") == "1" else read_held(root, kind)
+        self.held = set() if os.environ.get("PALPATE_FULL") == "1" else set(read_held(root, kind).values())
         self.settings = b""
         if kind != "format":
             self.commands = read_commands(build)
@@ -126,9 +138,10 @@ class Check:
         return [self.tool, "--quiet", *checks, "-p", str(self.build), str(self.root / name)]
 
     def key(self, name, words):
-        """What the outcome depends on, the same in every checkout: the folders' own paths and a compiler's cache count for nothing."""
+        """What the outcome depends on, the same in every checkout and in every folder: paths and a compiler's cache count for nothing."""
         build_words = self.commands.get(str(self.root / name), []) if self.kind == "tidy" else []
-        command = "\0".join(word for word in [*words, *build_words] if word != "ccache")
+        own_paths = {str(self.root / name), "ccache", *output_of(build_words)}
+        command = "\0".join(word for word in [*words, *build_words] if word not in own_paths)
         digest = hashlib.sha256(self.settings)
         digest.update(command.replace(str(self.build), "BUILD").replace(str(self.root), "ROOT").encode())
         digest.update((self.root / name).read_bytes() if self.kind == "format" else text_with_headers(self.root, name))
@@ -144,7 +157,7 @@ class Check:
             return "left out", ""
         key = self.key(name, words)
         mark = self.mark(key)
-        if mark.exists() or self.held.get(name) == key[:KEY_LENGTH]:
+        if mark.exists() or key[:KEY_LENGTH] in self.held:
             return "known", ""
         done = subprocess.run([word for word in words if word != "ccache"], capture_output=True, text=True, cwd=self.root)
         if done.returncode != 0:

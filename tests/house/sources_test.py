@@ -65,6 +65,20 @@ class Sources(unittest.TestCase):
         self.write("core/base/good.cpp", "int BadName() { return 0; }\n")
         self.assertEqual(self.hold("tidy")[0], 1)
 
+    def test_what_moves_is_known_where_it_goes(self):
+        for kind in ("headers", "tidy"):
+            self.assertEqual(self.hold(kind)[0], 0)
+            self.assertIn("1 files recorded", self.hold(kind, "--record")[1])
+        shutil.rmtree(self.build / "checked")
+        (self.root / "core/base").rename(self.root / "core/ground")
+        self.write("core/ground/good.cpp", '#include "core/ground/good.h"\n\nint count(const Numbers& numbers);\n')
+        commands = self.build / "compile_commands.json"
+        commands.write_text(commands.read_text(encoding="utf-8").replace("core/base", "core/ground"), encoding="utf-8")
+        for kind in ("headers", "tidy"):
+            self.assertIn("0 passed, 1 known", self.hold(kind)[1])
+        self.write("core/ground/good.h", "#pragma once\n#include <vector>\n\nusing Numbers = std::vector<long>;\n")
+        self.assertIn("1 passed, 0 known", self.hold("tidy")[1])
+
     def test_only_what_passed_here_is_recorded(self):
         self.assertIn("0 files recorded", self.hold("tidy", "--record")[1])
         self.assertIn("1 passed, 0 known", self.hold("tidy")[1])
