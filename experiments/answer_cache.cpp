@@ -7,8 +7,8 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "experiments/file_cache.h"
 #include "experiments/file_hash.h"
-#include "experiments/mesh_cache.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -98,8 +98,7 @@ ContestantAnswer keep(const fs::path& folder, const json& key, ContestantAnswer 
 }
 
 fs::path folder_of(const json& key) {
-  const std::string name = hash_bytes(key.dump());
-  return cache_root() / "answer_cache" / name.substr(name.find(':') + 1);
+  return cache_entry("answer_cache", key.dump());
 }
 
 /// The same task with another problem.

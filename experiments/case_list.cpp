@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "core/base/error.h"
 #include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
-#include "experiments/plan_engine.h"
-#include "experiments/plan_stability.h"
-#include "experiments/plan_verify.h"
+#include "experiments/plan_contestant.h"
 
 namespace palpate::experiments {
 namespace {
@@ -36,7 +33,7 @@ class CaseBuilder {
   }
 
   std::vector<Case> build() {
-    for (const std::string& name : subject_names(plan_)) {
+    for (const std::string& name : plan_.subjects) {
       first_of_subject_ = cases_.size();
       for (const std::size_t contestant : order_) add_cases(name, contestant);
       ++subject_;
@@ -49,7 +46,7 @@ class CaseBuilder {
     for (std::size_t i = 0; i < plan_.contestants.size(); ++i) {
       if (plan_.contestants[i].label == label) return i;
     }
-    throw ContractError("build_cases: unknown label");
+    throw ContractError("cross_cases: unknown label");
   }
 
   const std::string* referred_label(std::size_t contestant) const {
@@ -74,7 +71,7 @@ class CaseBuilder {
   /// Whether the axis changes what this contestant does, by itself or through the label it refers to.
   bool applies(std::size_t contestant, const SweepAxis& axis) const {
     if (axis.is_problem()) return true;
-    if (axis.is_stop() && plan_.contest == "deform") return false;  // the simplifiers', see below
+    if (axis.is_stop() && !plan_.simplifiers.empty()) return false;  // theirs, see below
     const bool own = axis.is_option() ? has_free_option(contestant, axis.option())
                                       : !plan_.contestants[contestant].stop.has_value();
     if (own) return true;
@@ -145,7 +142,7 @@ class CaseBuilder {
       });
       if (matches) return i;
     }
-    throw ContractError("build_cases: tets_of meets no case");
+    throw ContractError("cross_cases: tets_of meets no case");
   }
 
   void add_cases(const std::string& subject, std::size_t contestant) {
@@ -184,21 +181,10 @@ class CaseBuilder {
   std::size_t first_of_subject_ = 0;
 };
 
-std::vector<Case> build_contest_cases(const Plan& plan, const Registry& registry) {
-  if (plan.contest == "verify") return build_verify_cases(plan, registry);
-  if (plan.contest == "stability") return build_stability_cases(plan, registry);
-  return CaseBuilder(plan, registry).build();
-}
-
 }  // namespace
 
-std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {
-  std::vector<Case> cases = build_contest_cases(plan, registry);
-  std::set<std::string> ids;
-  for (const Case& c : cases) {
-    if (!ids.insert(c.id).second) throw InputError(plan.file.string() + ": two cases are called " + c.id);
-  }
-  return cases;
+std::vector<Case> cross_cases(const Plan& plan, const Registry& registry) {
+  return CaseBuilder(plan, registry).build();
 }
 
 std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std::string& id) {

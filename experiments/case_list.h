@@ -29,9 +29,9 @@ struct Case {
 
 /// Builds the cases, meshes or scenes outermost. A contestant without a stop of its own is crossed with the
 /// sweep's stop, one that has a swept option free with that option, and one with `tets_of` follows the label
-/// that it names through that label's sweep. In the contest deform, each is crossed with the problems' axes
-/// (poisson_ratio, vertices) and with the simplifiers ("simplify=LABEL").
-std::vector<Case> build_cases(const Plan& plan, const Registry& registry);
+/// that it names through that label's sweep. Each is crossed with the problems' axes (poisson_ratio,
+/// vertices) and, where the plan has simplifiers, with them ("simplify=LABEL").
+std::vector<Case> cross_cases(const Plan& plan, const Registry& registry);
 
 /// The indices of the cases that `id` names, themselves or by a leading part ("kidney",
 /// "kidney/hierarchical_87"), with the cases that they need, in order.

@@ -10,6 +10,7 @@
 #include "experiments/commands.h"
 #include "experiments/commands_export.h"
 #include "experiments/provenance.h"
+#include "experiments/terminal.h"
 #include "experiments/usage.h"
 
 namespace palpate::experiments {
@@ -62,14 +63,6 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
 }
 
 }  // namespace
-
-void print_json(const nlohmann::json& value) {
-  std::cout << value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-}
-
-void print_note(const std::string& line) {
-  std::cerr << "palpate: " << line << '\n';
-}
 
 int run_command_line(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader that left early (palpate ... | head) is no failure

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -33,11 +32,5 @@ void add_test_command(CLI::App& app, int& exit_code);
 /// Runs the program: parses, calls the command, and turns every failure into one message on standard error,
 /// "palpate: ...", and its exit code.
 int run_command_line(int argc, char** argv);
-
-/// Prints a JSON object to standard output.
-void print_json(const nlohmann::json& value);
-
-/// Prints one line on standard error, "palpate: ...".
-void print_note(const std::string& line);
 
 }  // namespace palpate::experiments

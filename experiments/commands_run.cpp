@@ -12,12 +12,13 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "experiments/case_list.h"
 #include "experiments/commands.h"
+#include "experiments/contest_table.h"
 #include "experiments/motion_setup.h"
 #include "experiments/places.h"
 #include "experiments/plan_report.h"
 #include "experiments/process.h"
+#include "experiments/read_plan.h"
 #include "experiments/run_folder.h"
 #include "experiments/runner.h"
 #include "experiments/scene_problem.h"

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "experiments/commands.h"
 #include "experiments/output_file.h"
+#include "experiments/terminal.h"
 #include "experiments/training_report.h"
 #include "experiments/training_run.h"
 #include "experiments/usage.h"

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <csignal>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -10,12 +11,14 @@
 #include <string>
 #include <vector>
 
+#include "core/mesh/tet_mesh.h"
 #include "experiments/case_list.h"
 #include "experiments/case_record.h"
 #include "experiments/contestant_run.h"
 #include "experiments/plan.h"
 #include "experiments/run_folder.h"
 #include "experiments/terminal.h"
+#include "experiments/yaml_value.h"
 
 namespace palpate::experiments {
 
@@ -58,14 +61,23 @@ class Contest {
 /// The bounds of the judge that a plan sets.
 WorkBounds judge_bounds(const Plan& plan, const volatile std::sig_atomic_t* stop_flag);
 
-std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting);
-std::unique_ptr<Contest> make_deform_contest(const ContestSetting& setting);
-std::unique_ptr<Contest> make_verify_contest(const ContestSetting& setting);
-std::unique_ptr<Contest> make_motion_contest(const ContestSetting& setting);
-std::unique_ptr<Contest> make_engine_contest(const ContestSetting& setting);
-std::unique_ptr<Contest> make_stability_contest(const ContestSetting& setting);
+/// A mesh as records name it: name, vertices, tets, hash of its file, mean volume of its tets.
+nlohmann::json mesh_facts(const std::string& name, const TetMesh& mesh, const std::string& hash);
 
-/// The contest that the plan names.
-std::unique_ptr<Contest> make_contest(const ContestSetting& setting);
+/// A task for an input of the run: a reference, a simplified mesh. Threads and stop flag are the run's.
+ContestantTask start_task(const std::string& method, const std::filesystem::path& mesh,
+                          const ContestSetting& setting);
+
+/// A contest as plans name it.
+struct ContestKind {
+  std::string name;
+  std::vector<std::string> keys;    ///< of its plans, beside those of every plan
+  std::vector<std::string> charts;  ///< that its plans may name, where "charts" is one of its keys
+  /// Reads what the contest has of its own, subjects and contestants among it. The plan's file, name, contest
+  /// and run are read. Throws: InputError with file and line.
+  void (*read)(const YamlFields& fields, Plan& plan, const Registry& registry) = nullptr;
+  std::vector<Case> (*build_cases)(const Plan& plan, const Registry& registry) = nullptr;
+  std::unique_ptr<Contest> (*start)(const ContestSetting& setting) = nullptr;
+};
 
 }  // namespace palpate::experiments

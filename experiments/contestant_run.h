@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "experiments/contestant.h"
-#include "experiments/plan.h"
+#include "experiments/stop.h"
 
 namespace palpate::experiments {
 

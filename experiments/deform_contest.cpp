@@ -1,4 +1,5 @@
-// The contest deform: problems in, displacements out, held against a converged reference.
+#include "experiments/deform_contest.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -7,10 +8,10 @@
 #include "core/judge/displacement.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "experiments/contest.h"
 #include "experiments/deform_input.h"
 #include "experiments/output_file.h"
 #include "experiments/pad_force.h"
+#include "experiments/plan_deform.h"
 #include "reference/deform_problem.h"
 
 namespace palpate::experiments {
@@ -26,15 +27,6 @@ double largest(const std::vector<Vec3>& field) {
   double most = 0.0;
   for (const Vec3& u : field) most = std::max(most, length(u));
   return most;
-}
-
-json mesh_facts(const std::string& name, const ProblemFiles& files) {
-  const auto tets = static_cast<double>(files.mesh.tets.size());
-  return {{"name", name},
-          {"vertices", files.mesh.points.size()},
-          {"tets", files.mesh.tets.size()},
-          {"hash", files.mesh_hash},
-          {"ideal_volume", total_volume(files.mesh) / tets}};
 }
 
 json describe_reference(const DeformReference& reference) {
@@ -182,10 +174,12 @@ class DeformContest : public Contest {
     const auto judge = [&](const std::filesystem::path& file) {
       return judge_displacement(input, reference, files_of(facts.run_case), answer.report, file);
     };
-    json record = start_record(facts, mesh_facts(input.scene, input.own), answer);
+    json record = start_record(facts, mesh_facts(input.scene, input.own.mesh, input.own.mesh_hash), answer);
     record["scene"] = scene_facts(input);
-    if (is_simplified(facts.run_case) && simplified_.at(simplified_id(facts.run_case)).failure.empty())
-      record["solved_on"] = mesh_facts(simplified_id(facts.run_case), files_of(facts.run_case));
+    if (is_simplified(facts.run_case) && simplified_.at(simplified_id(facts.run_case)).failure.empty()) {
+      const ProblemFiles& files = files_of(facts.run_case);
+      record["solved_on"] = mesh_facts(simplified_id(facts.run_case), files.mesh, files.mesh_hash);
+    }
     judge_answer({judge, [](json&) {}, "displacement"}, facts, answer, earlier, record);
     return record;
   }
@@ -249,7 +243,8 @@ class DeformContest : public Contest {
   json build_reference_record(const DeformInput& input, const DeformReference& reference) const {
     std::string id = input.scene + "/reference";
     for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
-    json record = start_input_record(setting_.plan, mesh_facts(input.scene, input.own), id, "reference");
+    json record = start_input_record(
+        setting_.plan, mesh_facts(input.scene, input.own.mesh, input.own.mesh_hash), id, "reference");
     record["sweep"] = input.sweep;
     record["scene"] = scene_facts(input);
     record["judge"] = describe_reference(reference);
@@ -273,8 +268,16 @@ class DeformContest : public Contest {
 
 }  // namespace
 
-std::unique_ptr<Contest> make_deform_contest(const ContestSetting& setting) {
-  return std::make_unique<DeformContest>(setting);
+const ContestKind& deform_contest() {
+  static const ContestKind kind{"deform",
+                                {"scenes", "reference", "simplify", "scene_sets", "targets", "charts"},
+                                {"error_bars", "error_time", "convergence", "simplified_error"},
+                                read_deform_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<DeformContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

@@ -12,7 +12,9 @@
 #include "experiments/judge_record.h"
 #include "experiments/mesh_source.h"
 #include "experiments/output_file.h"
+#include "experiments/pad_force.h"
 #include "experiments/scene_problem.h"
+#include "experiments/solution.h"
 #include "reference/deform_problem.h"
 
 namespace palpate::experiments {
@@ -26,17 +28,6 @@ constexpr double kSimplifierTimeout = 1800.0;
 // Simplifiers get millimetres, as in their own contest: VTK's, in single precision, removes nothing from an
 // organ in metres.
 constexpr double kSimplifierUnit = 1e-3;  // m
-
-ContestantTask start_task(const std::string& method, const ProblemFiles& files,
-                          const ContestSetting& setting) {
-  ContestantTask task;
-  task.method = *setting.registry.find(method);
-  task.mesh_in = files.mesh_file;
-  task.scratch = fs::absolute(setting.folder.fresh_scratch());
-  task.threads = setting.threads;
-  task.stop_flag = setting.stop_flag;
-  return task;
-}
 
 void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
   reference.outcome = outcome;
@@ -71,34 +62,23 @@ void add_pad_force(const DeformInput& input, const json& report, DeformReference
 std::vector<Vec3> solve_level(const DeformInput& input, int level, const ContestSetting& setting,
                               std::span<const fs::path> companions, DeformReference& reference) {
   const PlanReference& plan = *setting.plan.reference;
-  ContestantTask task = start_task(plan.method, input.own, setting);
+  ContestantTask task = start_task(plan.method, input.own.mesh_file, setting);
   task.problem_in = input.own.problem_file;
   task.options = resolve_options(*task.method.method, plan.set);
   task.options["refine"] = level;
   task.timeout_s = kReferenceTimeout;
-  bool was_kept = false;
   // Two levels are always solved; whether a third is, only each problem's own second one tells.
   const bool is_certain = level < 2 || !plan.enough;
-  const ContestantAnswer answer =
-      run_cached(task, was_kept, is_certain ? companions : std::span<const fs::path>());
+  const Solution solution = solve(task, "converged", is_certain ? companions : std::span<const fs::path>());
   const std::string which = "level " + std::to_string(level) + " of the reference ";
-  if (answer.outcome == "interrupted") {
-    reference.interrupted = true;
+  reference.interrupted = solution.interrupted;
+  if (solution.interrupted) return {};
+  if (solution.answer.outcome == "ok") reference.levels.push_back(describe_solution(solution, level));
+  if (!solution.failure.empty()) {
+    fail(reference, solution.outcome, which + solution.failure);
     return {};
   }
-  if (answer.outcome != "ok") {
-    fail(reference, answer.outcome, which + "ended: " + answer.message);
-    return {};
-  }
-  reference.levels.push_back({{"refine", level},
-                              {"kernel_s", *answer.kernel_s},
-                              {"from_cache", was_kept},
-                              {"report", answer.report}});
-  const std::string outcome = answer.report.at("outcome").get<std::string>();
-  if (outcome != "converged") {
-    fail(reference, "error", which + "ended with the outcome " + outcome);
-    return {};
-  }
+  const ContestantAnswer& answer = solution.answer;
   const std::size_t vertices = input.own.mesh.points.size();
   try {
     add_pad_force(input, answer.report, reference);
@@ -137,69 +117,6 @@ TetMesh scaled(TetMesh mesh, double factor) {
 }
 
 }  // namespace
-
-bool is_moved(const ElasticSupport& support) {
-  return length_sq(support.by_m) > 0.0;
-}
-
-double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth) {
-  require(force.size() == truth.size(), "relative_force_error: sizes differ");
-  double off = 0.0;
-  double whole = 0.0;
-  for (std::size_t k = 0; k < force.size(); ++k) {
-    off += length_sq(force[k] - truth[k]);
-    whole += length_sq(truth[k]);
-  }
-  return std::sqrt(off / whole);
-}
-
-json problem_sweep(const json& sweep) {
-  json own = json::object();
-  for (const char* name : {"poisson_ratio", "vertices"}) {
-    if (sweep.contains(name)) own[name] = sweep.at(name);
-  }
-  return own;
-}
-
-std::string problem_id(const std::string& scene, const json& sweep) {
-  std::string id = scene;
-  const json own = problem_sweep(sweep);
-  for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
-  return id;
-}
-
-void write_problem(ProblemFiles& files, const fs::path& folder) {
-  create_folder(folder);
-  files.mesh_file = fs::absolute(folder / "in.mesh");
-  files.problem_file = fs::absolute(folder / "problem.json");
-  write_medit(files.mesh_file, files.mesh);
-  write_file_atomically(files.problem_file, reference::problem_to_json(files.problem).dump() + "\n");
-  files.mesh_hash = hash_file(files.mesh_file);
-  files.problem_hash = hash_file(files.problem_file);
-}
-
-void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
-                      json& described) {
-  const json now = {{"mesh_hash", files.mesh_hash},
-                    {"problem_hash", files.problem_hash},
-                    {"vertices", files.mesh.points.size()},
-                    {"tets", files.mesh.tets.size()}};
-  if (described.contains(id) && described.at(id) != now) {
-    throw InputError(paths.folder.string() + ": this run cannot be continued; the problem " + id +
-                     " is no longer what it was");
-  }
-  described[id] = now;
-}
-
-SweptScene place_swept_scene(Scene scene, const json& sweep) {
-  if (sweep.contains("poisson_ratio")) scene.material.poisson_ratio = sweep.at("poisson_ratio").get<double>();
-  std::optional<std::uint64_t> vertices;
-  if (sweep.contains("vertices")) vertices = sweep.at("vertices").get<std::uint64_t>();
-  SweptScene out;
-  out.mesh = build_scene_mesh(scene.mesh, vertices).mesh;
-  out.placed = place_scene(std::move(scene), out.mesh);
-  return out;
-}
 
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
   DeformInput input;
@@ -253,8 +170,7 @@ SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& s
                                const fs::path& folder, const ContestSetting& setting) {
   SimplifiedInput simplified;
   create_folder(folder);
-  ContestantTask task = start_task(simplifier.method, input.own, setting);
-  task.mesh_in = fs::absolute(folder / "whole_mm.mesh");
+  ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
   write_medit(task.mesh_in, scaled(input.own.mesh, 1.0 / kSimplifierUnit));
   task.options = resolve_options(*task.method.method, simplifier.set);
   task.stop = stop;

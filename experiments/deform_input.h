@@ -15,18 +15,9 @@
 #include "experiments/case_list.h"
 #include "experiments/contest.h"
 #include "experiments/plan.h"
+#include "experiments/problem_files.h"
 
 namespace palpate::experiments {
-
-/// A mesh in metres with its problem, as files that requests name.
-struct ProblemFiles {
-  TetMesh mesh;
-  BoundaryProblem problem;
-  std::filesystem::path mesh_file;
-  std::filesystem::path problem_file;
-  std::string mesh_hash;
-  std::string problem_hash;
-};
 
 /// One problem of a run: a scene at one Poisson ratio and one size of mesh.
 struct DeformInput {
@@ -57,41 +48,10 @@ struct SimplifiedInput {
   nlohmann::json report;
 };
 
-/// Whether a support is a pad that moves.
-bool is_moved(const ElasticSupport& support);
-
-/// sqrt(sum |f - t|^2 / sum |t|^2) over the pads; not finite where the truth is zero. Throws: ContractError
-/// if the sizes differ.
-double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth);
-
-/// The part of a case's sweep that makes its problem: poisson_ratio and vertices.
-nlohmann::json problem_sweep(const nlohmann::json& sweep);
-
-/// "kidney_gravity/poisson_ratio=0.45".
-std::string problem_id(const std::string& scene, const nlohmann::json& sweep);
-
-/// A scene with what a sweep changes of it, placed on its mesh.
-struct SweptScene {
-  Scene placed;
-  TetMesh mesh;
-};
-
-/// Throws: InputError or UnavailableError as build_scene_mesh and place_scene do.
-SweptScene place_swept_scene(Scene scene, const nlohmann::json& sweep);
-
 /// Makes the mesh, places the scene on it and writes both below `folder`.
 /// Throws: InputError or UnavailableError as build_scene_mesh and build_problem do.
 DeformInput build_input(const PlanScene& scene, const nlohmann::json& sweep,
                         const std::filesystem::path& folder);
-
-/// Writes mesh and problem below `folder`, which is made, and fills in the files and their hashes.
-/// Throws: InputError if the folder cannot be written.
-void write_problem(ProblemFiles& files, const std::filesystem::path& folder);
-
-/// Names the problem in `described`, the provenance's key "problems", or holds it against what an earlier
-/// start named there. Throws: InputError if it is no longer the same.
-void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
-                      nlohmann::json& described);
 
 /// Names what a problem's stiffness is made of: the mesh, the material, what holds the body. Problems of one
 /// name differ in their loads alone, and can share a factorisation. Empty where it cannot be shared: large

@@ -1,4 +1,5 @@
-// The contest engine: dynamic scenes in, motions of our own engine out, with what they took and came to.
+#include "experiments/engine_contest.h"
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -6,11 +7,11 @@
 #include "core/judge/reference_estimate.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/medit.h"
-#include "experiments/contest.h"
-#include "experiments/deform_input.h"
 #include "experiments/file_hash.h"
 #include "experiments/output_file.h"
 #include "experiments/pad_force.h"
+#include "experiments/plan_engine.h"
+#include "experiments/problem_files.h"
 #include "experiments/scene_problem.h"
 
 namespace palpate::experiments {
@@ -92,7 +93,8 @@ class EngineContest : public Contest {
   json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
                     const std::vector<json>& earlier) const override {
     const EngineInput& input = inputs_.at(id_of(facts.run_case));
-    json record = start_record(facts, mesh_facts(input), answer);
+    json record =
+        start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
     record["scene"] = scene_facts(input);
     // Times differ from one repeat to the next, so each is judged by its own report.
     const auto judge = [&](const std::filesystem::path&) { return figures_of(input, answer.report); };
@@ -137,15 +139,6 @@ class EngineContest : public Contest {
     return input;
   }
 
-  static json mesh_facts(const EngineInput& input) {
-    const TetMesh& mesh = input.files.mesh;
-    return {{"name", input.scene},
-            {"vertices", mesh.points.size()},
-            {"tets", mesh.tets.size()},
-            {"hash", input.files.mesh_hash},
-            {"ideal_volume", total_volume(mesh) / static_cast<double>(mesh.tets.size())}};
-  }
-
   static json scene_facts(const EngineInput& input) {
     const Material& material = input.placed.material;
     return {{"name", input.scene},
@@ -184,7 +177,9 @@ class EngineContest : public Contest {
   }
 
   json build_force_record(const EngineInput& input, const PadForce& force) const {
-    json record = start_input_record(setting_.plan, mesh_facts(input), input.id + "/reference", "reference");
+    json record =
+        start_input_record(setting_.plan, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash),
+                           input.id + "/reference", "reference");
     record["scene"] = scene_facts(input);
     record["outcome"] = force.outcome;
     record["message"] = force.failure;
@@ -209,8 +204,16 @@ class EngineContest : public Contest {
 
 }  // namespace
 
-std::unique_ptr<Contest> make_engine_contest(const ContestSetting& setting) {
-  return std::make_unique<EngineContest>(setting);
+const ContestKind& engine_contest() {
+  static const ContestKind kind{"engine",
+                                {"scenes", "reference"},
+                                {},
+                                read_engine_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<EngineContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

@@ -1,20 +1,12 @@
 // Finished made meshes, kept below the build folder.
 #pragma once
 
-#include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "experiments/mesh_source.h"
 
 namespace palpate::experiments {
-
-/// The folder of the caches: PALPATE_CACHE if set, else the build folder.
-std::filesystem::path cache_root();
-
-/// The JSON of a cache's entry; null if there is none, or none that can be read.
-nlohmann::json read_kept(const std::filesystem::path& path);
 
 /// Returns the mesh kept under `key`, or makes it and keeps it.
 ///

@@ -4,7 +4,6 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "experiments/commands.h"
 #include "experiments/judge_record.h"
 #include "experiments/mesh_source.h"
 #include "experiments/terminal.h"

@@ -1,31 +1,22 @@
-// The contest motion: dynamic scenes in, histories and frequencies out, held against finite elements.
+#include "experiments/motion_contest.h"
+
 #include <map>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "experiments/contest.h"
-#include "experiments/deform_input.h"
 #include "experiments/motion_input.h"
+#include "experiments/plan_motion.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
 
-json mesh_facts(const MotionInput& input) {
-  const auto tets = static_cast<double>(input.mesh.tets.size());
-  return {{"name", input.scene},
-          {"vertices", input.mesh.points.size()},
-          {"tets", input.mesh.tets.size()},
-          {"hash", input.mesh_hash},
-          {"ideal_volume", total_volume(input.mesh) / tets}};
-}
-
 json scene_facts(const MotionInput& input) {
   const Material& material = input.problem.body.material;
   const auto window = judging_window(input.problem);
   return {{"name", input.scene},
-          {"problem_hash", input.problem_hash},
+          {"problem_hash", input.files.problem_hash},
           {"strain", "small"},
           {"young_modulus_pa", material.young_modulus_pa},
           {"poisson_ratio", material.poisson_ratio},
@@ -108,8 +99,8 @@ class MotionContest : public Contest {
     const MotionReference& reference = references_.at(id_of(run_case));
     if (!reference.failure.empty()) return "there is nothing to judge it by: " + reference.failure;
     const MotionInput& input = inputs_.at(id_of(run_case));
-    task.mesh_in = input.mesh_file;
-    task.problem_in = input.problem_file;
+    task.mesh_in = input.files.mesh_file;
+    task.problem_in = input.files.problem_file;
     return "";
   }
 
@@ -120,7 +111,8 @@ class MotionContest : public Contest {
     const auto judge = [&](const std::filesystem::path& file) {
       return judge_motion(input, reference, answer.report, file);
     };
-    json record = start_record(facts, mesh_facts(input), answer);
+    json record =
+        start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
     record["scene"] = scene_facts(input);
     judge_answer({judge, [](json&) {}, "history"}, facts, answer, earlier, record);
     return record;
@@ -136,18 +128,14 @@ class MotionContest : public Contest {
   }
 
   void describe(const std::string& id, json& described) const {
-    const MotionInput& input = inputs_.at(id);
-    ProblemFiles files;
-    files.mesh = input.mesh;
-    files.mesh_hash = input.mesh_hash;
-    files.problem_hash = input.problem_hash;
-    describe_problem(setting_.folder.paths(), id, files, described);
+    describe_problem(setting_.folder.paths(), id, inputs_.at(id).files, described);
   }
 
   json build_reference_record(const MotionInput& input, const MotionReference& reference) const {
     std::string id = input.scene + "/reference";
     for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
-    json record = start_input_record(setting_.plan, mesh_facts(input), id, "reference");
+    json record = start_input_record(
+        setting_.plan, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), id, "reference");
     record["sweep"] = input.sweep;
     record["scene"] = scene_facts(input);
     record["judge"] = describe_reference(reference);
@@ -169,8 +157,16 @@ class MotionContest : public Contest {
 
 }  // namespace
 
-std::unique_ptr<Contest> make_motion_contest(const ContestSetting& setting) {
-  return std::make_unique<MotionContest>(setting);
+const ContestKind& motion_contest() {
+  static const ContestKind kind{"motion",
+                                {"scenes", "reference", "charts"},
+                                {"motion_errors", "motion_histories"},
+                                read_motion_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<MotionContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
-#include "experiments/answer_cache.h"
-#include "experiments/deform_input.h"
-#include "experiments/file_hash.h"
 #include "experiments/output_file.h"
 #include "experiments/scene_problem.h"
+#include "experiments/solution.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -67,36 +63,24 @@ struct ReferenceRun {
 JudgedMotion solve_run(const MotionInput& input, const ReferenceRun& run, const ContestSetting& setting,
                        MotionReference& reference, fs::path& file) {
   const PlanReference& plan = *setting.plan.reference;
-  ContestantTask task;
-  task.method = *setting.registry.find(plan.method);
-  task.mesh_in = input.mesh_file;
-  task.problem_in = input.problem_file;
-  task.scratch = fs::absolute(setting.folder.fresh_scratch());
-  task.threads = setting.threads;
-  task.stop_flag = setting.stop_flag;
+  ContestantTask task = start_task(plan.method, input.files.mesh_file, setting);
+  task.problem_in = input.files.problem_file;
   task.options = resolve_options(*task.method.method, plan.set);
   task.options["refine"] = run.refine;
   task.options["time_step_s"] = run.time_step_s;
   task.timeout_s = kReferenceTimeout;
-  bool was_kept = false;
-  const ContestantAnswer answer = run_cached(task, was_kept);
+  const Solution solution = solve(task, "completed");
   const std::string which = "the reference at level " + std::to_string(run.refine) + " ";
   const auto fail = [&](const std::string& outcome, const std::string& why) {
     reference.outcome = outcome;
     reference.failure = which + why;
     return JudgedMotion{};
   };
-  if (answer.outcome == "interrupted") {
-    reference.interrupted = true;
-    return {};
-  }
-  if (answer.outcome != "ok") return fail(answer.outcome, "ended: " + answer.message);
-  reference.runs.push_back({{"refine", run.refine},
-                            {"kernel_s", *answer.kernel_s},
-                            {"from_cache", was_kept},
-                            {"report", answer.report}});
-  const std::string outcome = answer.report.at("outcome").get<std::string>();
-  if (outcome != "completed") return fail("error", "ended with the outcome " + outcome);
+  reference.interrupted = solution.interrupted;
+  if (solution.interrupted) return {};
+  if (solution.answer.outcome == "ok") reference.runs.push_back(describe_solution(solution, run.refine));
+  if (!solution.failure.empty()) return fail(solution.outcome, solution.failure);
+  const ContestantAnswer& answer = solution.answer;
   try {
     file = answer.output;
     return {reference::read_history(answer.output, input.problem),
@@ -159,15 +143,9 @@ MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const 
   input.sweep = problem_sweep(sweep);
   input.id = problem_id(scene.name, sweep);
   SweptScene swept = place_swept_scene(scene.scene, input.sweep);
-  input.mesh = std::move(swept.mesh);
-  input.problem = build_motion_problem(swept.placed, input.mesh);
-  create_folder(folder);
-  input.mesh_file = fs::absolute(folder / "in.mesh");
-  input.problem_file = fs::absolute(folder / "problem.json");
-  write_medit(input.mesh_file, input.mesh);
-  write_file_atomically(input.problem_file, reference::motion_to_json(input.problem).dump() + "\n");
-  input.mesh_hash = hash_file(input.mesh_file);
-  input.problem_hash = hash_file(input.problem_file);
+  input.files.mesh = std::move(swept.mesh);
+  input.problem = build_motion_problem(swept.placed, input.files.mesh);
+  write_problem(input.files, reference::motion_to_json(input.problem), folder);
   return input;
 }
 

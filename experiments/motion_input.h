@@ -10,6 +10,7 @@
 
 #include "experiments/contest.h"
 #include "experiments/plan.h"
+#include "experiments/problem_files.h"
 #include "reference/motion_problem.h"
 
 namespace palpate::experiments {
@@ -33,12 +34,8 @@ struct MotionInput {
   std::string id;  ///< "plucked_bar", then "/vertices=1503" where it is swept
   std::string scene;
   nlohmann::json sweep = nlohmann::json::object();
-  TetMesh mesh;
   reference::MotionProblem problem;
-  std::filesystem::path mesh_file;
-  std::filesystem::path problem_file;
-  std::string mesh_hash;
-  std::string problem_hash;
+  ProblemFiles files;  ///< its `problem` stays empty: what is written is the motion's
 };
 
 /// Makes the mesh, places the scene on it and writes both below `folder`.

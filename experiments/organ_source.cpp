@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "experiments/body_surface.h"
+#include "experiments/file_cache.h"
 #include "experiments/mesh_cache.h"
 #include "experiments/mesh_fill.h"
 #include "experiments/skin_jitter.h"

@@ -6,9 +6,9 @@
 #include "core/base/error.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/topology.h"
-#include "experiments/answer_cache.h"
-#include "experiments/deform_input.h"
+#include "experiments/problem_files.h"
 #include "experiments/scene_problem.h"
+#include "experiments/solution.h"
 #include "experiments/terminal.h"
 #include "reference/deform_problem.h"
 
@@ -69,29 +69,19 @@ nlohmann::json describe_level(const PadLevel& level, int refine, const Contestan
 bool solve_level(const ProblemFiles& files, int refine, const ContestSetting& setting, PadForce& force,
                  std::vector<PadLevel>& levels) {
   const PlanReference& plan = *setting.plan.reference;
-  ContestantTask task;
-  task.method = *setting.registry.find(plan.method);
-  task.mesh_in = files.mesh_file;
+  ContestantTask task = start_task(plan.method, files.mesh_file, setting);
   task.problem_in = files.problem_file;
-  task.scratch = fs::absolute(setting.folder.fresh_scratch());
   task.options = resolve_options(*task.method.method, plan.set);
-  task.threads = setting.threads;
   task.timeout_s = kReferenceTimeout;
-  task.stop_flag = setting.stop_flag;
-  bool was_kept = false;
-  const ContestantAnswer answer = run_cached(task, was_kept);
-  force.interrupted = answer.outcome == "interrupted";
-  if (force.interrupted) return false;
-  const std::string which = "level " + std::to_string(refine) + " of the reference ended: ";
-  if (answer.outcome != "ok") {
-    fail(force, answer.outcome, which + answer.message);
+  const Solution solution = solve(task, "converged");
+  force.interrupted = solution.interrupted;
+  if (solution.interrupted) return false;
+  const std::string which = "level " + std::to_string(refine) + " of the reference ";
+  if (!solution.failure.empty()) {
+    fail(force, solution.outcome, which + solution.failure);
     return false;
   }
-  const std::string outcome = answer.report.at("outcome").get<std::string>();
-  if (outcome != "converged") {
-    fail(force, "error", which + outcome);
-    return false;
-  }
+  const ContestantAnswer& answer = solution.answer;
   const std::size_t vertices = files.mesh.points.size();
   const std::size_t edges = build_edges(files.mesh).size();
   try {
@@ -99,13 +89,13 @@ bool solve_level(const ProblemFiles& files, int refine, const ContestSetting& se
     if (field.size() != vertices + edges) throw InputError("no values at edge midpoints");
     levels.push_back(measure_level(files, field, answer.report));
   } catch (const InputError& error) {
-    fail(force, "bad_answer", which + error.what());
+    fail(force, "bad_answer", which + "cannot be read: " + error.what());
     return false;
   } catch (const nlohmann::json::exception&) {
-    fail(force, "bad_answer", which + "no energies (energy_j, support_energy_j)");
+    fail(force, "bad_answer", which + "has no energies (energy_j, support_energy_j)");
     return false;
   }
-  force.levels.push_back(describe_level(levels.back(), refine, answer, was_kept));
+  force.levels.push_back(describe_level(levels.back(), refine, answer, solution.was_kept));
   return true;
 }
 
@@ -130,6 +120,21 @@ void add_level_faults(const PadLevel& before, const PadLevel& level, std::size_t
 }
 
 }  // namespace
+
+bool is_moved(const ElasticSupport& support) {
+  return length_sq(support.by_m) > 0.0;
+}
+
+double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth) {
+  require(force.size() == truth.size(), "relative_force_error: sizes differ");
+  double off = 0.0;
+  double whole = 0.0;
+  for (std::size_t k = 0; k < force.size(); ++k) {
+    off += length_sq(force[k] - truth[k]);
+    whole += length_sq(truth[k]);
+  }
+  return std::sqrt(off / whole);
+}
 
 BoundaryProblem build_held_problem(const Scene& placed, const TetMesh& mesh) {
   Scene held = placed;

@@ -15,6 +15,13 @@
 
 namespace palpate::experiments {
 
+/// Whether a support is a pad that moves.
+bool is_moved(const ElasticSupport& support);
+
+/// sqrt(sum |f - t|^2 / sum |t|^2) over the pads; not finite where the truth is zero. Throws: ContractError
+/// if the sizes differ.
+double relative_force_error(std::span<const Vec3> force, std::span<const Vec3> truth);
+
 /// The pad on one mesh of the reference.
 struct PadLevel {
   Vec3 force_n;              ///< of the pad on the body

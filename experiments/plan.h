@@ -1,10 +1,10 @@
-// A plan: one question, as data. Reading one checks everything that can be checked without running anything.
+// A plan: one question, as data. runner/read_plan reads one.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +12,7 @@
 #include "experiments/contestant.h"
 #include "experiments/mesh_source.h"
 #include "experiments/scene.h"
+#include "experiments/sweep.h"
 
 namespace palpate::experiments {
 
@@ -38,21 +39,6 @@ struct PlanReference {
   std::optional<double> stated_order;  ///< of convergence, for two levels; three observe their own
 };
 
-/// When a simplifier stops.
-enum class StopKind { kFusions, kTets, kRatio, kLimit, kTetsOf };
-
-struct Stop {
-  StopKind kind = StopKind::kLimit;
-  double value = 0.0;  ///< a count, or the share of tets to remove
-  std::string of;      ///< kTetsOf: the label whose tets are matched
-};
-
-/// A stop's name in plans, requests and records: "fusions", "tets", "ratio", "limit", "tets_of".
-const char* stop_name(StopKind kind);
-
-/// The stop as a request and a record say it: {"tets": 100}, {"limit": true}. kTetsOf is not among them.
-nlohmann::json stop_request(const Stop& stop);
-
 /// One contestant of a plan.
 struct PlanContestant {
   std::string method;
@@ -64,20 +50,6 @@ struct PlanContestant {
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code
-};
-
-/// One dimension of the sweep.
-struct SweepAxis {
-  std::string name;  ///< a stop ("tets_removed_ratio", "fusions", "tets"), "poisson_ratio", "vertices" or
-                     ///< "option.NAME"
-  std::vector<nlohmann::json> values;
-  std::vector<GivenOption> texts;  ///< the same as written, for options
-
-  bool is_option() const { return name.rfind("option.", 0) == 0; }
-  bool is_problem() const { return name == "poisson_ratio" || name == "vertices"; }
-  bool is_stop() const { return !is_option() && !is_problem(); }
-  std::string option() const { return name.substr(7); }
-  StopKind stop_kind() const;
 };
 
 /// How the cases are run.
@@ -98,87 +70,49 @@ struct AcceptBound {
   std::optional<double> max;
 };
 
-/// What some contestants are to reach on a case with a known answer, on its finest mesh.
-struct KnownCaseExpectation {
-  std::vector<std::string> labels;
-  std::vector<AcceptBound> bounds;
-};
-
-/// A case with a known answer, of reference/closed_form.
-struct PlanKnownCase {
-  std::string name;
-  std::vector<int> cells;  ///< one mesh each, rising
-  std::vector<KnownCaseExpectation> expect;
-};
-
-/// Settings of the contest stability that are swept together.
-struct PlanExtreme {
-  std::string name;
-  std::vector<std::size_t> meshes;        ///< indices into Plan::meshes
-  std::vector<std::size_t> contestants;   ///< and into Plan::contestants
-  std::optional<std::size_t> simplifier;  ///< and into Plan::simplifiers
-  std::map<std::string, GivenOption> set;
-  std::vector<SweepAxis> sweep;  ///< of options, by their plain names
-};
-
-/// A published claim, and what would decide it.
-struct Claim {
-  std::string text;
-  std::string source;
-  std::string measure;
-  std::string better;
-  std::string than;
-  std::string spread;  ///< label with seeds whose scatter is shown; may be empty
-  std::optional<double> published_better;
-  std::optional<double> published_than;
-};
-
-/// One label held against the best of others, figure by figure, on every mesh and at every point of the
-/// sweep.
-struct Comparison {
-  std::string of;
-  std::vector<std::string> against_best_of;
-  std::vector<std::string> measures;        ///< each has a better side
-  std::string time_against;                 ///< label whose time is divided by that of `of`; empty: none
-  std::optional<double> time_factor;        ///< how large that ratio is to be; nothing: it is only shown
-  std::optional<double> input_up_to_ratio;  ///< up to this share of removed tets the input is a peer too
+/// What one contest alone reads from its plan.
+struct ContestPart {
+  virtual ~ContestPart() = default;
 };
 
 struct Plan {
   std::filesystem::path file;
   std::string name;  ///< the file's name without its ending
   std::string question;
-  std::string contest;            ///< "simplify", "deform", "motion", "verify", "engine" or "stability"
-  std::vector<PlanMesh> meshes;   ///< simplify and stability
-  std::vector<PlanScene> scenes;  ///< deform, motion and engine
-  std::vector<PlanKnownCase> known_cases;  ///< verify
-  std::vector<PlanExtreme> extremes;       ///< stability
-  std::optional<PlanReference> reference;  ///< deform and motion; engine, of the tool's force: may be missing
-  std::vector<PlanContestant> simplifiers;  ///< deform: each is crossed with each contestant; stability: for
-                                            ///< the extremes that name them; may be empty
+  std::string contest;  ///< one of runner/contest_table
+  std::vector<std::string>
+      subjects;                   ///< the names of what its cases are about: its meshes, scenes, known cases
+  std::vector<PlanMesh> meshes;   ///< of contests that start from meshes
+  std::vector<PlanScene> scenes;  ///< of contests that start from scenes
+  std::optional<PlanReference> reference;   ///< of contests that are judged by a solution
+  std::vector<PlanContestant> simplifiers;  ///< of the contests' inputs; may be empty
   std::vector<PlanContestant> contestants;
   std::vector<SweepAxis> sweep;
-  std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself
   RunSettings run;
   std::vector<std::string> measure;
+  std::vector<std::string> compared;  ///< measures whose better side the report needs
   std::vector<AcceptBound> accept;
-  std::optional<Claim> claim;
-  std::optional<double> equal_count;  ///< answers are ranked within this share of the count asked for
-  std::vector<Comparison> comparisons;
-  std::vector<std::string> charts;  ///< empty: the report's choice
-  std::vector<std::string> notes;   ///< worth saying, no error: contestants that are unavailable here
+  std::vector<std::string> charts;          ///< empty: the report's choice
+  std::vector<std::string> notes;           ///< worth saying, no error: contestants that are unavailable here
+  std::shared_ptr<const ContestPart> part;  ///< may be null
 };
+
+/// What the plan's contest alone read. Throws: std::bad_cast if it is not a `Part`.
+template <typename Part>
+const Part& part_of(const Plan& plan) {
+  return dynamic_cast<const Part&>(*plan.part);
+}
+
+/// The names of meshes or scenes.
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> names;
+  names.reserve(all.size());
+  for (const Named& each : all) names.push_back(each.name);
+  return names;
+}
 
 /// The simplifier that leaves the mesh as it is: its method is empty.
 inline constexpr const char* kNoSimplifier = "none";
-
-/// The names of what a plan's cases are about: its meshes, or its scenes.
-std::vector<std::string> subject_names(const Plan& plan);
-
-/// Reads and checks a plan (palpate/plan/1).
-///
-/// Throws: InputError "file:line: ..." for unknown keys and names (with the nearest), wrong types, impossible
-///         stops, labels twice, circles of tets_of, missing mesh files.
-Plan read_plan(const std::filesystem::path& path, const Registry& registry);
 
 }  // namespace palpate::experiments

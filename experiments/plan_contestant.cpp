@@ -194,17 +194,6 @@ std::map<std::string, GivenOption> read_set(const YamlValue& value, const Method
   return set;
 }
 
-double read_stop_value(StopKind kind, const YamlValue& value) {
-  if (kind == StopKind::kRatio) {
-    const double ratio = value.number();
-    if (ratio < 0.0 || ratio >= 1.0) {
-      value.fail_expected("a share of the tets to remove, from 0 to less than 1");
-    }
-    return ratio;
-  }
-  return static_cast<double>(value.integer(kind == StopKind::kTets ? 1 : 0, kLargestCount));
-}
-
 std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::string& contest,
                                              const std::vector<SweepAxis>& sweep, const Registry& registry) {
   std::vector<Entry> entries;
@@ -228,6 +217,11 @@ std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::
   contestants.reserve(entries.size());
   for (Entry& entry : entries) contestants.push_back(std::move(entry.contestant));
   return contestants;
+}
+
+bool runs_on(const PlanContestant& contestant, const std::string& scene) {
+  return contestant.scenes.empty() ||
+         std::find(contestant.scenes.begin(), contestant.scenes.end(), scene) != contestant.scenes.end();
 }
 
 }  // namespace palpate::experiments

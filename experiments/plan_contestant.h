@@ -8,9 +8,6 @@
 
 namespace palpate::experiments {
 
-/// The value of a stop, checked against its kind: counts are whole and not negative, a ratio is in [0, 1).
-double read_stop_value(StopKind kind, const YamlValue& value);
-
 /// Reads a list of contestants of one contest, held against the plan's sweep (the axes of `contest` alone).
 /// Throws: InputError with file and line.
 std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::string& contest,
@@ -24,5 +21,8 @@ MethodEntry find_method(const YamlValue& at, const std::string& name, const std:
 /// The options that a mapping sets. Throws: InputError with file and line for one that `method` does not
 /// have.
 std::map<std::string, GivenOption> read_set(const YamlValue& value, const MethodSpec& method);
+
+/// Whether a contestant runs on the scene of that name.
+bool runs_on(const PlanContestant& contestant, const std::string& scene);
 
 }  // namespace palpate::experiments

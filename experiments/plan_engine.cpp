@@ -1,31 +1,14 @@
 #include "experiments/plan_engine.h"
 
 #include <algorithm>
-#include <set>
 
 #include "experiments/nearest_name.h"
+#include "experiments/plan_contestant.h"
+#include "experiments/plan_reference.h"
+#include "experiments/plan_scene.h"
 
 namespace palpate::experiments {
 namespace {
-
-PlanScene read_entry(const YamlValue& item, const std::filesystem::path& folder) {
-  PlanScene scene;
-  if (item.is_text()) {
-    scene.name = item.identifier();
-    const std::filesystem::path path = scene_path(scene.name);
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error))
-      item.fail("unknown scene \"" + scene.name + "\"" + nearest_hint(scene.name, scene_names()));
-    scene.scene = read_scene(path);
-  } else {
-    const YamlFields fields = item.fields({"name", "file"});
-    scene.name = fields.need("name").identifier();
-    scene.scene = read_scene(folder / fields.need("file").text());
-  }
-  if (!scene.scene.is_dynamic)
-    item.fail("the scene " + scene.name + " is static; the contest engine takes dynamic ones");
-  return scene;
-}
 
 bool has_vertices(const Plan& plan, const PlanContestant& contestant) {
   const auto set = contestant.set.find("vertices");
@@ -34,22 +17,8 @@ bool has_vertices(const Plan& plan, const PlanContestant& contestant) {
                      [](const SweepAxis& axis) { return axis.name == "option.vertices"; });
 }
 
-}  // namespace
-
-std::vector<PlanScene> read_dynamic_scenes(const YamlValue& value, const std::filesystem::path& folder) {
-  std::vector<PlanScene> scenes;
-  std::set<std::string> names;
-  for (const YamlValue& item : value.items()) {
-    scenes.push_back(read_entry(item, folder));
-    if (!names.insert(scenes.back().name).second) item.fail("scene \"" + scenes.back().name + "\" twice");
-  }
-  if (scenes.empty()) value.fail("scenes: expected at least one");
-  return scenes;
-}
-
 void check_scenes_of_contestants(const YamlValue& at, const Plan& plan) {
-  std::vector<std::string> known;
-  for (const PlanScene& scene : plan.scenes) known.push_back(scene.name);
+  const std::vector<std::string>& known = plan.subjects;
   for (const PlanContestant& contestant : plan.contestants) {
     for (const std::string& name : contestant.scenes) {
       if (std::find(known.begin(), known.end(), name) == known.end())
@@ -63,9 +32,17 @@ void check_scenes_of_contestants(const YamlValue& at, const Plan& plan) {
   }
 }
 
-bool runs_on(const PlanContestant& contestant, const std::string& scene) {
-  return contestant.scenes.empty() ||
-         std::find(contestant.scenes.begin(), contestant.scenes.end(), scene) != contestant.scenes.end();
+}  // namespace
+
+void read_engine_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  plan.scenes =
+      read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), SceneKind::kDynamic, plan.contest);
+  plan.subjects = names_of(plan.scenes);
+  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {});
+  plan.contestants = read_contestants(fields.need("contestants"), "engine", plan.sweep, registry);
+  check_scenes_of_contestants(fields.need("contestants"), plan);
+  if (const auto reference = fields.find("reference"))
+    plan.reference = read_reference(*reference, "deform", registry);
 }
 
 }  // namespace palpate::experiments

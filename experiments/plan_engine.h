@@ -1,23 +1,14 @@
-// What a plan of the contest engine adds: dynamic scenes.
+// What a plan of the contest engine adds: dynamic scenes, and where each contestant runs.
 #pragma once
-
-#include <filesystem>
-#include <vector>
 
 #include "experiments/plan.h"
 #include "experiments/yaml_value.h"
 
 namespace palpate::experiments {
 
-/// Reads the list of scenes, each a name of experiments/scenes or {name, file}, as in the contest deform.
-/// Throws: InputError with file and line: for unknown scenes (with the nearest), one twice, a static one.
-std::vector<PlanScene> read_dynamic_scenes(const YamlValue& value, const std::filesystem::path& folder);
-
-/// Throws: InputError at `at` for a contestant that names a scene that the plan does not have (with the
-/// nearest), or that asks for other vertices of a scene whose mesh is a file.
-void check_scenes_of_contestants(const YamlValue& at, const Plan& plan);
-
-/// Whether a contestant runs on the scene of that name.
-bool runs_on(const PlanContestant& contestant, const std::string& scene);
+/// Reads it: see ContestKind::read. Throws: InputError with file and line,
+/// also for a contestant that names a scene that the plan does not have, or asks for other vertices of a
+/// scene whose mesh is a file.
+void read_engine_plan(const YamlFields& fields, Plan& plan, const Registry& registry);
 
 }  // namespace palpate::experiments

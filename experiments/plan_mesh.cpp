@@ -1,79 +1,43 @@
 #include "experiments/plan_mesh.h"
 
-#include "core/base/error.h"
-#include "core/mesh/geometry.h"
-#include "experiments/file_hash.h"
-#include "experiments/mesh_source.h"
+#include <set>
+
+#include "experiments/shape_fields.h"
 
 namespace palpate::experiments {
-namespace fs = std::filesystem;
 namespace {
 
-nlohmann::json describe_source(const PlanMesh& plan_mesh) {
-  if (!plan_mesh.shape) {
-    return {{"file", plan_mesh.file.filename().string()}, {"hash", hash_file(plan_mesh.file)}};
+PlanMesh read_mesh_entry(const YamlValue& value, const std::filesystem::path& folder) {
+  const YamlFields fields = value.fields(with_shape_keys({"name", "make", "file"}));
+  PlanMesh mesh;
+  mesh.name = fields.need("name").identifier();
+  const auto make = fields.find("make");
+  const auto file = fields.find("file");
+  if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");
+  if (make) {
+    mesh.shape = read_shape_fields(fields, *make);
+    return mesh;
   }
-  const ShapeRequest& shape = *plan_mesh.shape;
-  nlohmann::json source = {{"make", shape.name}, {"seed", shape.seed}};
-  if (shape.size.vertices) source["vertices"] = *shape.size.vertices;
-  if (shape.size.edge_length) source["edge_length"] = *shape.size.edge_length;
-  if (shape.jitter) source["jitter"] = *shape.jitter;
-  if (shape.skin == SkinSize::kFine) source["skin"] = "fine";
-  return source;
-}
-
-void measure(RunMesh& mesh) {
-  mesh.hash = hash_file(mesh.file);
-  mesh.ideal_volume = total_volume(mesh.mesh) / static_cast<double>(mesh.mesh.tets.size());
+  refuse_shape_keys(fields);
+  mesh.file = folder / file->text();
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(mesh.file, error)) {
+    file->fail("expected a mesh file, found none at " + mesh.file.string());
+  }
+  return mesh;
 }
 
 }  // namespace
 
-RunMesh obtain_mesh(const PlanMesh& plan_mesh, const fs::path& file) {
-  RunMesh mesh;
-  mesh.name = plan_mesh.name;
-  mesh.file = file;
-  if (plan_mesh.shape) {
-    MadeMesh made = make_shape(*plan_mesh.shape);
-    mesh.mesh = std::move(made.mesh);
-    mesh.notes = std::move(made.notes);
-  } else {
-    MeditFile read = read_mesh(plan_mesh.file);
-    mesh.mesh = std::move(read.mesh);
-    mesh.notes = std::move(read.notes);
+std::vector<PlanMesh> read_meshes(const YamlValue& value, const std::filesystem::path& folder) {
+  std::vector<PlanMesh> meshes;
+  std::set<std::string> names;
+  for (const YamlValue& item : value.items()) {
+    meshes.push_back(read_mesh_entry(item, folder));
+    if (!names.insert(meshes.back().name).second) item.fail("mesh \"" + meshes.back().name + "\" twice");
   }
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  if (error) throw InputError(file.string(), 0, "a folder that can be written", error.message());
-  write_mesh(file, mesh.mesh);
-  mesh.source = describe_source(plan_mesh);
-  measure(mesh);
-  return mesh;
-}
-
-RunMesh reload_mesh(const PlanMesh& plan_mesh, const fs::path& file, const nlohmann::json& provenance) {
-  RunMesh mesh;
-  mesh.name = plan_mesh.name;
-  mesh.file = file;
-  mesh.mesh = read_mesh(file).mesh;
-  measure(mesh);
-  for (const nlohmann::json& entry : provenance.value("meshes", nlohmann::json::array())) {
-    if (entry.value("name", "") != mesh.name) continue;
-    if (entry.value("hash", "") == mesh.hash) return mesh;
-    throw InputError(file.string(), 0, "the mesh that the run started with (" + entry.value("hash", "") + ")",
-                     mesh.hash);
-  }
-  throw InputError(file.string() + ": the run's provenance does not name this mesh");
-}
-
-nlohmann::json describe_mesh(const RunMesh& mesh) {
-  return {{"name", mesh.name},
-          {"source", mesh.source},
-          {"vertices", mesh.mesh.points.size()},
-          {"tets", mesh.mesh.tets.size()},
-          {"hash", mesh.hash},
-          {"ideal_volume", mesh.ideal_volume},
-          {"notes", mesh.notes}};
+  if (meshes.empty()) value.fail("meshes: expected at least one");
+  return meshes;
 }
 
 }  // namespace palpate::experiments

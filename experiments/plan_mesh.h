@@ -1,37 +1,16 @@
-// The meshes of a run: made or read once, kept as files, the same on every start.
+// The meshes of a plan.
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
-#include "core/mesh/tet_mesh.h"
 #include "experiments/plan.h"
+#include "experiments/yaml_value.h"
 
 namespace palpate::experiments {
 
-/// An input mesh of a run.
-struct RunMesh {
-  std::string name;
-  std::filesystem::path file;  ///< in the run folder
-  std::string hash;            ///< of that file
-  TetMesh mesh;
-  double ideal_volume = 0.0;  ///< mean volume of its tets
-  std::vector<std::string> notes;
-  nlohmann::json source;  ///< how it came about, for provenance
-};
-
-/// Makes or reads the mesh and writes it to `file`.
-/// Throws: InputError or UnavailableError as make_shape and read_mesh do.
-RunMesh obtain_mesh(const PlanMesh& plan_mesh, const std::filesystem::path& file);
-
-/// Reads the mesh that an earlier start wrote. Throws: InputError if its bytes are not those that
-/// `provenance` names.
-RunMesh reload_mesh(const PlanMesh& plan_mesh, const std::filesystem::path& file,
-                    const nlohmann::json& provenance);
-
-/// Name, source, sizes and hash, for provenance.
-nlohmann::json describe_mesh(const RunMesh& mesh);
+/// Reads the list of meshes: {name, make, ...} with the keys of shape_fields.h, or {name, file} with the file
+/// relative to `folder`. Throws: InputError with file and line: a name twice, no such file, a shape's values.
+std::vector<PlanMesh> read_meshes(const YamlValue& value, const std::filesystem::path& folder);
 
 }  // namespace palpate::experiments

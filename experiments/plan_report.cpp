@@ -7,11 +7,6 @@
 namespace palpate::experiments {
 namespace {
 
-const std::vector<std::string> kCharts{"histograms",   "overview", "timing",
-                                       "quality_time", "scaling",  "cut_away"};
-const std::vector<std::string> kDeformCharts{"error_bars", "error_time", "convergence", "simplified_error"};
-const std::vector<std::string> kMotionCharts{"motion_errors", "motion_histories"};
-
 /// Measures that a clock gives, so that they differ from repeat to repeat.
 const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",       "user_s",
                                            "identify_s", "solve_s",      "tick_p50_s",
@@ -20,6 +15,12 @@ const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",       "user_s
 /// At 9 repeats the 95% interval of a median (report/intervals.py) leaves the least and the greatest out.
 constexpr int kLeastTimedRepeats = 9;
 constexpr int kLeastWarmup = 1;
+
+bool has_enough_repeats(const RunSettings& run) {
+  return run.repeats >= kLeastTimedRepeats && run.warmup >= kLeastWarmup;
+}
+
+}  // namespace
 
 std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
   std::vector<std::string> labels;
@@ -32,7 +33,6 @@ std::string known_label(const YamlValue& value, const std::vector<PlanContestant
   return label;
 }
 
-/// Appends a name, refusing one that is there already.
 void add_once(const YamlValue& at, const char* what, std::string name, std::vector<std::string>& names) {
   if (std::find(names.begin(), names.end(), name) != names.end()) {
     at.fail(std::string(what) + " \"" + name + "\" twice");
@@ -44,11 +44,6 @@ bool is_clock_time(const std::string& measure) {
   return std::find(kClockTimes.begin(), kClockTimes.end(), measure) != kClockTimes.end();
 }
 
-bool has_enough_repeats(const RunSettings& run) {
-  return run.repeats >= kLeastTimedRepeats && run.warmup >= kLeastWarmup;
-}
-
-/// Refuses a comparison of times that has too few repeats to end in anything but "open".
 void require_repeats(const YamlValue& at, const RunSettings& run) {
   if (has_enough_repeats(run)) return;
   at.fail("times are compared by at least " + std::to_string(kLeastTimedRepeats) + " repeats and " +
@@ -57,44 +52,6 @@ void require_repeats(const YamlValue& at, const RunSettings& run) {
           "} or more, found {repeats: " + std::to_string(run.repeats) +
           ", warmup: " + std::to_string(run.warmup) + "}");
 }
-
-Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
-                           const RunSettings& run) {
-  const YamlFields fields = value.fields(
-      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "required"});
-  Comparison comparison;
-  comparison.of = known_label(fields.need("of"), contestants);
-  const YamlValue against = fields.need("against_best_of");
-  for (const YamlValue& item : against.items()) {
-    std::string label = known_label(item, contestants);
-    if (label == comparison.of) item.fail("\"" + label + "\" cannot be compared with itself");
-    add_once(item, "label", std::move(label), comparison.against_best_of);
-  }
-  if (comparison.against_best_of.empty()) against.fail_expected("at least one label");
-  const YamlValue measures = fields.need("measures");
-  for (const YamlValue& item : measures.items()) {
-    const Measure& measure = known_measure(item, item.text(), true);
-    if (std::string(measure.better).empty()) {
-      item.fail(std::string("of the measure \"") + measure.name + "\" neither more nor less is better");
-    }
-    if (is_clock_time(measure.name)) require_repeats(item, run);
-    add_once(item, "measure", measure.name, comparison.measures);
-  }
-  if (comparison.measures.empty()) measures.fail_expected("at least one measure");
-  const auto time_against = fields.find("time_against");
-  const auto time_factor = fields.find("time_factor");
-  if (time_against) {
-    comparison.time_against = known_label(*time_against, contestants);
-    require_repeats(*time_against, run);
-  }
-  if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
-  if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
-  if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);
-  check_required(fields);
-  return comparison;
-}
-
-}  // namespace
 
 const Measure& known_measure(const YamlValue& at, const std::string& name, bool scalar) {
   const Measure* measure = find_measure(name);
@@ -112,35 +69,6 @@ AcceptBound read_bound(const std::string& measure, const YamlValue& value) {
   if (!bound.min && !bound.max) value.fail(measure + ": expected min or max");
   if (bound.min && bound.max && *bound.min > *bound.max) value.fail(measure + ": min is above max");
   return bound;
-}
-
-Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
-  const YamlFields fields =
-      value.fields({"text", "source", "measure", "better", "than", "spread", "published", "required"});
-  Claim claim;
-  claim.text = fields.need("text").text();
-  if (const auto source = fields.find("source")) claim.source = source->text();
-  const YamlValue measure = fields.need("measure");
-  claim.measure = known_measure(measure, measure.text(), true).name;
-  claim.better = known_label(fields.need("better"), contestants);
-  claim.than = known_label(fields.need("than"), contestants);
-  if (const auto spread = fields.find("spread")) claim.spread = known_label(*spread, contestants);
-  if (const auto published = fields.find("published")) {
-    const YamlFields figures = published->fields({"better", "than"});
-    claim.published_better = figures.need("better").number();
-    claim.published_than = figures.need("than").number();
-  }
-  check_required(fields);
-  return claim;
-}
-
-std::vector<Comparison> read_comparisons(const YamlValue& value,
-                                         const std::vector<PlanContestant>& contestants,
-                                         const RunSettings& run) {
-  std::vector<Comparison> comparisons;
-  for (const YamlValue& item : value.items()) comparisons.push_back(read_comparison(item, contestants, run));
-  if (comparisons.empty()) value.fail_expected("at least one comparison");
-  return comparisons;
 }
 
 void check_required(const YamlFields& fields) {
@@ -169,9 +97,7 @@ std::string timing_note(const Plan& plan) {
          std::to_string(kLeastTimedRepeats) + " and a warm-up are asked for)";
 }
 
-std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest) {
-  const std::vector<std::string>& known =
-      contest == "deform" ? kDeformCharts : (contest == "motion" ? kMotionCharts : kCharts);
+std::vector<std::string> read_charts(const YamlValue& value, const std::vector<std::string>& known) {
   std::vector<std::string> charts;
   for (const YamlValue& item : value.items()) {
     const std::string name = item.text();

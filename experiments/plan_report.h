@@ -1,4 +1,4 @@
-// What a plan asks of its report: claim, comparisons, charts.
+// What a plan asks of its report: measures, bounds, charts, repeats enough for its times.
 #pragma once
 
 #include <string>
@@ -17,15 +17,17 @@ const Measure& known_measure(const YamlValue& at, const std::string& name, bool 
 /// Reads a bound on a measure, {min: ..., max: ...}. Throws: InputError with file and line.
 AcceptBound read_bound(const std::string& measure, const YamlValue& value);
 
-/// Reads the claim. Throws: InputError with file and line.
-Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants);
+/// The label of one of the contestants. Throws: InputError for an unknown one (with the nearest).
+std::string known_label(const YamlValue& value, const std::vector<PlanContestant>& contestants);
 
-/// Reads the list of comparisons. Throws: InputError with file and line, also where a label is compared with
-/// itself, a measure has no better side, a time factor is given without a label to time against, or times are
-/// compared in a plan with fewer than 9 repeats or without a warm-up.
-std::vector<Comparison> read_comparisons(const YamlValue& value,
-                                         const std::vector<PlanContestant>& contestants,
-                                         const RunSettings& run);
+/// Appends a name. Throws: InputError if it is there already.
+void add_once(const YamlValue& at, const char* what, std::string name, std::vector<std::string>& names);
+
+/// Whether a clock gives the measure, so that it differs from repeat to repeat.
+bool is_clock_time(const std::string& measure);
+
+/// Throws: InputError for a comparison of times that has too few repeats to end in anything but "open".
+void require_repeats(const YamlValue& at, const RunSettings& run);
 
 /// Checks the key `required` of a comparison, a target or a claim. Throws: InputError if it is neither true
 /// nor false.
@@ -39,8 +41,8 @@ bool requires_report(const std::filesystem::path& plan);
 /// has none.
 std::string timing_note(const Plan& plan);
 
-/// Reads the list of charts. Throws: InputError with file and line for one that is unknown in this contest
-/// (with the nearest).
-std::vector<std::string> read_charts(const YamlValue& value, const std::string& contest);
+/// Reads the list of charts, of those that the contest knows. Throws: InputError with file and line for one
+/// that is unknown (with the nearest), or there twice.
+std::vector<std::string> read_charts(const YamlValue& value, const std::vector<std::string>& known);
 
 }  // namespace palpate::experiments

@@ -6,6 +6,7 @@
 #include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
 #include "experiments/plan_contestant.h"
+#include "experiments/plan_mesh.h"
 
 namespace palpate::experiments {
 namespace {
@@ -56,7 +57,7 @@ PlanExtreme read_extreme(const YamlValue& value, const Plan& plan, const Registr
   const YamlFields fields = value.fields({"name", "meshes", "contestants", "simplify", "set", "sweep"});
   PlanExtreme extreme;
   extreme.name = fields.need("name").identifier();
-  extreme.meshes = read_names(fields.find("meshes"), "mesh", subject_names(plan));
+  extreme.meshes = read_names(fields.find("meshes"), "mesh", plan.subjects);
   extreme.contestants = read_names(fields.find("contestants"), "label", labels_of(plan.contestants));
   if (const auto simplify = fields.find("simplify")) {
     const std::vector<std::string> known = labels_of(plan.simplifiers);
@@ -93,8 +94,6 @@ std::string value_text(const GivenOption& value) {
   return value.text;
 }
 
-}  // namespace
-
 std::vector<PlanExtreme> read_extremes(const YamlValue& value, const Plan& plan, const Registry& registry) {
   std::vector<PlanExtreme> extremes;
   std::set<std::string> names;
@@ -105,6 +104,20 @@ std::vector<PlanExtreme> read_extremes(const YamlValue& value, const Plan& plan,
   }
   if (extremes.empty()) value.fail("extremes: expected at least one");
   return extremes;
+}
+
+}  // namespace
+
+void read_stability_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  if (const auto sweep = fields.find("sweep")) sweep->fail("the contest stability sweeps in its extremes");
+  plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
+  plan.subjects = names_of(plan.meshes);
+  if (const auto simplify = fields.find("simplify"))
+    plan.simplifiers = read_contestants(*simplify, "simplify", {}, registry);
+  plan.contestants = read_contestants(fields.need("contestants"), "stability", {}, registry);
+  auto part = std::make_shared<StabilityPart>();
+  part->extremes = read_extremes(fields.need("extremes"), plan, registry);
+  plan.part = std::move(part);
 }
 
 std::vector<Case> build_stability_cases(const Plan& plan, const Registry& registry) {
@@ -141,7 +154,7 @@ std::vector<Case> build_stability_cases(const Plan& plan, const Registry& regist
       cases.push_back(std::move(point));
     }
   };
-  for (const PlanExtreme& extreme : plan.extremes) {
+  for (const PlanExtreme& extreme : part_of<StabilityPart>(plan).extremes) {
     for (const std::size_t mesh : extreme.meshes) {
       for (const std::size_t contestant : extreme.contestants) add(extreme, mesh, contestant);
     }

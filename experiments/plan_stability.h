@@ -1,6 +1,9 @@
 // What a plan of the contest stability adds: extremes, each a few settings and what is swept of them.
 #pragma once
 
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "experiments/case_list.h"
@@ -9,7 +12,22 @@
 
 namespace palpate::experiments {
 
-/// Reads the list of extremes:
+/// Settings of the contest stability that are swept together.
+struct PlanExtreme {
+  std::string name;
+  std::vector<std::size_t> meshes;        ///< indices into Plan::meshes
+  std::vector<std::size_t> contestants;   ///< and into Plan::contestants
+  std::optional<std::size_t> simplifier;  ///< and into Plan::simplifiers
+  std::map<std::string, GivenOption> set;
+  std::vector<SweepAxis> sweep;  ///< of options, by their plain names
+};
+
+/// What the contest stability alone reads.
+struct StabilityPart : ContestPart {
+  std::vector<PlanExtreme> extremes;
+};
+
+/// Reads it (see ContestKind::read), with its list of extremes:
 ///
 ///   - name: stiffness
 ///     meshes: [kidney]                      # absent: all of the plan
@@ -20,7 +38,7 @@ namespace palpate::experiments {
 ///
 /// Throws: InputError with file and line: for unknown meshes, labels and options (with the nearest), values
 /// that an option refuses, an option both set and swept.
-std::vector<PlanExtreme> read_extremes(const YamlValue& value, const Plan& plan, const Registry& registry);
+void read_stability_plan(const YamlFields& fields, Plan& plan, const Registry& registry);
 
 /// The cases of such a plan, "kidney/motion.plain_float/stiffness/stiffness_factor=1e9", extreme after
 /// extreme.

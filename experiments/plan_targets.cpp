@@ -66,7 +66,7 @@ void check_place(const YamlValue& at, const Plan& plan) {
 }  // namespace
 
 void check_targets(const YamlFields& fields, const Plan& plan) {
-  const std::vector<std::string> scenes = subject_names(plan);
+  const std::vector<std::string> scenes = plan.subjects;
   std::vector<std::string> places = scenes;
   if (const auto sets = fields.find("scene_sets")) {
     const std::vector<std::string> names = read_scene_sets(*sets, scenes);

@@ -5,6 +5,7 @@
 
 #include "experiments/case_id.h"
 #include "experiments/nearest_name.h"
+#include "experiments/plan_contestant.h"
 #include "experiments/plan_report.h"
 #include "reference/closed_form/known_cases.h"
 
@@ -81,8 +82,6 @@ PlanKnownCase read_known_case(const YamlValue& value, const std::vector<PlanCont
   return known;
 }
 
-}  // namespace
-
 std::vector<PlanKnownCase> read_known_cases(const YamlValue& value,
                                             const std::vector<PlanContestant>& contestants) {
   std::vector<PlanKnownCase> cases;
@@ -103,10 +102,25 @@ std::vector<PlanKnownCase> read_known_cases(const YamlValue& value,
   return cases;
 }
 
+}  // namespace
+
+void read_verify_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  if (const auto sweep = fields.find("sweep"))
+    sweep->fail("the contest verify sweeps the cells of its cases");
+  if (const auto accept = fields.find("accept"))
+    accept->fail("the contest verify has its bounds in \"expect\"");
+  plan.contestants = read_contestants(fields.need("contestants"), "deform", {}, registry);
+  auto part = std::make_shared<VerifyPart>();
+  part->known_cases = read_known_cases(fields.need("cases"), plan.contestants);
+  plan.subjects = names_of(part->known_cases);
+  plan.part = std::move(part);
+}
+
 std::vector<Case> build_verify_cases(const Plan& plan, const Registry& registry) {
+  const std::vector<PlanKnownCase>& known_cases = part_of<VerifyPart>(plan).known_cases;
   std::vector<Case> cases;
-  for (std::size_t subject = 0; subject < plan.known_cases.size(); ++subject) {
-    const PlanKnownCase& known = plan.known_cases[subject];
+  for (std::size_t subject = 0; subject < known_cases.size(); ++subject) {
+    const PlanKnownCase& known = known_cases[subject];
     for (std::size_t contestant = 0; contestant < plan.contestants.size(); ++contestant) {
       const PlanContestant& who = plan.contestants[contestant];
       if (find_expectation(known, who.label) == nullptr) continue;

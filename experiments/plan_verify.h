@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "experiments/case_list.h"
@@ -10,7 +11,25 @@
 
 namespace palpate::experiments {
 
-/// Reads the list of cases:
+/// What some contestants are to reach on a case with a known answer, on its finest mesh.
+struct KnownCaseExpectation {
+  std::vector<std::string> labels;
+  std::vector<AcceptBound> bounds;
+};
+
+/// A case with a known answer, of reference/closed_form.
+struct PlanKnownCase {
+  std::string name;
+  std::vector<int> cells;  ///< one mesh each, rising
+  std::vector<KnownCaseExpectation> expect;
+};
+
+/// What the contest verify alone reads.
+struct VerifyPart : ContestPart {
+  std::vector<PlanKnownCase> known_cases;
+};
+
+/// Reads it (see ContestKind::read), with its list of cases:
 ///
 ///   - case: manufactured                 # of reference/closed_form
 ///     cells: [4, 8, 16]                  # one mesh each, rising
@@ -21,8 +40,7 @@ namespace palpate::experiments {
 /// solution_order is the one from the last mesh but one. Throws: InputError with file and line: for unknown
 /// cases, labels and measures (with the nearest), cells that do not rise, a contestant that nothing is
 /// expected of.
-std::vector<PlanKnownCase> read_known_cases(const YamlValue& value,
-                                            const std::vector<PlanContestant>& contestants);
+void read_verify_plan(const YamlFields& fields, Plan& plan, const Registry& registry);
 
 /// The cases of such a plan, "manufactured/fem.p1/cells=8", each contestant from coarse to fine.
 std::vector<Case> build_verify_cases(const Plan& plan, const Registry& registry);

@@ -145,11 +145,9 @@ constexpr std::array<std::pair<const char*, const char*>, 8> kSameThroughout{{
 /// Unit and direction of the measures that the plan compares: the report knows none by itself.
 json compared_measures(const Plan& plan) {
   json measures = json::object();
-  for (const Comparison& comparison : plan.comparisons) {
-    for (const std::string& name : comparison.measures) {
-      const Measure& measure = *find_measure(name);
-      measures[name] = {{"unit", measure.unit}, {"better", measure.better}};
-    }
+  for (const std::string& name : plan.compared) {
+    const Measure& measure = *find_measure(name);
+    measures[name] = {{"unit", measure.unit}, {"better", measure.better}};
   }
   return measures;
 }

@@ -8,7 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/case_record.h"
-#include "experiments/contest.h"
+#include "experiments/contest_table.h"
 #include "experiments/contestant_run.h"
 #include "experiments/file_hash.h"
 #include "experiments/provenance.h"

@@ -1,25 +1,18 @@
-// The contest simplify: meshes in, meshes out, held against their inputs.
+#include "experiments/simplify_contest.h"
+
 #include <algorithm>
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "experiments/contest.h"
 #include "experiments/judge_record.h"
 #include "experiments/mesh_source.h"
-#include "experiments/plan_mesh.h"
+#include "experiments/plan_simplify.h"
+#include "experiments/run_mesh.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-
-json mesh_facts(const RunMesh& mesh) {
-  return {{"name", mesh.name},
-          {"vertices", mesh.mesh.points.size()},
-          {"tets", mesh.mesh.tets.size()},
-          {"hash", mesh.hash},
-          {"ideal_volume", mesh.ideal_volume}};
-}
 
 /// What the adapter reports of the mesh has to be what the judge counts.
 void add_report_violations(json& record) {
@@ -39,11 +32,11 @@ bool asks_for_linear_elements(const Plan& plan) {
   const auto asks = [](const auto& names) {
     return std::any_of(names.begin(), names.end(), is_of_linear_elements);
   };
-  return asks(plan.measure) || (plan.claim && is_of_linear_elements(plan.claim->measure)) ||
+  const SimplifyPart& part = part_of<SimplifyPart>(plan);
+  return asks(plan.measure) || asks(plan.compared) ||
+         (part.claim && is_of_linear_elements(part.claim->measure)) ||
          std::any_of(plan.accept.begin(), plan.accept.end(),
-                     [](const AcceptBound& bound) { return is_of_linear_elements(bound.measure); }) ||
-         std::any_of(plan.comparisons.begin(), plan.comparisons.end(),
-                     [&](const Comparison& comparison) { return asks(comparison.measures); });
+                     [](const AcceptBound& bound) { return is_of_linear_elements(bound.measure); });
 }
 
 class SimplifyContest : public Contest {
@@ -91,11 +84,11 @@ class SimplifyContest : public Contest {
     const auto judge = [&](const std::filesystem::path& file) {
       const TetMesh output = read_mesh(file, ReadOrientation::kKeep).mesh;
       Judgement judgement = judge_output(output, mesh.mesh, facts.contestant.keep);
-      add_region_figures(judgement.figures, output, mesh.mesh, facts.plan.region);
+      add_region_figures(judgement.figures, output, mesh.mesh, part_of<SimplifyPart>(facts.plan).region);
       if (asks_for_linear_elements(facts.plan)) add_linear_element_figures(judgement.figures, output);
       return judgement.figures;
     };
-    json record = start_record(facts, mesh_facts(mesh), answer);
+    json record = start_record(facts, mesh_facts(mesh.name, mesh.mesh, mesh.hash), answer);
     judge_answer({judge, add_report_violations, "mesh"}, facts, answer, earlier, record);
     return record;
   }
@@ -108,10 +101,12 @@ class SimplifyContest : public Contest {
   const RunMesh& mesh_of(const Case& run_case) const { return meshes_[run_case.subject]; }
 
   json build_input_record(const RunMesh& mesh) const {
-    json record = start_input_record(setting_.plan, mesh_facts(mesh), mesh.name + "/input", "input");
+    json record = start_input_record(setting_.plan, mesh_facts(mesh.name, mesh.mesh, mesh.hash),
+                                     mesh.name + "/input", "input");
     const auto judge = [&] {
       Judgement judgement = judge_mesh(mesh.mesh);
-      add_region_figures(judgement.figures, mesh.mesh, mesh.mesh, setting_.plan.region);
+      add_region_figures(judgement.figures, mesh.mesh, mesh.mesh,
+                         part_of<SimplifyPart>(setting_.plan).region);
       if (asks_for_linear_elements(setting_.plan)) add_linear_element_figures(judgement.figures, mesh.mesh);
       return json{{"figures", judgement.figures}, {"violations", judgement.violations}};
     };
@@ -138,22 +133,16 @@ class SimplifyContest : public Contest {
 
 }  // namespace
 
-WorkBounds judge_bounds(const Plan& plan, const volatile std::sig_atomic_t* stop_flag) {
-  return {plan.run.judge_timeout_s, plan.run.judge_memory_mib << 20U, stop_flag};
-}
-
-std::unique_ptr<Contest> make_simplify_contest(const ContestSetting& setting) {
-  return std::make_unique<SimplifyContest>(setting);
-}
-
-std::unique_ptr<Contest> make_contest(const ContestSetting& setting) {
-  if (setting.plan.contest == "simplify") return make_simplify_contest(setting);
-  if (setting.plan.contest == "verify") return make_verify_contest(setting);
-  if (setting.plan.contest == "motion") return make_motion_contest(setting);
-  if (setting.plan.contest == "engine") return make_engine_contest(setting);
-  if (setting.plan.contest == "stability") return make_stability_contest(setting);
-  require(setting.plan.contest == "deform", "make_contest: unknown contest");
-  return make_deform_contest(setting);
+const ContestKind& simplify_contest() {
+  static const ContestKind kind{"simplify",
+                                {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
+                                {"histograms", "overview", "timing", "quality_time", "scaling", "cut_away"},
+                                read_simplify_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<SimplifyContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

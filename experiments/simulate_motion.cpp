@@ -9,7 +9,6 @@
 
 #include "core/base/atomic_file.h"
 #include "core/dynamics/plain_run.h"
-#include "experiments/commands.h"
 #include "experiments/scene_problem.h"
 #include "experiments/terminal.h"
 

@@ -1,5 +1,5 @@
-// The contest stability: bodies driven to extremes. Whatever becomes of a body is a result; what is judged is
-// that there is one, in numbers, and that small motions have the longest stable step that was predicted.
+#include "experiments/stability_contest.h"
+
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -7,9 +7,9 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/medit.h"
-#include "experiments/contest.h"
 #include "experiments/file_hash.h"
-#include "experiments/plan_mesh.h"
+#include "experiments/plan_stability.h"
+#include "experiments/run_mesh.h"
 #include "experiments/terminal.h"
 
 namespace palpate::experiments {
@@ -28,14 +28,6 @@ bool is_ending(const json& outcome) {
     if (outcome == ending) return true;
   }
   return false;
-}
-
-json mesh_facts(const RunMesh& mesh) {
-  return {{"name", mesh.name},
-          {"vertices", mesh.mesh.points.size()},
-          {"tets", mesh.mesh.tets.size()},
-          {"hash", mesh.hash},
-          {"ideal_volume", mesh.ideal_volume}};
 }
 
 /// Findings of what is in a report, from what has to be there.
@@ -115,7 +107,8 @@ class StabilityContest : public Contest {
 
   json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
                     const std::vector<json>& earlier) const override {
-    json record = start_record(facts, mesh_facts(mesh_of(facts.run_case)), answer);
+    const RunMesh& mesh = mesh_of(facts.run_case);
+    json record = start_record(facts, mesh_facts(mesh.name, mesh.mesh, mesh.hash), answer);
     if (answer.outcome == "timed_out") {
       // The process was ended from outside: how the body ends is not known, which is nothing to accept.
       record["judge"] = {{"valid", false},
@@ -158,15 +151,11 @@ class StabilityContest : public Contest {
     const PlanContestant& simplifier = setting_.plan.simplifiers[*run_case.simplifier];
     const std::string id = simplified_id(run_case);
     setting_.progress.show("mesh " + id);
-    ContestantTask task;
-    task.method = *setting_.registry.find(simplifier.method);
-    task.mesh_in = fs::absolute(meshes_[run_case.subject].file);
-    task.scratch = fs::absolute(setting_.folder.fresh_scratch());
+    ContestantTask task =
+        start_task(simplifier.method, fs::absolute(meshes_[run_case.subject].file), setting_);
     task.stop = run_case.simplifier_stop;
     task.options = resolve_options(*task.method.method, simplifier.set);
-    task.threads = setting_.threads;
     task.timeout_s = kSimplifierTimeout;
-    task.stop_flag = setting_.stop_flag;
     const ContestantAnswer answer = run_contestant(task);
     Simplified& out = simplified_[id];
     if (answer.outcome != "ok") {
@@ -190,8 +179,16 @@ class StabilityContest : public Contest {
 
 }  // namespace
 
-std::unique_ptr<Contest> make_stability_contest(const ContestSetting& setting) {
-  return std::make_unique<StabilityContest>(setting);
+const ContestKind& stability_contest() {
+  static const ContestKind kind{"stability",
+                                {"meshes", "simplify", "extremes"},
+                                {},
+                                read_stability_plan,
+                                build_stability_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<StabilityContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

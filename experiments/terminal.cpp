@@ -149,4 +149,12 @@ void Progress::clear() {
   drawn_ = false;
 }
 
+void print_json(const nlohmann::json& value) {
+  std::cout << value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+}
+
+void print_note(const std::string& line) {
+  std::cerr << "palpate: " << line << '\n';
+}
+
 }  // namespace palpate::experiments

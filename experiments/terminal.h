@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -71,5 +72,11 @@ class Progress {
   std::string what_;
   std::chrono::steady_clock::time_point last_line_;
 };
+
+/// Prints a JSON object to standard output.
+void print_json(const nlohmann::json& value);
+
+/// Prints one line on standard error, "palpate: ...".
+void print_note(const std::string& line);
 
 }  // namespace palpate::experiments

@@ -3,8 +3,8 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/medit.h"
+#include "experiments/file_cache.h"
 #include "experiments/file_hash.h"
-#include "experiments/mesh_cache.h"
 #include "experiments/output_file.h"
 #include "experiments/scene_problem.h"
 #include "experiments/training_report.h"
@@ -51,8 +51,7 @@ std::optional<TrainedSprings> load(const fs::path& folder, const json& key) {
 TrainedSprings train_cached(const fs::path& plan_file, const TrainingSetting& setting) {
   const TrainingPlan plan = read_training_plan(plan_file);
   const json key = key_of(plan_file, plan, setting);
-  const std::string name = hash_bytes(key.dump());
-  const fs::path folder = cache_root() / "trained" / name.substr(name.find(':') + 1);
+  const fs::path folder = cache_entry("trained", key.dump());
   if (auto kept = load(folder, key)) return *std::move(kept);
   const TrainingInput input = build_training_input(plan, setting);
   const TrainingOutcome outcome = run_training(input, plan, setting);

@@ -13,8 +13,8 @@
 #include "core/mesh/medit.h"
 #include "core/mesh/topology.h"
 #include "core/springs/network.h"
-#include "experiments/answer_cache.h"
 #include "experiments/scene_problem.h"
+#include "experiments/solution.h"
 #include "reference/deform_problem.h"
 
 namespace palpate::experiments {
@@ -105,16 +105,13 @@ std::vector<Vec3> solve_field(const ProblemOnMesh& on, const std::string& method
   task.threads = setting.threads;
   task.timeout_s = kReferenceTimeout;
   task.stop_flag = setting.stop_flag;
-  bool was_kept = false;
-  const ContestantAnswer answer = run_cached(task, was_kept);
-  const std::string what = method + " on the training case " + on.name + ": ";
-  if (answer.outcome == "interrupted") throw TrainingInterrupted();
-  if (answer.outcome != "ok") throw UnavailableError(what + answer.outcome + ": " + answer.message);
-  const std::string outcome = answer.report.at("outcome").get<std::string>();
-  if (outcome != "converged") throw UnavailableError(what + outcome);
+  const Solution solution = solve(task, "converged");
+  if (solution.interrupted) throw TrainingInterrupted();
+  if (!solution.failure.empty())
+    throw UnavailableError(method + " on the training case " + on.name + " " + solution.failure);
   const std::size_t vertices = on.mesh.points.size();
   std::vector<Vec3> field =
-      reference::read_displacement(answer.output, vertices, build_edges(on.mesh).size());
+      reference::read_displacement(solution.answer.output, vertices, build_edges(on.mesh).size());
   field.resize(vertices);
   return field;
 }

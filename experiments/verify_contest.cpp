@@ -1,4 +1,5 @@
-// The contest verify: problems with a known answer in, displacements out, held against that answer.
+#include "experiments/verify_contest.h"
+
 #include <cmath>
 #include <map>
 
@@ -6,9 +7,8 @@
 #include "core/judge/solution_error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "experiments/contest.h"
-#include "experiments/deform_input.h"
 #include "experiments/plan_verify.h"
+#include "experiments/problem_files.h"
 #include "reference/closed_form/known_cases.h"
 #include "reference/deform_problem.h"
 
@@ -25,7 +25,7 @@ struct KnownInput {
 };
 
 std::string input_id(const Plan& plan, const Case& run_case) {
-  return plan.known_cases[run_case.subject].name + "/cells=" + run_case.sweep.at("cells").dump();
+  return plan.subjects[run_case.subject] + "/cells=" + run_case.sweep.at("cells").dump();
 }
 
 double component(const Vec3& v, int i) {
@@ -93,14 +93,8 @@ class VerifyContest : public Contest {
       return judge_answer_of(facts.run_case, answer.report, file);
     };
     const auto hold = [&](json& record) { add_expectation_violations(facts, record); };
-    const auto tets = static_cast<double>(input.known.mesh.tets.size());
-    json record = start_record(facts,
-                               {{"name", known_of(facts.run_case).name},
-                                {"vertices", input.known.mesh.points.size()},
-                                {"tets", input.known.mesh.tets.size()},
-                                {"hash", input.files.mesh_hash},
-                                {"ideal_volume", total_volume(input.known.mesh) / tets}},
-                               answer);
+    json record = start_record(
+        facts, mesh_facts(known_of(facts.run_case).name, input.known.mesh, input.files.mesh_hash), answer);
     record["scene"] = {{"name", known_of(facts.run_case).name},
                        {"problem_hash", input.files.problem_hash},
                        {"strain", input.known.problem.strain == StrainSize::kSmall ? "small" : "large"},
@@ -116,7 +110,7 @@ class VerifyContest : public Contest {
 
  private:
   const PlanKnownCase& known_of(const Case& run_case) const {
-    return setting_.plan.known_cases[run_case.subject];
+    return part_of<VerifyPart>(setting_.plan).known_cases[run_case.subject];
   }
 
   const KnownInput& input_of(const Case& run_case) const {
@@ -196,8 +190,16 @@ class VerifyContest : public Contest {
 
 }  // namespace
 
-std::unique_ptr<Contest> make_verify_contest(const ContestSetting& setting) {
-  return std::make_unique<VerifyContest>(setting);
+const ContestKind& verify_contest() {
+  static const ContestKind kind{"verify",
+                                {"cases"},
+                                {},
+                                read_verify_plan,
+                                build_verify_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<VerifyContest>(setting);
+                                }};
+  return kind;
 }
 
 }  // namespace palpate::experiments

@@ -1,4 +1,5 @@
 #include "experiments/case_list.h"
+#include "experiments/contest_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "experiments/nearest_name.h"
+#include "experiments/read_plan.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {

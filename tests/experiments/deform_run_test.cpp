@@ -10,6 +10,8 @@
 #include "core/mesh/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/case_list.h"
+#include "experiments/contest_table.h"
+#include "experiments/read_plan.h"
 #include "experiments/record_file.h"
 #include "experiments/runner.h"
 #include "reference/deform_problem.h"

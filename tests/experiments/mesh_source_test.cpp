@@ -17,6 +17,7 @@
 #include "core/mesh/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/body_surface.h"
+#include "experiments/file_cache.h"
 #include "experiments/judge_record.h"
 #include "experiments/mesh_cache.h"
 #include "experiments/organ_source.h"
@@ -273,7 +274,7 @@ TEST(MeshCache, KeysHoldTheImageAndWhatMakesMeshes) {
   EXPECT_NE(shape_key(kidney), kidney_key) << "a kidney from another image is another kidney";
   EXPECT_EQ(shape_key(ball), ball_key);
   make_shape({"ball", {150, {}}, 0, {}});
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "mesh_cache")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "mesh_cache")) {
     if (entry.path().extension() != ".json") continue;
     const std::string key = read_kept(entry.path()).at("key").get<std::string>();
     EXPECT_TRUE(std::regex_search(key, std::regex("palpate [0-9.]+ [0-9a-f]{64}; "))) << key;
@@ -295,7 +296,7 @@ TEST(MeshCache, KeepsAMeshAndMakesADamagedOneAgain) {
   EXPECT_EQ(again.notes, first.notes);
   make_cached("b", make);
   EXPECT_EQ(made, 2);
-  for (const auto& entry : std::filesystem::directory_iterator(cache_root() / "mesh_cache")) {
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(cache_root() / "mesh_cache")) {
     if (entry.path().extension() != ".mesh") continue;
     std::fstream file(entry.path(), std::ios::in | std::ios::out);
     file.seekp(60);

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "experiments/motion_input.h"
+#include "experiments/read_plan.h"
 #include "experiments/record_file.h"
 #include "experiments/runner.h"
 #include "experiments/scene_problem.h"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "experiments/plan.h"
+#include "experiments/read_plan.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {

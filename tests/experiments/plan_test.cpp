@@ -1,10 +1,11 @@
-#include "experiments/plan.h"
+#include "experiments/read_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
 #include "experiments/plan_report.h"
+#include "experiments/plan_simplify.h"
 #include "experiments/provenance.h"
 #include "tests/support/experiment_fixture.h"
 
@@ -252,13 +253,13 @@ TEST(Plan, HoldsWhatWasWritten) {
   EXPECT_EQ(plan.contestants[2].keep,
             (std::vector<std::string>{"sphere 0 0 0.5 1", "half_space 0 0 1 -0.25"}));
   EXPECT_EQ(plan.contestants[2].set.at("reach").text, "2");
-  EXPECT_EQ(plan.region, (std::vector<std::string>{"patch 0 0 1 0.5 0.1"}));
+  EXPECT_EQ(part_of<SimplifyPart>(plan).region, (std::vector<std::string>{"patch 0 0 1 0.5 0.1"}));
   EXPECT_EQ(plan.run.repeats, 3);
   EXPECT_DOUBLE_EQ(plan.run.timeout_s, 1.5);
   EXPECT_EQ(plan.accept.at(0).measure, "inverted_tets");
-  EXPECT_DOUBLE_EQ(*plan.claim->published_better, 2.0);
-  EXPECT_FALSE(plan.equal_count.has_value());
-  EXPECT_TRUE(plan.comparisons.empty());
+  EXPECT_DOUBLE_EQ(*part_of<SimplifyPart>(plan).claim->published_better, 2.0);
+  EXPECT_FALSE(part_of<SimplifyPart>(plan).equal_count.has_value());
+  EXPECT_TRUE(part_of<SimplifyPart>(plan).comparisons.empty());
   EXPECT_THAT(plan.notes, testing::ElementsAre(testing::HasSubstr("times (kernel_s) come from 3 repeats: ")));
 }
 
@@ -271,12 +272,13 @@ TEST(Plan, HoldsWhatItAsksOfTheReport) {
                        "  - {of: a, against_best_of: [b], measures: [p1_dihedral_deg, kernel_s], "
                        "time_against: b, time_factor: 10, input_up_to_ratio: 0.22, required: true}\n"),
       fixture.registry());
-  EXPECT_DOUBLE_EQ(plan.equal_count.value(), 0.005);
+  EXPECT_DOUBLE_EQ(part_of<SimplifyPart>(plan).equal_count.value(), 0.005);
   EXPECT_TRUE(plan.notes.empty());
   EXPECT_TRUE(requires_report(plan.file));
   EXPECT_EQ(plan.charts, (std::vector<std::string>{"scaling", "cut_away"}));
-  ASSERT_EQ(plan.comparisons.size(), 1U);
-  const Comparison& comparison = plan.comparisons[0];
+  ASSERT_EQ(part_of<SimplifyPart>(plan).comparisons.size(), 1U);
+  const Comparison& comparison = part_of<SimplifyPart>(plan).comparisons[0];
+  EXPECT_EQ(plan.compared, comparison.measures);
   EXPECT_EQ(comparison.of, "a");
   EXPECT_EQ(comparison.against_best_of, std::vector<std::string>{"b"});
   EXPECT_EQ(comparison.measures, (std::vector<std::string>{"p1_dihedral_deg", "kernel_s"}));

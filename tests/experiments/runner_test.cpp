@@ -14,6 +14,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "experiments/process.h"
+#include "experiments/read_plan.h"
 #include "experiments/record_file.h"
 #include "tests/support/experiment_fixture.h"
 

@@ -7,7 +7,8 @@
 
 #include "core/base/error.h"
 #include "experiments/case_list.h"
-#include "experiments/plan.h"
+#include "experiments/contest_table.h"
+#include "experiments/read_plan.h"
 #include "experiments/record_file.h"
 #include "tests/support/experiment_fixture.h"
 
