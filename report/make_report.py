@@ -13,21 +13,13 @@ import sys
 import traceback
 from dataclasses import dataclass
 
-import comparisons
-import contest
-import convergence
-import deform
-import deform_tables
-import engine
-import equal_count
-import motion
-import records
-import scaling
-import stability
-import tables
-import targets
-import verdict
-import verification
+from deform import convergence, deform, deform_tables, targets
+from engine import engine
+from motion import motion
+from shared import equal_count, records, tables
+from simplify import comparisons, contest, scaling, verdict
+from stability import stability
+from verify import verification
 
 
 @dataclass
@@ -115,7 +107,7 @@ def report_displacements(run):
 
 
 def draw_displacements(run, found):
-    import deform_charts  # needs matplotlib
+    from deform import deform_charts  # needs matplotlib
     return deform_charts.draw_charts(run, *found, run.folder / "charts")
 
 
@@ -133,22 +125,22 @@ def report_cases(read, write, text):
 
 
 def draw_known_answers(run, rows):
-    import verification_charts  # needs matplotlib
+    from verify import verification_charts  # needs matplotlib
     return verification_charts.draw_charts(rows, run.folder / "charts")
 
 
 def draw_extremes(run, cases):
-    import stability_charts  # needs matplotlib
+    from stability import stability_charts  # needs matplotlib
     return stability_charts.draw_charts(cases, run.folder / "charts")
 
 
 def draw_motions(run, sections):
-    import motion_charts  # needs matplotlib
+    from motion import motion_charts  # needs matplotlib
     return motion_charts.draw_charts(run, sections, run.folder / "charts")
 
 
 def draw_simplifiers(run, claim):
-    import charts  # needs matplotlib
+    from simplify import charts  # needs matplotlib
     return charts.draw_charts(run, claim, run.folder / "charts")
 
 
@@ -164,7 +156,7 @@ def report_simplifiers(run):
 
 
 def draw_engine(run, found):
-    import engine_charts  # needs matplotlib
+    from engine import engine_charts  # needs matplotlib
     return engine_charts.draw_charts(run, found, run.folder / "charts")
 
 

@@ -4,13 +4,13 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/dynamics/motion_model.h"
-#include "core/mesh/medit.h"
+#include "core/dynamics/motion/motion_model.h"
+#include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
-#include "reference/adapter.h"
 #include "reference/bullet/mass_springs.h"
 #include "reference/bullet/soft_body.h"
-#include "reference/fusion_options.h"
+#include "reference/door/adapter.h"
+#include "reference/door/request_options.h"
 
 namespace palpate::reference {
 namespace {

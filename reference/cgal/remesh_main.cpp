@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "reference/cgal/remesh.h"
-#include "reference/fusion_options.h"
-#include "reference/remesh_run.h"
+#include "reference/door/request_options.h"
+#include "reference/simplifier_support/remesh_run.h"
 
 namespace palpate::reference {
 namespace {

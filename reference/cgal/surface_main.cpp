@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/mesh/off.h"
-#include "reference/adapter.h"
+#include "core/mesh/io/off.h"
 #include "reference/cgal/surface_tools.h"
+#include "reference/door/adapter.h"
 
 namespace palpate::reference {
 namespace {

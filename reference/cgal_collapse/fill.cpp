@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 #include "core/base/atomic_file.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/off.h"
-#include "reference/json_file.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/io/off.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::reference {
 namespace {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/mesh/tet_mesh.h"
-#include "reference/isolated_run.h"
+#include "reference/simplifier_support/isolated_run.h"
 
 namespace palpate::reference {
 

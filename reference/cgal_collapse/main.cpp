@@ -9,9 +9,9 @@
 #include "core/base/error.h"
 #include "reference/cgal_collapse/collapse.h"
 #include "reference/cgal_collapse/fill.h"
-#include "reference/fusion_options.h"
-#include "reference/remesh_run.h"
-#include "reference/skin.h"
+#include "reference/door/request_options.h"
+#include "reference/simplifier_support/remesh_run.h"
+#include "reference/simplifier_support/skin.h"
 
 namespace palpate::reference {
 namespace {

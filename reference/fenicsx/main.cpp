@@ -14,12 +14,12 @@
 #include "core/base/error.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/topology.h"
-#include "reference/deform_problem.h"
-#include "reference/fenicsx/equilibrium.h"
-#include "reference/fenicsx/motion_answer.h"
-#include "reference/fenicsx/rigid_motions.h"
-#include "reference/fusion_options.h"
-#include "reference/json_file.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
+#include "reference/door/request_options.h"
+#include "reference/fenicsx/motion/motion_answer.h"
+#include "reference/fenicsx/statics/equilibrium.h"
+#include "reference/fenicsx/statics/rigid_motions.h"
 
 namespace palpate::reference::fenicsx {
 namespace {

@@ -3,10 +3,10 @@
 #include <chrono>
 
 #include "core/base/error.h"
-#include "reference/fusion_options.h"
+#include "reference/door/request_options.h"
 #include "reference/gmsh/gmsh_tools.h"
-#include "reference/remesh_run.h"
-#include "reference/skin.h"
+#include "reference/simplifier_support/remesh_run.h"
+#include "reference/simplifier_support/skin.h"
 
 namespace palpate::reference {
 namespace {

@@ -1,8 +1,9 @@
 // The methods that fuse tets: palpate.hierarchical and palpate.outcome.
-#include "core/simplify/hierarchical.h"
-#include "core/simplify/outcome.h"
-#include "reference/fusion_options.h"
+#include "core/simplify/fusion/hierarchical.h"
+#include "core/simplify/fusion/outcome.h"
+#include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
+#include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
 

@@ -1,7 +1,7 @@
 // Our own simplifiers: each reads its options from a request, runs and reports.
 #pragma once
 
-#include "reference/adapter.h"
+#include "reference/door/adapter.h"
 
 namespace palpate::reference {
 

@@ -1,10 +1,11 @@
 // palpate.refined at the door.
 #include <chrono>
 
-#include "core/mesh/medit.h"
-#include "core/simplify/refined.h"
-#include "reference/fusion_options.h"
+#include "core/mesh/io/medit.h"
+#include "core/simplify/tet_operations/refined.h"
+#include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
+#include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
 namespace {

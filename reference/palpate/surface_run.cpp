@@ -6,10 +6,11 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/mesh/medit.h"
-#include "core/simplify/surface.h"
-#include "reference/fusion_options.h"
+#include "core/mesh/io/medit.h"
+#include "core/simplify/surface/surface.h"
+#include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
+#include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/base/random.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
-#include "core/simplify/quality.h"
+#include "core/simplify/quality/quality.h"
 
 namespace palpate::reference {
 namespace {

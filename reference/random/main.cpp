@@ -3,10 +3,10 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
-#include "reference/fusion_options.h"
+#include "core/mesh/io/medit.h"
+#include "reference/door/request_options.h"
 #include "reference/random/edge_collapse.h"
-#include "reference/remesh_run.h"
+#include "reference/simplifier_support/remesh_run.h"
 
 namespace palpate::reference {
 namespace {

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/dynamics/calibration.h"
-#include "core/springs/identify_options.h"
-#include "core/springs/moduli_csv.h"
-#include "core/springs/springs_csv.h"
-#include "reference/fusion_options.h"
+#include "core/dynamics/statics/calibration.h"
+#include "core/springs/identification/identify_options.h"
+#include "core/springs/network/moduli_csv.h"
+#include "core/springs/network/springs_csv.h"
+#include "reference/door/request_options.h"
 
 namespace palpate::reference {
 namespace {

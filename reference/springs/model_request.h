@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "core/dynamics/volume_models.h"
-#include "core/springs/identify.h"
-#include "reference/adapter.h"
+#include "core/dynamics/elasticity/volume_models.h"
+#include "core/springs/identification/identify.h"
+#include "reference/door/adapter.h"
 
 namespace palpate::reference {
 

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/dynamics/elastic_model.h"
-#include "core/dynamics/static_equilibrium.h"
-#include "reference/deform_problem.h"
-#include "reference/fusion_options.h"
+#include "core/dynamics/elasticity/elastic_model.h"
+#include "core/dynamics/statics/static_equilibrium.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/request_options.h"
 #include "reference/springs/model_request.h"
 
 namespace palpate::reference {

@@ -1,7 +1,7 @@
 // Requests of springs.* and smoothed.* as a model, and the way from there to the response.
 #pragma once
 
-#include "reference/adapter.h"
+#include "reference/door/adapter.h"
 
 namespace palpate::reference {
 

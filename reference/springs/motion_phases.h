@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "core/dynamics/integrator.h"
-#include "core/dynamics/lowest_modes.h"
-#include "core/dynamics/motion_model.h"
-#include "reference/motion_problem.h"
+#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/motion/motion_model.h"
+#include "core/dynamics/stability/lowest_modes.h"
+#include "reference/door/motion_problem.h"
 
 namespace palpate::reference {
 

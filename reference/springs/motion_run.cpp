@@ -9,9 +9,9 @@
 #include <string_view>
 
 #include "core/base/error.h"
-#include "core/dynamics/motion_run.h"
-#include "core/dynamics/stability.h"
-#include "reference/fusion_options.h"
+#include "core/dynamics/stability/stability.h"
+#include "core/dynamics/time_loop/motion_run.h"
+#include "reference/door/request_options.h"
 #include "reference/springs/model_request.h"
 #include "reference/springs/motion_phases.h"
 

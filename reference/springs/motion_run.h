@@ -1,7 +1,7 @@
 // moving_springs.* and moving_smoothed.*: a request of the contest motion.
 #pragma once
 
-#include "reference/adapter.h"
+#include "reference/door/adapter.h"
 
 namespace palpate::reference {
 

@@ -2,9 +2,9 @@
 #include <chrono>
 
 #include "core/base/error.h"
-#include "core/dynamics/loads.h"
-#include "reference/deform_problem.h"
-#include "reference/fusion_options.h"
+#include "core/dynamics/elasticity/loads.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/request_options.h"
 #include "reference/tensor_mass/relaxation.h"
 #include "reference/tensor_mass/tensors.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/dynamics/vertex_field.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::reference {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/dynamics/loads.h"
+#include "core/dynamics/elasticity/loads.h"
 #include "reference/tensor_mass/tensors.h"
 
 namespace palpate::reference {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "core/dynamics/loads.h"
-#include "core/dynamics/matrix3.h"
+#include "core/dynamics/elasticity/loads.h"
+#include "core/dynamics/linear_algebra/matrix3.h"
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/tet_mesh.h"

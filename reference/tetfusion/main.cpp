@@ -1,6 +1,7 @@
 // Adapter of sequential TetFusion.
 #include "core/base/error.h"
-#include "reference/fusion_options.h"
+#include "reference/door/request_options.h"
+#include "reference/simplifier_support/fusion_run.h"
 #include "reference/tetfusion/sequential.h"
 
 namespace {

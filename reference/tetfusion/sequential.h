@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/mesh/tet_mesh.h"
-#include "core/simplify/hierarchical.h"
+#include "core/simplify/fusion/fusion_options.h"
 
 namespace palpate::reference {
 

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
-#include "reference/fusion_options.h"
-#include "reference/remesh_run.h"
-#include "reference/size_search.h"
+#include "core/mesh/io/medit.h"
+#include "reference/door/request_options.h"
+#include "reference/simplifier_support/remesh_run.h"
+#include "reference/simplifier_support/size_search.h"
 
 namespace palpate::reference {
 namespace {

@@ -4,9 +4,9 @@
 #include <chrono>
 
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/off.h"
-#include "reference/adapter.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/io/off.h"
+#include "reference/door/adapter.h"
 #include "reference/vtk/vtk_tools.h"
 
 namespace palpate::reference {

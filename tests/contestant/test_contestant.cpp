@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/mesh/medit.h"
+#include "core/mesh/io/medit.h"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
+#include "core/mesh/io/medit.h"
 #include "core/mesh/orientation.h"
 
 namespace {

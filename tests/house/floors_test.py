@@ -10,29 +10,39 @@ import floors
 
 FORBIDDEN = [
     ("core/base/a.h", "core/mesh/tet_mesh.h"),
-    ("core/mesh/a.cpp", "core/judge/judge.h"),
-    ("core/judge/a.cpp", "core/mesh/topology.h"),
-    ("core/judge/a.cpp", "core/simplify/a.h"),
-    ("core/simplify/a.h", "core/judge/judge.h"),
-    ("core/simplify/a.h", "reference/adapter.h"),
+    ("core/mesh/a.cpp", "core/judge/mesh/judge.h"),
+    ("core/mesh/a.cpp", "core/mesh/io/medit.h"),
+    ("core/judge/mesh/a.cpp", "core/mesh/topology.h"),
+    ("core/judge/mesh/a.cpp", "core/simplify/fusion/a.h"),
+    ("core/judge/mesh/a.cpp", "core/judge/surface/a.h"),
+    ("core/simplify/fusion/a.h", "core/judge/mesh/judge.h"),
+    ("core/simplify/fusion/a.h", "core/simplify/surface/a.h"),
+    ("core/simplify/fusion/a.h", "reference/door/adapter.h"),
     ("reference/tetfusion/a.cpp", "reference/cgal/a.h"),
-    ("reference/tetfusion/a.cpp", "experiments/plan.h"),
-    ("reference/adapter.cpp", "reference/cgal/a.h"),
-    ("experiments/a.cpp", "tests/support/a.h"),
+    ("reference/tetfusion/a.cpp", "experiments/plan_reader/plan.h"),
+    ("reference/door/a.cpp", "reference/cgal/a.h"),
+    ("reference/door/a.cpp", "reference/simplifier_support/a.h"),
+    ("experiments/text/a.cpp", "experiments/files/a.h"),
+    ("experiments/contests/a.cpp", "experiments/contests/deform/a.h"),
+    ("experiments/contests/motion/a.cpp", "experiments/contests/deform/a.h"),
+    ("experiments/runner/a.cpp", "tests/support/a.h"),
     ("core/mesh/a.cpp", "tests/support/a.h"),
-    ("core/new_folder/a.cpp", "core/base/types.h"),
 ]
 ALLOWED = [
     ("core/mesh/a.cpp", "core/base/types.h"),
-    ("core/judge/a.cpp", "core/mesh/tet_mesh.h"),
-    ("core/judge/a.cpp", "core/judge/judge.h"),
-    ("core/simplify/a.cpp", "core/mesh/topology.h"),
-    ("reference/tetfusion/a.cpp", "core/simplify/a.h"),
-    ("reference/tetfusion/a.cpp", "reference/adapter.h"),
-    ("reference/tetfusion/a.cpp", "reference/tetfusion/a.h"),
-    ("experiments/a.cpp", "core/judge/judge.h"),
-    ("experiments/a.cpp", "reference/adapter.h"),
-    ("tests/judge/a_test.cpp", "core/judge/judge.h"),
+    ("core/judge/mesh/a.cpp", "core/mesh/tet_mesh.h"),
+    ("core/judge/surface/a.cpp", "core/judge/mesh/judge.h"),
+    ("core/simplify/fusion/a.cpp", "core/mesh/topology.h"),
+    ("reference/tetfusion/a.cpp", "core/simplify/fusion/a.h"),
+    ("reference/tetfusion/a.cpp", "reference/door/adapter.h"),
+    ("reference/tetfusion/a.cpp", "reference/tetfusion/b.h"),
+    ("reference/fenicsx/a.cpp", "reference/fenicsx/motion/a.h"),
+    ("experiments/runner/a.cpp", "core/judge/mesh/judge.h"),
+    ("experiments/runner/a.cpp", "experiments/contests/deform/a.h"),
+    ("experiments/contests/deform/a.cpp", "experiments/contests/contest.h"),
+    ("experiments/main.cpp", "experiments/commands/commands.h"),
+    ("experiments/runner/a.cpp", "reference/door/adapter.h"),
+    ("tests/judge/a_test.cpp", "core/judge/mesh/judge.h"),
     ("tests/judge/a_test.cpp", "tests/support/a.h"),
 ]
 
@@ -42,6 +52,7 @@ class Floors(unittest.TestCase):
         path = root / source
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+        (path.parent / "README.md").write_text("# A room\n", encoding="utf-8")
 
     def test_each_forbidden_include_is_found(self):
         for source, target in FORBIDDEN:
@@ -63,13 +74,50 @@ class Floors(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             self.write(root, "core/mesh/topology.h", "")
-            self.write(root, "core/judge/a.cpp", '#include "../mesh/topology.h"\n')
+            self.write(root, "core/judge/mesh/a.cpp", '#include "../../mesh/topology.h"\n')
             self.assertEqual(len(floors.check_sources(root)), 1)
+
+    def test_a_room_has_a_place_a_readme_and_few_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.write(root, "core/new_folder/a.cpp", "")
+            self.write(root, "core/base/a.h", "")
+            (root / "core/base/README.md").unlink()
+            for i in range(floors.MOST_FILES + 1):
+                self.write(root, f"core/mesh/a{i}.h", "")
+            found = floors.check_sources(root)
+            self.assertEqual([line.split(":")[0] for line in found], ["core/base", "core/mesh", "core/new_folder"], found)
+
+    def test_a_circle_of_files_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.write(root, "core/mesh/a.h", '#include "core/mesh/b.h"\n')
+            self.write(root, "core/mesh/b.h", "")
+            self.write(root, "core/mesh/a.cpp", '#include "core/mesh/a.h"\n')
+            self.assertEqual(floors.check_sources(root), [])
+            self.write(root, "core/mesh/b.cpp", '#include "core/mesh/a.h"\n')
+            self.assertEqual(floors.check_sources(root), ["core/mesh/b: a circle: core/mesh/a > core/mesh/b > core/mesh/a"])
+
+    def test_the_plan_stands_in_architecture(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "ARCHITECTURE.md").write_text("\n".join(floors.plan_lines()), encoding="utf-8")
+            self.assertEqual(floors.check_architecture(root), [])
+            (root / "ARCHITECTURE.md").write_text("\n".join(floors.plan_lines()[:-1]), encoding="utf-8")
+            self.assertEqual(len(floors.check_architecture(root)), 1)
 
     def test_the_report_imports_nothing_of_ours(self):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
             self.write(root, "report/a.py", "import csv\nimport records\nfrom experiments import plan\n")
+            self.assertEqual(len(floors.check_sources(root)), 1)
+
+    def test_rooms_of_the_report_import_the_shared_one_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.write(root, "report/motion/b.py", "from shared.records import figure\nfrom motion import a\n")
+            self.assertEqual(floors.check_sources(root), [])
+            self.write(root, "report/deform/a.py", "from motion.b import text\n")
             self.assertEqual(len(floors.check_sources(root)), 1)
 
 

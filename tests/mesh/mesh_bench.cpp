@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <new>
 
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "tests/support/scratch_folder.h"
 

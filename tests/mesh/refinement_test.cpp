@@ -10,7 +10,7 @@
 #include "core/base/random.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 
 namespace palpate {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "tests/support/small_meshes.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 
 namespace palpate {
 namespace {

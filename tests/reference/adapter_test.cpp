@@ -1,6 +1,6 @@
 // The adapters as the runner starts them: real processes, real files.
-#include "reference/adapter.h"
-#include "experiments/places.h"
+#include "reference/door/adapter.h"
+#include "experiments/files/places.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -8,10 +8,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
-#include "core/simplify/hierarchical.h"
-#include "experiments/process.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/simplify/fusion/hierarchical.h"
+#include "experiments/processes/process.h"
 
 namespace palpate::reference {
 namespace {

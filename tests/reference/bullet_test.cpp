@@ -8,11 +8,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/dynamics/motion_model.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
+#include "core/dynamics/motion/motion_model.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
-#include "experiments/contestant_run.h"
+#include "experiments/contestants/contestant_run.h"
 #ifdef PALPATE_HAS_BULLET
 #include "reference/bullet/mass_springs.h"
 #endif

@@ -9,10 +9,10 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/judge/judge.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
-#include "experiments/contestant_run.h"
+#include "core/judge/mesh/judge.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "experiments/contestants/contestant_run.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/small_meshes.h"
 

@@ -1,5 +1,5 @@
 // The door of the contest deform: what is written is read back to the bit, and what does not fit is refused.
-#include "reference/deform_problem.h"
+#include "reference/door/deform_problem.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "core/base/error.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "tests/support/scratch_folder.h"
 

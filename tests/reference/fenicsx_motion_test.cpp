@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
-#include "experiments/contestant_run.h"
-#include "reference/motion_problem.h"
+#include "experiments/contestants/contestant_run.h"
+#include "reference/door/motion_problem.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
 

@@ -10,11 +10,11 @@
 #include <string>
 
 #include "core/mesh/refinement.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
-#include "experiments/contestant_run.h"
+#include "experiments/contestants/contestant_run.h"
 #include "reference/closed_form/solutions.h"
-#include "reference/deform_problem.h"
+#include "reference/door/deform_problem.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/scratch_folder.h"
 

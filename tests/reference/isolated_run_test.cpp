@@ -1,5 +1,5 @@
 // Work in a forked child: its mesh, its failures, its end.
-#include "reference/isolated_run.h"
+#include "reference/simplifier_support/isolated_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "core/base/error.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 
 namespace palpate::reference {
 namespace {

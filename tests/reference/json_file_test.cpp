@@ -1,4 +1,4 @@
-#include "reference/json_file.h"
+#include "reference/door/json_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

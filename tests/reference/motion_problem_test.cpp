@@ -1,5 +1,5 @@
 // The files of the contest motion: what is written reads back, what makes no sense is refused.
-#include "reference/motion_problem.h"
+#include "reference/door/motion_problem.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "core/base/error.h"
-#include "core/judge/tet_shape.h"
+#include "core/judge/mesh/tet_shape.h"
 #include "core/mesh/geometry.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
-#include "reference/motion/extreme_body.h"
-#include "reference/motion/extreme_mesh.h"
-#include "reference/motion/extreme_run.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "reference/extremes/extreme_body.h"
+#include "reference/extremes/extreme_mesh.h"
+#include "reference/extremes/extreme_run.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::reference {

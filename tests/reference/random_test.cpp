@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/judge/judge.h"
-#include "core/mesh/shapes.h"
-#include "core/simplify/quality.h"
+#include "core/judge/mesh/judge.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/simplify/quality/quality.h"
 #include "reference/random/edge_collapse.h"
 
 namespace palpate::reference {

@@ -1,5 +1,5 @@
 // The search for a size against counts that are known in closed form.
-#include "reference/size_search.h"
+#include "reference/simplifier_support/size_search.h"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/judge/oscillation.h"
-#include "experiments/contestant_run.h"
-#include "reference/motion_problem.h"
+#include "core/judge/motion/oscillation.h"
+#include "experiments/contestants/contestant_run.h"
+#include "reference/door/motion_problem.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
 

@@ -6,14 +6,14 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
-#include "core/springs/identify.h"
-#include "core/springs/network.h"
-#include "core/springs/springs_csv.h"
-#include "experiments/places.h"
-#include "experiments/process.h"
-#include "reference/deform_problem.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/springs/identification/identify.h"
+#include "core/springs/network/network.h"
+#include "core/springs/network/springs_csv.h"
+#include "experiments/files/places.h"
+#include "experiments/processes/process.h"
+#include "reference/door/deform_problem.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/scratch_folder.h"
 

@@ -4,9 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/judge/surface.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
+#include "core/judge/surface/surface.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::reference {

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/mesh/orientation.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::reference {

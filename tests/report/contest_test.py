@@ -3,8 +3,8 @@
 import unittest
 
 from support import ReportTest
-import comparisons
-import measure_text
+from simplify import comparisons
+from shared import measure_text
 import synthetic
 from synthetic import answer
 
@@ -331,8 +331,8 @@ class QualityTimeChart(ReportTest):
              answer("refined_1", 95, kernel_s=0.02, method="palpate.refined", options={"effort": 1, "flips": True})]
 
     def families(self, lines):
-        import families
-        import records
+        from shared import families
+        from shared import records
         synthetic.write_run(self.folder, lines, synthetic.CONTEST)
         return {family.method: family for family in families.read_families(records.read_run(self.folder))}
 
@@ -352,9 +352,9 @@ class QualityTimeChart(ReportTest):
 
     def test_the_chart_holds_every_answer_that_has_a_time(self):
         from unittest import mock
-        import charts
-        import contest_charts
-        import records
+        from simplify import charts
+        from simplify import contest_charts
+        from shared import records
         lines = [*self.CURVE, answer("vtk", 70, method="vtk.quadric", kernel_s=0.005, outcome="rejected", violations=["flat_tets 1"])]
         synthetic.write_run(self.folder, lines, synthetic.CONTEST)
         drawn = {}

@@ -7,9 +7,9 @@ import unittest
 import numpy as np
 
 from support import ReportTest
-import cut_away
-import mesh_file
-import records
+from simplify import cut_away
+from shared import mesh_file
+from shared import records
 import synthetic
 from synthetic import answer
 
@@ -149,7 +149,7 @@ class Pictures(ReportTest):
     def test_panels_name_what_they_show(self):
         self.write_contest({"input": grid(4), "refined": grid(3)})
         run = records.read_run(self.folder)
-        import contest
+        from simplify import contest
         section, = contest.read_sections(run)
         titles = [(title, text) for title, text, _ in cut_away.panels_of(run, section)]
         self.assertEqual([title for title, _ in titles], ["input", "refined"])
@@ -168,7 +168,7 @@ class Pictures(ReportTest):
     def test_a_picture_that_disagrees_with_the_judge_is_said(self):
         self.write_contest({"input": grid(3), "refined": grid(2)})
         run = records.read_run(self.folder)
-        import contest
+        from simplify import contest
         record = run.groups[0].records[0]
         for shift, expected in ((0.0, 0), (1e-5, 1)):
             record["judge"]["mean_quality"] = float(mesh_file.qualities(grid(2)).mean()) + shift
@@ -182,7 +182,7 @@ class Pictures(ReportTest):
         synthetic.write_mesh(self.folder.parent / "other.mesh", CORNER.tolist(), [[0, 1, 2, 3]])
         run = records.read_run(self.folder)
         run.groups[0].records[0]["mesh_file"] = "../other.mesh"
-        import contest
+        from simplify import contest
         section, = contest.read_sections(run)
         self.assertEqual([title for title, _, _ in cut_away.panels_of(run, section)], ["input"])
         self.assertTrue(any("outside" in note for note in run.notes))

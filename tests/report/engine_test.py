@@ -5,7 +5,7 @@ import types
 import unittest
 
 from support import ReportTest
-import engine_charts
+from engine import engine_charts
 import synthetic
 
 PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],

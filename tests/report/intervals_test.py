@@ -7,7 +7,7 @@ import unittest
 import numpy
 
 import support  # finds the report
-import intervals
+from shared import intervals
 
 SAMPLES = 6000
 SEED = 20080501

@@ -6,10 +6,10 @@ import unittest
 from unittest import mock
 
 from support import ReportTest
-import equal_count
-import records
+from shared import equal_count
+from shared import records
 import synthetic
-import verdict
+from simplify import verdict
 
 
 class Tables(ReportTest):
@@ -307,7 +307,7 @@ class Charts(ReportTest):
         self.assertNotEqual(first["histogram_kidney.svg"], self.charts()["histogram_kidney.svg"])
 
     def test_an_answer_at_another_count_is_marked_in_the_overview(self):
-        import charts
+        from simplify import charts
         line = synthetic.record("kidney", "early", 95, judge=synthetic.judge(95, 7630), stop={"kind": "tets", "value": 6300})
         synthetic.write_run(self.folder, [*synthetic.thesis_records(meshes=("kidney",)), line])
         run = records.read_run(self.folder)

@@ -6,10 +6,10 @@ import unittest
 from unittest import mock
 
 from support import ReportTest
-import charts
-import records
-import scaling
-import scaling_charts
+from simplify import charts
+from shared import records
+from simplify import scaling
+from simplify import scaling_charts
 import synthetic
 from synthetic import sized
 

@@ -3,8 +3,8 @@
 import unittest
 
 from support import ReportTest
-import stability
-import stability_charts
+from stability import stability
+from stability import stability_charts
 import synthetic
 
 PLAN = {"question": "How long may a step be?", "contest": "stability", "contestants": ["motion.symplectic_euler", "motion.plain_float"]}

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/mesh/medit.h"
+#include "core/mesh/io/medit.h"
 
 namespace palpate::test {
 

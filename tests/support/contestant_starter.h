@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestant_run.h"
+#include "experiments/contestants/contestant_run.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::test {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/springs/nonnegative_least_squares.h"
+#include "core/springs/solvers/nonnegative_least_squares.h"
 
 namespace palpate::springs::testing_support {
 

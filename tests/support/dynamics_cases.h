@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/dynamics/elastic_model.h"
+#include "core/dynamics/elasticity/elastic_model.h"
 #include "core/mesh/spring_network.h"
 #include "core/mesh/tet_mesh.h"
 

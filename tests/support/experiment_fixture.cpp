@@ -3,13 +3,13 @@
 #include <cstdlib>
 
 #include "core/base/error.h"
-#include "core/mesh/medit.h"
-#include "core/mesh/shapes.h"
-#include "experiments/places.h"
-#include "experiments/process.h"
-#include "experiments/read_plan.h"
-#include "experiments/record_file.h"
-#include "experiments/terminal.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "experiments/files/places.h"
+#include "experiments/processes/process.h"
+#include "experiments/records/record_file.h"
+#include "experiments/runner/read_plan.h"
+#include "experiments/text/terminal.h"
 #include "tests/support/test_folder.h"
 
 namespace palpate::test {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestant.h"
-#include "experiments/runner.h"
+#include "experiments/contestants/contestant.h"
+#include "experiments/runner/runner.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::test {

@@ -5,7 +5,7 @@
 
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::testing_support {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/dynamics/integrator.h"
-#include "core/dynamics/motion_model.h"
-#include "core/dynamics/volume_models.h"
+#include "core/dynamics/elasticity/volume_models.h"
+#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/motion/motion_model.h"
 
 namespace palpate::testing_support {
 

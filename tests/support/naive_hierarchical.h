@@ -2,7 +2,7 @@
 // anew.
 #pragma once
 
-#include "core/simplify/hierarchical.h"
+#include "core/simplify/fusion/hierarchical.h"
 
 namespace palpate::test_support {
 

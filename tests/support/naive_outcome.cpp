@@ -7,7 +7,7 @@
 
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
-#include "core/simplify/batch_quality.h"
+#include "core/simplify/quality/batch_quality.h"
 
 namespace palpate::test_support {
 namespace {

@@ -1,7 +1,7 @@
 // The order by outcome taken at its word: after every fusion, all candidates are weighed anew.
 #pragma once
 
-#include "core/simplify/outcome.h"
+#include "core/simplify/fusion/outcome.h"
 
 namespace palpate::test_support {
 

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/dynamics/motion_model.h"
+#include "core/dynamics/motion/motion_model.h"
 
 namespace palpate::testing_support {
 

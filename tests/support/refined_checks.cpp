@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/base/random.h"
-#include "core/judge/judge.h"
+#include "core/judge/mesh/judge.h"
 #include "core/mesh/orientation.h"
-#include "core/mesh/shapes.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::testing_support {

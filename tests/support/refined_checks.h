@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/mesh/tet_mesh.h"
-#include "core/simplify/working_mesh.h"
+#include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::testing_support {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/mesh/tet_mesh.h"
-#include "reference/motion_problem.h"
+#include "reference/door/motion_problem.h"
 
 namespace palpate::test {
 

@@ -9,8 +9,8 @@
 #include <map>
 #include <string>
 
-#include "core/mesh/shapes.h"
-#include "core/simplify/hierarchical.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/simplify/fusion/hierarchical.h"
 
 namespace palpate::bench_support {
 

@@ -1,6 +1,6 @@
 #include "tests/support/test_folder.h"
 
-#include "experiments/places.h"
+#include "experiments/files/places.h"
 
 namespace palpate::test {
 

@@ -8,9 +8,9 @@
 
 #include "core/base/error.h"
 #include "core/mesh/topology.h"
-#include "reference/adapter.h"
-#include "reference/deform_problem.h"
-#include "reference/json_file.h"
+#include "reference/door/adapter.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
 
 namespace {
 

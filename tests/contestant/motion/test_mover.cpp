@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "reference/adapter.h"
-#include "reference/motion_problem.h"
+#include "reference/door/adapter.h"
+#include "reference/door/motion_problem.h"
 
 namespace {
 

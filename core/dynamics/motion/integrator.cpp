@@ -1,0 +1,185 @@
+#include "core/dynamics/motion/integrator.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/dynamics/motion/implicit_step.h"
+
+namespace palpate::dynamics {
+namespace {
+
+constexpr std::array<const char*, 6> kNames{"explicit_euler", "symplectic_euler", "velocity_verlet",
+                                            "runge_kutta_4",  "implicit_euler",   "prefactored"};
+
+/// a + s b, entry by entry, into `out`.
+void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, std::vector<Vec3>& out) {
+  for (std::size_t v = 0; v < a.size(); ++v) out[v] = a[v] + s * b[v];
+}
+
+}  // namespace
+
+IntegratorKind parse_integrator(std::string_view name) {
+  std::string known;
+  for (std::size_t k = 0; k < kNames.size(); ++k) {
+    if (name == kNames[k]) return kIntegrators[k];
+    known += (k == 0 ? "" : (k + 1 < kNames.size() ? ", " : " or ")) + std::string(kNames[k]);
+  }
+  throw InputError("integrator", 0, known, std::string(name));
+}
+
+const char* integrator_name(IntegratorKind kind) {
+  return kNames.at(static_cast<std::size_t>(kind));
+}
+
+struct Integrator::Work {
+  Work(const MotionModel& model, const IntegratorOptions& given)
+      : options(given),
+        forces(model, given.threads),
+        acceleration(model.elastic.rest.size()),
+        next(acceleration.size()) {
+    if (!(options.speed_limit_m_s >= 0.0))
+      throw InputError("speed limit", 0, "a number >= 0", std::to_string(options.speed_limit_m_s));
+    if (options.kind == IntegratorKind::kImplicitEuler) linearised.emplace(forces, options.linear);
+    if (options.kind == IntegratorKind::kPrefactored)
+      prefactored.emplace(forces, options.iterations, options.tolerance);
+  }
+
+  /// a(u, v, t) into `out`.
+  void accelerate(const std::vector<Vec3>& u, const std::vector<Vec3>& v, double time_s,
+                  std::vector<Vec3>& out, StepReport& report) {
+    report.zero_length_springs += forces.evaluate(u, v, time_s, out);
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = (1.0 / forces.model().mass_kg[i]) * out[i];
+  }
+
+  void cut_speeds(std::vector<Vec3>& velocity, StepReport& report) const {
+    const double limit = options.speed_limit_m_s;
+    if (limit == 0.0) return;
+    for (std::size_t i = 0; i < velocity.size(); ++i) {
+      Vec3& v = velocity[i];
+      const double speed_sq = length_sq(v);
+      if (!(speed_sq > limit * limit) || forces.held_bits()[i] == 7) continue;
+      v = (limit / std::sqrt(speed_sq)) * v;
+      ++report.speeds_cut;
+    }
+  }
+
+  /// Ends a step: the time, what is held.
+  void finish(MotionState& state, double h) {
+    state.time_s += h;
+    forces.impose(state.time_s, state.displacement_m, state.velocity_m_s);
+  }
+
+  void step_euler(MotionState& state, double h, bool symplectic, StepReport& report) {
+    accelerate(state.displacement_m, state.velocity_m_s, state.time_s, acceleration, report);
+    if (!symplectic) combine(state.displacement_m, h, state.velocity_m_s, state.displacement_m);
+    combine(state.velocity_m_s, h, acceleration, state.velocity_m_s);
+    cut_speeds(state.velocity_m_s, report);
+    if (symplectic) combine(state.displacement_m, h, state.velocity_m_s, state.displacement_m);
+    finish(state, h);
+  }
+
+  void step_verlet(MotionState& state, double h, StepReport& report) {
+    // The acceleration of the step before is this step's, unless the caller has changed the state.
+    if (!has_last || last.time_s != state.time_s || last.displacement_m != state.displacement_m ||
+        last.velocity_m_s != state.velocity_m_s)
+      accelerate(state.displacement_m, state.velocity_m_s, state.time_s, acceleration, report);
+    std::vector<Vec3>& predicted = stage_v;
+    predicted.resize(next.size());
+    for (std::size_t i = 0; i < next.size(); ++i) {
+      state.displacement_m[i] =
+          state.displacement_m[i] + h * (state.velocity_m_s[i] + (0.5 * h) * acceleration[i]);
+      predicted[i] = state.velocity_m_s[i] + h * acceleration[i];
+    }
+    forces.impose(state.time_s + h, state.displacement_m, predicted);
+    accelerate(state.displacement_m, predicted, state.time_s + h, next, report);
+    for (std::size_t i = 0; i < next.size(); ++i)
+      state.velocity_m_s[i] = state.velocity_m_s[i] + (0.5 * h) * (acceleration[i] + next[i]);
+    cut_speeds(state.velocity_m_s, report);
+    finish(state, h);
+    acceleration.swap(next);
+    last = state;
+    has_last = true;
+  }
+
+  void step_runge_kutta(MotionState& state, double h, StepReport& report) {
+    constexpr std::array<double, 4> kPlace{0.0, 0.5, 0.5, 1.0};
+    constexpr std::array<double, 4> kWeight{1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+    const MotionState start = state;
+    stage_u = start.displacement_m;
+    stage_v = start.velocity_m_s;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (k > 0) {
+        combine(start.displacement_m, kPlace[k] * h, stage_v, stage_u);
+        combine(start.velocity_m_s, kPlace[k] * h, acceleration, stage_v);
+        forces.impose(start.time_s + kPlace[k] * h, stage_u, stage_v);
+      }
+      accelerate(stage_u, stage_v, start.time_s + kPlace[k] * h, acceleration, report);
+      combine(state.displacement_m, kWeight[k] * h, stage_v, state.displacement_m);
+      combine(state.velocity_m_s, kWeight[k] * h, acceleration, state.velocity_m_s);
+    }
+    cut_speeds(state.velocity_m_s, report);
+    finish(state, h);
+  }
+
+  void step_implicit(MotionState& state, double h, StepReport& report) {
+    const ImplicitResult result = linearised ? linearised->find_velocity(forces, state, h, next)
+                                             : prefactored->find_velocity(forces, state, h, next);
+    report = {result.zero_length_springs, 0, result.iterations, result.solved};
+    state.velocity_m_s.swap(next);
+    cut_speeds(state.velocity_m_s, report);
+    combine(state.displacement_m, h, state.velocity_m_s, state.displacement_m);
+    finish(state, h);
+  }
+
+  IntegratorOptions options;
+  MotionForces forces;
+  std::optional<LinearisedStep> linearised;
+  std::optional<PrefactoredStep> prefactored;
+  std::vector<Vec3> acceleration;
+  std::vector<Vec3> next;
+  std::vector<Vec3> stage_u;
+  std::vector<Vec3> stage_v;
+  MotionState last;  ///< kVelocityVerlet: the state that `acceleration` belongs to
+  bool has_last = false;
+};
+
+Integrator::Integrator(const MotionModel& model, const IntegratorOptions& options)
+    : work_(std::make_unique<Work>(model, options)) {}
+Integrator::~Integrator() = default;
+Integrator::Integrator(Integrator&&) noexcept = default;
+Integrator& Integrator::operator=(Integrator&&) noexcept = default;
+
+MotionForces& Integrator::forces() {
+  return work_->forces;
+}
+
+StepReport Integrator::step(MotionState& state, double step_s) {
+  require(step_s > 0.0 && std::isfinite(step_s), "a finite step above zero");
+  require(
+      state.displacement_m.size() == work_->next.size() && state.velocity_m_s.size() == work_->next.size(),
+      "one displacement and one velocity a vertex");
+  StepReport report;
+  switch (work_->options.kind) {
+    case IntegratorKind::kExplicitEuler:
+      work_->step_euler(state, step_s, false, report);
+      break;
+    case IntegratorKind::kSymplecticEuler:
+      work_->step_euler(state, step_s, true, report);
+      break;
+    case IntegratorKind::kVelocityVerlet:
+      work_->step_verlet(state, step_s, report);
+      break;
+    case IntegratorKind::kRungeKutta4:
+      work_->step_runge_kutta(state, step_s, report);
+      break;
+    case IntegratorKind::kImplicitEuler:
+    case IntegratorKind::kPrefactored:
+      work_->step_implicit(state, step_s, report);
+      break;
+  }
+  return report;
+}
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,169 @@
+#include "core/simplify/surface/cover_check.h"
+
+#include <algorithm>
+
+namespace palpate::simplify {
+namespace {
+
+constexpr std::size_t kMostPiecesOfFace = 1000;
+constexpr std::size_t kMostPiecesOfInput = 100;
+
+/// Relative to a piece's extent: heights over a cutting plane below this are on it.
+constexpr double kOnPlane = 1e-8;
+
+double distance_sq(const Vec3& p, const TriangleCorners& t) {
+  return distance_sq_to_triangle(p, t[0], t[1], t[2]);
+}
+
+}  // namespace
+
+bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) const {
+  return std::all_of(piece.corner.begin(), piece.corner.begin() + static_cast<std::ptrdiff_t>(piece.size),
+                     [&](const Vec3& p) { return distance_sq(p, b) <= limit_sq_; });
+}
+
+/// Returns false if the piece has too many corners to be cut further.
+bool CoverTest::push(const Piece& piece) {
+  if (piece.size < 3) return true;
+  if (piece.size + 3 > kMostCorners) return false;
+  open_.push_back(piece);
+  return true;
+}
+
+namespace {
+
+/// Which side of a plane the corners of a piece are on.
+struct Heights {
+  std::array<double, 12> of{};
+  double slack = 0.0;
+  bool any_above = false;
+  bool any_below = false;
+
+  template <typename Piece>
+  Heights(const Piece& piece, const Vec3& foot, const Vec3& normal) {
+    double least = 0.0;
+    double greatest = 0.0;
+    for (std::size_t i = 0; i < piece.size; ++i) {
+      of[i] = dot(piece.corner[i] - foot, normal);
+      least = std::min(least, of[i]);
+      greatest = std::max(greatest, of[i]);
+    }
+    slack = kOnPlane * (greatest - least);
+    any_above = greatest > slack;
+    any_below = least < -slack;
+  }
+};
+
+template <typename Piece>
+void divide(const Piece& piece, const Heights& height, Piece& above, Piece& below) {
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const std::size_t j = (i + 1) % piece.size;
+    const double here = height.of[i];
+    const double next = height.of[j];
+    if (here >= -height.slack) above.add(piece.corner[i]);
+    if (here <= height.slack) below.add(piece.corner[i]);
+    if ((here > height.slack && next < -height.slack) || (here < -height.slack && next > height.slack)) {
+      const Vec3 crossing = piece.corner[i] + (here / (here - next)) * (piece.corner[j] - piece.corner[i]);
+      above.add(crossing);
+      below.add(crossing);
+    }
+  }
+}
+
+}  // namespace
+
+/// Returns false, with nothing pushed, if none of the planes cuts the piece or no part of it is above b.
+bool CoverTest::cut_along(const Piece& piece, const TriangleCorners& b) {
+  const Vec3 normal = cross(b[1] - b[0], b[2] - b[0]);
+  Piece inside = piece;
+  std::array<Piece, 3> outside;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Heights height(inside, b[k], cross(normal, b[(k + 1) % 3] - b[k]));
+    if (!height.any_above) return false;
+    if (!height.any_below) continue;
+    Piece above;
+    divide(inside, height, above, outside[count++]);
+    inside = above;
+  }
+  if (count == 0) return false;
+  for (std::size_t k = 0; k < count; ++k) {
+    outside[k].cut_along = &b;
+    if (!push(outside[k])) return false;
+  }
+  inside.cut_along = &b;
+  return push(inside);
+}
+
+bool CoverTest::halve(const Piece& piece, const Vec3& middle) {
+  Vec3 farthest;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const Vec3 way = piece.corner[i] - middle;
+    if (length_sq(way) > length_sq(farthest)) farthest = way;
+  }
+  Piece above;
+  Piece below;
+  divide(piece, Heights(piece, middle, farthest), above, below);
+  return push(above) && push(below);
+}
+
+template <typename FindNearest, typename Use>
+bool CoverTest::run(const TriangleCorners& triangle, std::size_t most_pieces, const FindNearest& find_nearest,
+                    const Use& use) {
+  open_.clear();
+  Piece whole;
+  for (const Vec3& p : triangle) whole.add(p);
+  open_.push_back(whole);
+  for (std::size_t pieces = 0; !open_.empty(); ++pieces) {
+    if (pieces == most_pieces) return false;
+    const Piece piece = open_.back();
+    open_.pop_back();
+    Vec3 middle;
+    for (std::size_t i = 0; i < piece.size; ++i) middle = middle + piece.corner[i];
+    middle = (1.0 / static_cast<double>(piece.size)) * middle;
+    const TriangleCorners* b = find_nearest(middle);
+    if (b == nullptr) return false;
+    if (is_within(piece, *b)) {
+      use(b);
+      continue;
+    }
+    const std::size_t open = open_.size();
+    if (piece.cut_along != b && cut_along(piece, *b)) continue;
+    open_.resize(open);
+    if (!halve(piece, middle)) return false;
+  }
+  return true;
+}
+
+bool CoverTest::is_covered(const TriangleCorners& triangle, const TriangleTree& by) {
+  // Just above the limit, so that a distance of exactly the limit is found.
+  const double bound_sq = limit_sq_ * (1.0 + 1e-15) + 1e-300;
+  for (const Vec3& p : triangle) {
+    if (by.nearest(p, bound_sq).triangle == nullptr) return false;
+  }
+  return run(
+      triangle, kMostPiecesOfFace, [&](const Vec3& p) { return by.nearest(p, bound_sq).triangle; },
+      [](const TriangleCorners* /*b*/) {});
+}
+
+bool CoverTest::is_covered(const TriangleCorners& triangle, std::span<const TriangleCorners> by,
+                           std::vector<Index>& used) {
+  used.clear();
+  const auto nearest = [&](const Vec3& p) {
+    const TriangleCorners* best = nullptr;
+    double least = limit_sq_;
+    for (const TriangleCorners& b : by) {
+      const double here = distance_sq(p, b);
+      if (here > least || (best != nullptr && here == least)) continue;
+      least = here;
+      best = &b;
+    }
+    return best;
+  };
+  return run(triangle, kMostPiecesOfInput, nearest, [&](const TriangleCorners* b) {
+    const auto number = static_cast<Index>(b - by.data());
+    if (std::find(used.begin(), used.end(), number) == used.end()) used.push_back(number);
+  });
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,59 @@
+// Is every point of a triangle within a distance of other triangles? A decision with a proof: never "yes" for
+// a triangle that is not.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/simplify/sizing/triangle_tree.h"
+
+namespace palpate::simplify {
+
+using TriangleCorners = std::array<Vec3, 3>;
+
+/// Answers one such question after another.
+///
+/// A convex piece P whose corners are all within the limit of one triangle b lies within the limit of b,
+/// since the distance to a convex set is convex. Where no b does it alone, P is cut along the planes that
+/// stand on the sides of the b nearest to the middle of P, or halved. A middle beyond the limit is a definite
+/// no; too many pieces are a no as well, which may be wrong, on the safe side.
+class CoverTest {
+ public:
+  explicit CoverTest(double limit) : limit_sq_(limit * limit) {}
+
+  double limit_sq() const { return limit_sq_; }
+
+  /// Every point of `triangle` within the limit of some triangle of `by`?
+  bool is_covered(const TriangleCorners& triangle, const TriangleTree& by);
+
+  /// The same for a short list. `used` gets the numbers of the triangles that are enough; it is cleared
+  /// first.
+  bool is_covered(const TriangleCorners& triangle, std::span<const TriangleCorners> by,
+                  std::vector<Index>& used);
+
+ private:
+  static constexpr std::size_t kMostCorners = 12;
+  struct Piece {
+    std::array<Vec3, kMostCorners> corner;
+    std::size_t size = 0;
+    const TriangleCorners* cut_along = nullptr;  ///< cutting along it again would gain nothing
+
+    void add(const Vec3& p) { corner[size++] = p; }
+  };
+
+  template <typename FindNearest, typename Use>
+  bool run(const TriangleCorners& triangle, std::size_t most_pieces, const FindNearest& find_nearest,
+           const Use& use);
+  bool is_within(const Piece& piece, const TriangleCorners& b) const;
+  bool push(const Piece& piece);
+  bool cut_along(const Piece& piece, const TriangleCorners& b);
+  bool halve(const Piece& piece, const Vec3& middle);
+
+  double limit_sq_ = 0.0;
+  std::vector<Piece> open_;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,274 @@
+#include "core/simplify/surface/surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/simplify/surface/surface_flip.h"
+#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/tet_operations/smoothing.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// Greatest share of the tets that one stage leaves.
+constexpr double kStage = 0.6;
+
+/// At the end, tets below the first score are repaired, below the second by compound moves too; so many
+/// rounds, and one more for each effort.
+constexpr double kRepairScore = 0.16;
+constexpr double kCompoundScore = 0.06;
+constexpr int kLeastPolish = 2;
+
+/// Least share of the wanted count that flips may leave.
+constexpr double kLeastShare = 0.998;
+constexpr double kAimOfRefined = 1.004;
+
+/// Where the stages end, over the target: simplify_refined does the rest.
+constexpr double kLeftToRefined = 1.5;
+
+/// Shares of the bound that are used up one after another.
+constexpr std::array kErrorLevels{0.125, 0.25, 0.5, 1.0};
+
+/// Below this score (q = 0.67) a tet at the boundary is worth a flip.
+constexpr double kPoorScore = 0.3;
+
+// In a mesh of good tets with mean edge h, a tet has about 0.1 h^3 (a regular one 0.118), a boundary face
+// about 0.41 h^2 (an equilateral one 0.433).
+constexpr double kTetShare = 0.1;
+constexpr double kFaceShare = 0.41;
+
+struct Run {
+  const SurfaceOptions& options;
+  SizingField field;
+  double volume = 0.0;
+  WorkingMesh mesh;
+  std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
+  Skin skin;
+  SurfaceRunReport report;
+  double area = 0.0;
+  ScoreRule scores;
+
+  Run(TetMesh&& input, const SurfaceOptions& given)
+      : options(given),
+        field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
+        volume(total_volume(input)),
+        mesh(build_working_mesh(std::move(input), field)),
+        level(given.sparing ? 0 : kErrorLevels.size() - 1),
+        skin(mesh, kErrorLevels[level] * given.max_surface_error),
+        scores(scale_of_ideal_volume(1.0), field) {
+    report.vertices_in = mesh.points.size();
+    report.tets_in = mesh.alive;
+    report.boundary_faces_in = skin.size();
+    report.input_contact = skin.find_contact(mesh);
+    for (Index f = 0; f < skin.slots(); ++f) {
+      const Triangle& t = skin.face(f);
+      const Vec3& p = mesh.points[t[0]];
+      area += 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+    }
+  }
+
+  bool has_changed_skin() const { return report.surface.collapses > 0; }
+
+  void aim_at(double tets) {
+    scores = ScoreRule(scale_of_ideal_volume(volume / std::max(1.0, tets)), field);
+    std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
+  }
+
+  /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
+  std::uint64_t faces_for(double tets) const {
+    const double edge = options.boundary_size * std::cbrt(volume / (kTetShare * tets));
+    return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
+  }
+
+  /// The other way round: tets that go with the boundary as it is.
+  double tets_for_faces() const {
+    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(skin.size())));
+    const double inner = edge / options.boundary_size;
+    return volume / (kTetShare * inner * inner * inner);
+  }
+};
+
+constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
+
+/// Takes what a small part of the bound permits first, and more of it only if that is not enough.
+void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
+  SurfaceCollapseOptions options;
+  options.face_target = faces;
+  options.tet_target = tets;
+  for (;; ++run.level) {
+    run.skin.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
+    for (const double least : kLeastScores) {
+      if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
+      options.least_score = least;
+      collapse_boundary_edges(run.mesh, run.skin, run.scores, options, run.report.surface);
+    }
+    if (run.level + 1 == kErrorLevels.size()) return;
+  }
+}
+
+void coarsen_inside(Run& run, std::uint64_t tets) {
+  CollapseOptions options;
+  options.target = tets;
+  for (const double least : kLeastScores) {
+    if (run.mesh.alive <= tets) return;
+    options.least_score = least;
+    run.report.inner.collapses += collapse_edges(run.mesh, run.scores, options).collapses;
+  }
+}
+
+/// Flips and moves in the skin, where it was coarsened, and moves inside.
+void even_out(Run& run) {
+  Smoother smoother(run.mesh, run.scores);
+  smoother.sweep(2);
+  if (!run.has_changed_skin()) return;
+  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
+}
+
+/// Down to a little more than the target: the rest is left to simplify_refined.
+void coarsen_to(Run& run, double target) {
+  if (run.faces_for(target) >= run.skin.size()) return;  // the skin is coarse enough: all is refined's
+  const auto tets_in = static_cast<double>(run.report.tets_in);
+  const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
+  const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
+  for (int k = 1; k <= stages; ++k) {
+    const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
+    run.aim_at(tets);
+    coarsen_boundary(run, run.faces_for(k < stages ? tets : target), static_cast<std::uint64_t>(target));
+    coarsen_inside(run, static_cast<std::uint64_t>(tets));
+    even_out(run);
+  }
+}
+
+/// Until the boundary gets no coarser.
+void coarsen_to_limit(Run& run) {
+  double tets = static_cast<double>(run.report.tets_in);
+  std::size_t before = 0;
+  do {
+    before = run.skin.size();
+    tets = std::max(1.0, kStage * tets);
+    run.aim_at(tets);
+    coarsen_boundary(run, run.faces_for(tets), 0);
+    coarsen_inside(run, static_cast<std::uint64_t>(kLeftToRefined * run.tets_for_faces()));
+    even_out(run);
+  } while (run.skin.size() < before || run.faces_for(tets) > run.skin.size());
+}
+
+/// The boundary vertices, in the order of the mesh that extract_mesh would give.
+std::vector<Index> boundary_vertices_in_order(const WorkingMesh& mesh) {
+  std::vector<Index> vertices;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (mesh.is_vertex_alive(v) && mesh.is_on_boundary(v)) vertices.push_back(v);
+  }
+  std::sort(vertices.begin(), vertices.end(),
+            [&](Index a, Index b) { return mesh.vertex_origin[a] < mesh.vertex_origin[b]; });
+  return vertices;
+}
+
+/// Hands the mesh to simplify_refined and takes it back. The boundary vertices keep their order in that, so
+/// the skin can be told their new numbers. `mesh` is scratch.
+RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& options) {
+  const std::vector<Index> before = boundary_vertices_in_order(run.mesh);
+  std::vector<Vec3> places;
+  places.reserve(before.size());
+  for (const Index v : before) places.push_back(run.mesh.points[v]);
+  std::vector<Index> new_number(run.mesh.points.size(), kNoIndex);
+  mesh = extract_mesh(std::move(run.mesh));
+  RefinedReport report = simplify_refined(mesh, options);
+  run.mesh = build_working_mesh(std::move(mesh), run.field);
+  const std::vector<Index> after = boundary_vertices_in_order(run.mesh);
+  require(after.size() == before.size(), "surface: the boundary changed inside");
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    require(run.mesh.points[after[i]] == places[i], "surface: the boundary moved inside");
+    new_number[before[i]] = after[i];
+  }
+  run.skin.renumber(new_number, run.mesh.points.size());
+  return report;
+}
+
+/// Down to the count itself. If the inside does not get there, the skin gives way further than planned.
+void press_on(Run& run, std::uint64_t target) {
+  if (run.mesh.alive <= target) return;
+  run.aim_at(static_cast<double>(target));
+  coarsen_inside(run, target);
+  coarsen_boundary(run, 0, target);
+  coarsen_inside(run, target);
+}
+
+/// Last moves in the skin, now that the inside is good, and repairs around them.
+void polish(Run& run, std::uint64_t target) {
+  run.aim_at(static_cast<double>(target));
+  FlipRule rule;
+  rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
+  rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
+  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  flipper.set_range(rule.fewest_tets, rule.most_tets);
+  Repairer repairer(run.mesh, run.scores, rule, {});
+  for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
+    if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+    if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
+    repairer.round(kRepairScore, kCompoundScore, 2);
+  }
+}
+
+}  // namespace
+
+void validate_options(const SurfaceOptions& options) {
+  RefinedOptions common;
+  common.stop = options.stop;
+  if (!common.stop.fusions && !common.stop.ratio && !common.stop.tets) common.stop.tets = 1;  // to the limit
+  common.effort = options.effort;
+  validate_options(common);
+  if (!(options.max_surface_error >= 0.0 && std::isfinite(options.max_surface_error))) {
+    throw InputError("max_surface_error", 0, "a finite number that is not negative",
+                     std::to_string(options.max_surface_error));
+  }
+  if (!(options.boundary_size > 0.0 && std::isfinite(options.boundary_size))) {
+    throw InputError("boundary_size", 0, "a number above 0", std::to_string(options.boundary_size));
+  }
+}
+
+SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
+  validate_options(options);
+  const bool to_limit = !options.stop.tets && !options.stop.ratio;
+  std::uint64_t target = to_limit ? 0 : target_tet_count(options.stop, mesh.tets.size());
+  Run run(std::move(mesh), options);
+  if (to_limit) {
+    coarsen_to_limit(run);
+    target = std::min(run.report.tets_in, static_cast<std::uint64_t>(run.tets_for_faces()));
+  } else {
+    coarsen_to(run, static_cast<double>(target));
+  }
+  RefinedOptions inside;
+  target = std::max<std::uint64_t>(1, target);
+  // Refined may end 0.5% below; some collapses from a little above get closer.
+  const double aim = run.has_changed_skin() ? kAimOfRefined : 1.0;
+  inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
+  inside.effort = options.effort;
+  inside.sizing = options.sizing;
+  inside.sizing.reach = run.field.reach();
+  const RefinedReport refined = refine_inside(run, mesh, inside);
+  press_on(run, target);
+  if (run.has_changed_skin()) polish(run, target);
+  run.report.boundary_faces_out = run.skin.size();
+  mesh = extract_mesh(std::move(run.mesh));
+  SurfaceRunReport report = std::move(run.report);
+  report.inner.collapses += refined.collapses.collapses;
+  report.inner.rejected_link = refined.collapses.rejected_link;
+  report.inner.rejected_shape = refined.collapses.rejected_shape;
+  const char* reached = to_limit ? nullptr : reached_stop(options.stop, target, 0, mesh.tets.size());
+  report.stop = reached != nullptr ? reached : "limit";
+  report.vertices_out = mesh.points.size();
+  report.tets_out = mesh.tets.size();
+  if (run.volume > 0.0) {
+    report.volume_drift_relative = std::fabs(total_volume(mesh) - run.volume) / run.volume;
+  }
+  return report;
+}
+
+}  // namespace palpate::simplify

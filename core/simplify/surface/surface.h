@@ -1,0 +1,63 @@
+// palpate.surface: boundary and inside coarsened together, the skin within a given distance of the input's
+// (the thesis's future work, 4.3.1).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/mesh/tet_mesh.h"
+#include "core/simplify/fusion/fusion_options.h"
+#include "core/simplify/sizing/sizing.h"
+#include "core/simplify/surface/surface_collapse.h"
+#include "core/simplify/tet_operations/edge_collapse.h"
+
+namespace palpate::simplify {
+
+struct SurfaceOptions {
+  StopRule stop;                   ///< tets or ratio; neither: as coarse as the bound permits; no `fusions`
+  double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
+  int effort = 1;                  ///< 0 .. kMostEffort of refined.h: more sweeps, better and slower
+  bool sparing = true;             ///< use up the bound in steps, no more of it than needed
+  double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
+  bool boundary_flips = true;      ///< of edges
+  bool boundary_smoothing = true;  ///< boundary vertices move along the skin too
+  SizingOptions sizing;
+};
+
+struct SurfaceRunReport {
+  std::uint64_t vertices_in = 0;
+  std::uint64_t vertices_out = 0;
+  std::uint64_t tets_in = 0;
+  std::uint64_t tets_out = 0;
+  std::uint64_t boundary_faces_in = 0;
+  std::uint64_t boundary_faces_out = 0;
+  double volume_drift_relative = 0.0;  ///< |V_out - V_in| / V_in
+  std::optional<Vec3> input_contact;   ///< a place where the input's skin meets itself, if there is one
+  std::string stop;                    ///< "tets", "ratio" or "limit"
+  SurfaceReport surface;
+  CollapseReport inner;
+};
+
+/// Throws: InputError for a ratio outside [0, 1), a bound that is negative or not finite, a boundary_size
+/// that is not above 0, an effort out of range, or a stop by fusions.
+void validate_options(const SurfaceOptions& options);
+
+/// Simplifies a mesh. Every tet stays positive by exact orientation, mesh and boundary stay manifolds of the
+/// same topology, no two boundary faces come into contact that were not (so the output is embedded if the
+/// input is, which the report says), and the two-sided Hausdorff distance of the boundaries is at most the
+/// bound (at least 1e-13 of the largest coordinate, for rounding).
+///
+/// Boundary and inside are coarsened by turns, in stages. The boundary's edges are to be `boundary_size`
+/// times as long as those inside, so a boundary that is already that coarse is left alone, to the bit; where
+/// the bound permits no more, the inside goes on alone. The last third of the way is simplify_refined's; if
+/// that does not reach the count, the boundary gives way further than planned. Flips and moves in the skin
+/// and repairs inside follow. Without a stop, the bound decides how coarse the boundary gets, and the inside
+/// follows in the same proportion.
+///
+/// Sparing: an eighth of the bound is tried first, then a quarter, half and all of it, each only if the one
+/// before did not get the boundary as coarse as wanted.
+/// Source: docs/surface.md.
+SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options);
+
+}  // namespace palpate::simplify

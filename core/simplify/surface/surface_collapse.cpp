@@ -1,0 +1,346 @@
+#include "core/simplify/surface/surface_collapse.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "core/simplify/fusion/fusion.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// An edge that waits, with the versions of its ends when it was entered: older entries are void.
+struct Candidate {
+  double key;
+  Index a;
+  Index b;
+  std::uint32_t versions;
+  std::uint64_t refused_at = 0;  ///< collapses before it was refused last
+
+  /// Makes std heaps give the smallest key first; ties by vertex numbers.
+  friend bool operator<(const Candidate& l, const Candidate& r) {
+    if (l.key != r.key) return l.key > r.key;
+    return l.a != r.a ? l.a > r.a : l.b > r.b;
+  }
+};
+
+/// Sum of squared distances from planes, weighted by the squares of twice the faces' areas, about an origin
+/// near them:  E(p) = p.A p - 2 b.p + c.  And the volume below the faces, linear in p:  g.p = h keeps it.
+struct PlaneSum {
+  std::array<double, 6> a{};  ///< xx xy xz yy yz zz
+  Vec3 b;
+  double c = 0.0;
+  Vec3 g;
+  double h = 0.0;
+
+  void add(const Vec3& p, const Vec3& q, const Vec3& r) {
+    const Vec3 n = cross(q - p, r - p);
+    const double d = dot(n, p);
+    a[0] += n.x * n.x;
+    a[1] += n.x * n.y;
+    a[2] += n.x * n.z;
+    a[3] += n.y * n.y;
+    a[4] += n.y * n.z;
+    a[5] += n.z * n.z;
+    b = b + d * n;
+    c += d * d;
+    g = g + n;
+    h += d;
+  }
+
+  double cost(const Vec3& p) const {
+    const Vec3 ap{a[0] * p.x + a[1] * p.y + a[2] * p.z, a[1] * p.x + a[3] * p.y + a[4] * p.z,
+                  a[2] * p.x + a[4] * p.y + a[5] * p.z};
+    return dot(p, ap) - 2.0 * dot(b, p) + c;
+  }
+
+  /// Solves (A + weight I) x = r.
+  Vec3 solve(const Vec3& r, double weight) const {
+    const Vec3 u{a[0] + weight, a[1], a[2]};
+    const Vec3 v{a[1], a[3] + weight, a[4]};
+    const Vec3 w{a[2], a[4], a[5] + weight};
+    const double determinant = dot(u, cross(v, w));
+    return {dot(r, cross(v, w)) / determinant, dot(u, cross(r, w)) / determinant,
+            dot(u, cross(v, r)) / determinant};
+  }
+
+  /// Where E is least under g.p = h, drawn a little towards the origin so that flat and straight skins have
+  /// an answer too.
+  Vec3 best_place() const {
+    const double weight = 1e-3 * (a[0] + a[3] + a[5]);
+    if (!(weight > 0.0)) return {};
+    const Vec3 free = solve(b, weight);
+    const Vec3 along = solve(g, weight);
+    const double rate = dot(g, along);
+    return rate > 0.0 ? free + ((h - dot(g, free)) / rate) * along : free;
+  }
+};
+
+/// A vertex whose worst tet has this score (q = 0.58) stays where it is; one that moves must better it so
+/// much.
+constexpr double kWellShaped = 0.2;
+constexpr double kWorthAMove = 1.1;
+
+bool is_frozen(const WorkingMesh& mesh, Index v) {
+  return (mesh.vertex_flags[v] & kFrozen) != 0;
+}
+
+bool has(const Triangle& t, Index v) {
+  return t[0] == v || t[1] == v || t[2] == v;
+}
+
+class BoundaryCollapser {
+ public:
+  BoundaryCollapser(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+                    const SurfaceCollapseOptions& options, SurfaceReport& report)
+      : mesh_(mesh),
+        skin_(skin),
+        scores_(scores),
+        field_(scores.field()),
+        options_(options),
+        report_(report),
+        versions_(mesh.points.size(), 0),
+        changed_at_(mesh.points.size(), 0) {}
+
+  void run() {
+    for (Index f = 0; f < skin_.slots(); ++f) {
+      if (!skin_.is_alive(f)) continue;
+      const Triangle& t = skin_.face(f);
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (t[k] < t[(k + 1) % 3]) enter(t[k], t[(k + 1) % 3]);  // the other face has it the other way round
+      }
+    }
+    std::make_heap(heap_.begin(), heap_.end());
+    std::uint64_t before = 0;
+    do {
+      before = report_.collapses;
+      while (!is_done() && !heap_.empty()) {
+        std::pop_heap(heap_.begin(), heap_.end());
+        Candidate c = heap_.back();
+        heap_.pop_back();
+        if (c.versions != versions_[c.a] + versions_[c.b]) continue;
+        if (has_changed_since(c) && try_collapse(c.a, c.b)) continue;
+        c.refused_at = report_.collapses + 1;
+        parked_.push_back(c);
+      }
+      heap_.swap(parked_);  // what was refused is looked at again, as stars have changed
+      parked_.clear();
+      std::make_heap(heap_.begin(), heap_.end());
+    } while (!is_done() && report_.collapses > before);
+  }
+
+ private:
+  bool is_done() const { return skin_.size() <= options_.face_target || mesh_.alive <= options_.tet_target; }
+
+  /// Whether the star of an end has changed since the candidate was refused.
+  bool has_changed_since(const Candidate& c) const {
+    return c.refused_at == 0 || std::max(changed_at_[c.a], changed_at_[c.b]) >= c.refused_at;
+  }
+
+  void enter(Index a, Index b) {
+    if (is_frozen(mesh_, a) && is_frozen(mesh_, b)) return;
+    double key = length_sq(mesh_.points[b] - mesh_.points[a]);
+    if (!field_.is_empty()) {
+      const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
+      key /= size * size;
+    }
+    heap_.push_back({key, std::min(a, b), std::max(a, b), versions_[a] + versions_[b], 0});
+  }
+
+  /// The link condition of the boundary: the ends' common neighbours on it are the two apexes of the edge's
+  /// faces, and not both ends have a face with these apexes: that would be the skin of a single tet.
+  bool boundary_stays_manifold(Index gone, Index kept) {
+    constexpr std::uint32_t kAtKept = 1;
+    constexpr std::uint32_t kApex = 2;
+    marks_.clear(mesh_.points.size());
+    for (const Index f : skin_.faces_of(kept)) {
+      for (const Index v : skin_.face(f)) marks_.set(v, kAtKept);
+    }
+    std::size_t at_edge = 0;
+    for (const Index f : skin_.faces_of(gone)) {
+      if (!has(skin_.face(f), kept)) continue;
+      ++at_edge;
+      for (const Index v : skin_.face(f)) {
+        if (v != gone && v != kept) marks_.set(v, kApex);
+      }
+    }
+    if (at_edge != 2) return false;
+    const auto joins_apexes = [&](Index f) {
+      const Triangle& t = skin_.face(f);
+      return std::count_if(t.begin(), t.end(), [&](Index v) { return marks_.of(v) == kApex; }) == 2;
+    };
+    bool gone_joins = false;
+    for (const Index f : skin_.faces_of(gone)) {
+      for (const Index v : skin_.face(f)) {
+        if (v != gone && v != kept && marks_.of(v) == kAtKept) return false;
+      }
+      gone_joins = gone_joins || joins_apexes(f);
+    }
+    const auto at_kept = skin_.faces_of(kept);
+    return !gone_joins || std::none_of(at_kept.begin(), at_kept.end(), joins_apexes);
+  }
+
+  void plan(Index gone, Index kept, bool kept_moves) {
+    change_.removed.clear();
+    change_.fresh.clear();
+    change_.moved = kept;
+    planes_ = {};
+    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[kept]);
+    const auto take = [&](Index f, bool is_fresh) {
+      Triangle t = skin_.face(f);
+      planes_.add(mesh_.points[t[0]] - origin, mesh_.points[t[1]] - origin, mesh_.points[t[2]] - origin);
+      change_.removed.push_back(f);
+      if (!is_fresh) return;
+      std::replace(t.begin(), t.end(), gone, kept);
+      change_.fresh.push_back(t);
+    };
+    for (const Index f : skin_.faces_of(gone)) take(f, !has(skin_.face(f), kept));
+    if (!kept_moves) return;
+    for (const Index f : skin_.faces_of(kept)) {
+      if (!has(skin_.face(f), gone)) take(f, true);
+    }
+  }
+
+  /// Places for the new vertex, the most promising first. Returns how many.
+  std::size_t list_places(Index gone, Index kept, bool kept_moves, std::array<Vec3, 3>& places) const {
+    places[0] = mesh_.points[kept];
+    if (!kept_moves) return 1;
+    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[kept]);
+    const Vec3 best = planes_.best_place();
+    places = {origin + best, mesh_.points[kept], mesh_.points[gone]};
+    if (planes_.cost(places[2] - origin) < planes_.cost(places[1] - origin)) std::swap(places[1], places[2]);
+    return 3;
+  }
+
+  bool is_well_shaped(const Vec3& place) const {
+    const double worst = cone_.evaluate(place, options_.least_score).worst;
+    return worst > options_.least_score && cone_.is_positive(place);
+  }
+
+  bool try_collapse(Index a, Index b) {
+    Index gone = a;
+    Index kept = b;
+    if (is_frozen(mesh_, gone)) std::swap(gone, kept);
+    const bool kept_moves = !is_frozen(mesh_, kept);
+    if (!boundary_stays_manifold(gone, kept) || !meets_link_condition(mesh_, gone, kept, marks_)) {
+      ++report_.rejected_link;
+      return false;
+    }
+    cone_.start(scores_.at(mesh_.points[kept]), mesh_.points[kept]);
+    add_star(mesh_, gone, kept, cone_);
+    if (kept_moves) add_star(mesh_, kept, gone, cone_);
+    if (cone_.size() == 0) return false;
+    cone_.close();
+    plan(gone, kept, kept_moves);
+    std::array<Vec3, 3> places;
+    const std::size_t count = list_places(gone, kept, kept_moves, places);
+    SkinVerdict verdict = SkinVerdict::kAllowed;
+    bool any_shape = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!is_well_shaped(places[i])) continue;
+      any_shape = true;
+      change_.to = places[i];
+      verdict = skin_.check(mesh_, change_);
+      if (verdict != SkinVerdict::kAllowed) continue;
+      collapse(gone, kept);
+      return true;
+    }
+    ++(!any_shape                         ? report_.rejected_shape
+       : verdict == SkinVerdict::kContact ? report_.rejected_contact
+                                          : report_.rejected_distance);
+    return false;
+  }
+
+  void collapse(Index gone, Index kept) {
+    skin_.apply(mesh_, change_);
+    apply_collapse(mesh_, gone, kept, change_.to);
+    ++report_.collapses;
+    for (const Index t : mesh_.star(kept)) {
+      for (const Index v : mesh_.tets[t]) changed_at_[v] = report_.collapses;
+    }
+    ++versions_[gone];
+    ++versions_[kept];
+    for (const Index f : skin_.faces_of(kept)) {
+      const Triangle& t = skin_.face(f);
+      const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), kept) - t.begin());
+      enter(kept, t[(at + 1) % 3]);  // each neighbour follows on `kept` in one face
+      std::push_heap(heap_.begin(), heap_.end());
+    }
+  }
+
+  WorkingMesh& mesh_;
+  Skin& skin_;
+  const ScoreRule& scores_;
+  const SizingField& field_;
+  const SurfaceCollapseOptions& options_;
+  SurfaceReport& report_;
+  std::vector<std::uint32_t> versions_;
+  std::vector<std::uint64_t> changed_at_;  ///< number of the last collapse that changed the vertex's star
+  std::vector<Candidate> heap_;
+  std::vector<Candidate> parked_;
+  VertexMarks marks_;
+  Cone cone_;
+  PlaneSum planes_;
+  SkinChange change_;
+};
+
+/// Of the faces at v: middle of their middles, weighted by area, brought back into the tangent plane.
+Vec3 tangential_target(const WorkingMesh& mesh, const Skin& skin, Index v) {
+  const Vec3 p = mesh.points[v];
+  Vec3 normal;
+  Vec3 middle;
+  double weight = 0.0;
+  for (const Index f : skin.faces_of(v)) {
+    const Triangle& t = skin.face(f);
+    const Vec3 n = cross(mesh.points[t[1]] - mesh.points[t[0]], mesh.points[t[2]] - mesh.points[t[0]]);
+    const double area = length(n);
+    normal = normal + n;
+    weight += area;
+    middle = middle + (area / 3.0) * (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]);
+  }
+  const double size_sq = length_sq(normal);
+  if (!(weight > 0.0) || !(size_sq > 0.0)) return p;
+  const Vec3 step = (1.0 / weight) * middle - p;
+  return p + step - (dot(step, normal) / size_sq) * normal;
+}
+
+}  // namespace
+
+void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+                             const SurfaceCollapseOptions& options, SurfaceReport& report) {
+  BoundaryCollapser(mesh, skin, scores, options, report).run();
+}
+
+void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report) {
+  Cone cone;
+  SkinChange change;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v) || is_frozen(mesh, v)) continue;
+    const Vec3 from = mesh.points[v];
+    cone.start(scores.at(from), from);
+    add_star(mesh, v, kNoIndex, cone);
+    cone.close();
+    const ConeFigures now = cone.evaluate(from);
+    if (now.worst > kWellShaped) continue;
+    const Vec3 target = tangential_target(mesh, skin, v);
+    change.removed.assign(skin.faces_of(v).begin(), skin.faces_of(v).end());
+    change.fresh.clear();
+    for (const Index f : change.removed) change.fresh.push_back(skin.face(f));
+    change.moved = v;
+    for (const double step : {1.0, 0.4}) {
+      change.to = (1.0 - step) * from + step * target;
+      const ConeFigures then = cone.evaluate(change.to);
+      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive(change.to) ||
+          skin.check(mesh, change) != SkinVerdict::kAllowed)
+        continue;
+      skin.apply(mesh, change);
+      apply_move(mesh, v, change.to);
+      ++report.moves;
+      break;
+    }
+  }
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,40 @@
+// Collapses of boundary edges, and moves of boundary vertices along the skin, under the guard of a Skin.
+#pragma once
+
+#include <cstdint>
+
+#include "core/simplify/surface/skin.h"
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+struct SurfaceCollapseOptions {
+  double least_score = 0.0;       ///< a collapse may leave no tet below this
+  std::uint64_t face_target = 0;  ///< stop at the first state with at most so many boundary faces ...
+  std::uint64_t tet_target = 0;   ///< ... or tets
+};
+
+/// What became of the candidates.
+struct SurfaceReport {
+  std::uint64_t collapses = 0;          ///< of boundary edges
+  std::uint64_t flips = 0;              ///< of boundary edges
+  std::uint64_t moves = 0;              ///< of boundary vertices
+  std::uint64_t rejected_link = 0;      ///< the mesh or its boundary would be no manifold
+  std::uint64_t rejected_shape = 0;     ///< a tet would be inverted or too bad
+  std::uint64_t rejected_distance = 0;  ///< the skins would be farther apart than the bound, or might be
+  std::uint64_t rejected_contact = 0;   ///< the skin would run into itself
+};
+
+/// Collapses boundary edges, the shortest first (relative to the wanted size), until a target is reached or
+/// nothing more can go. The new vertex is put where the planes of the faces around are nearest while the
+/// volume is kept, or at one of the ends. Source: Lindstrom and Turk, IEEE Visualization 1998, for the
+/// volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
+void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+                             const SurfaceCollapseOptions& options, SurfaceReport& report);
+
+/// One sweep over the boundary vertices: each is moved towards the middle of its faces, within the tangent
+/// plane, if the tets around it get better by it.
+void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report);
+
+}  // namespace palpate::simplify

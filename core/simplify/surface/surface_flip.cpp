@@ -1,0 +1,161 @@
+#include "core/simplify/surface/surface_flip.h"
+
+#include <algorithm>
+
+#include "core/mesh/orientation.h"
+#include "core/simplify/tet_operations/flips.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// A flip must better the worst score by this factor, so that flips end.
+constexpr double kGrowth = 1.02;
+
+bool has(const Triangle& t, Index v) {
+  return t[0] == v || t[1] == v || t[2] == v;
+}
+
+Index third(const Triangle& t, Index a, Index b) {
+  for (const Index v : t) {
+    if (v != a && v != b) return v;
+  }
+  return kNoIndex;
+}
+
+double score_of(const WorkingMesh& mesh, const ScoreScale& scale, const Tet& t) {
+  return score_tet(scale, mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]);
+}
+
+}  // namespace
+
+bool BoundaryFlipper::find_fan(Index a, Index b, EdgeFan& fan) const {
+  fan.a = a;
+  fan.b = b;
+  fan.size = 0;
+  std::size_t at_edge = 0;
+  for (const Index f : skin_.faces_of(a)) {
+    const Triangle& t = skin_.face(f);
+    if (!has(t, b)) continue;
+    if (++at_edge > 2) return false;
+    const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), a) - t.begin());
+    const bool is_first = t[(at + 2) % 3] == b;  // (a, fan[0], b)
+    fan.faces[is_first ? 0 : 1] = f;
+  }
+  if (at_edge != 2) return false;
+  const Index last = third(skin_.face(fan.faces[1]), a, b);
+  fan.fan[0] = third(skin_.face(fan.faces[0]), a, b);
+  Index tet = kNoIndex;
+  while (fan.fan[fan.size] != last) {
+    if (fan.size == EdgeFan::kMostTets) return false;
+    tet = neighbour_across(mesh_, tet, a, b, fan.fan[fan.size]);
+    if (tet == kNoIndex || mesh_.is_kept(tet)) return false;
+    Index next = kNoIndex;
+    for (const Index v : mesh_.tets[tet]) {
+      if (v != a && v != b && v != fan.fan[fan.size]) next = v;
+    }
+    fan.tets[fan.size++] = tet;
+    fan.fan[fan.size] = next;
+  }
+  return fan.size > 0;
+}
+
+double BoundaryFlipper::worst_score(const EdgeFan& fan) {
+  double worst = 1e300;
+  for (std::size_t i = 0; i < fan.size; ++i) {
+    double& score = mesh_.score[fan.tets[i]];
+    if (score == WorkingMesh::kNoScore) score = score_of(mesh_, scale_, mesh_.tets[fan.tets[i]]);
+    worst = std::min(worst, score);
+  }
+  return worst;
+}
+
+/// The worse of the two tets over triangle (i, j, k) of the fan.
+double BoundaryFlipper::score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const {
+  return std::min(score_of(mesh_, scale_, {fan.fan[i], fan.fan[j], fan.fan[k], fan.b}),
+                  score_of(mesh_, scale_, {fan.a, fan.fan[i], fan.fan[j], fan.fan[k]}));
+}
+
+/// Klincsek's dynamic programming for the greatest worst score over the polygon fan[0 .. size].
+double BoundaryFlipper::best_triangulation(const EdgeFan& fan) {
+  constexpr std::size_t kMost = EdgeFan::kMostTets + 1;
+  std::array<std::array<double, kMost>, kMost> best{};
+  for (std::size_t i = 0; i < fan.size; ++i) best[i][i + 1] = 1e300;
+  for (std::size_t span = 2; span <= fan.size; ++span) {
+    for (std::size_t i = 0; i + span <= fan.size; ++i) {
+      const std::size_t k = i + span;
+      best[i][k] = -1e300;
+      for (std::size_t j = i + 1; j < k; ++j) {
+        const double here = std::min({best[i][j], best[j][k], score_pair(fan, i, j, k)});
+        if (here <= best[i][k]) continue;
+        best[i][k] = here;
+        apex_[i][k] = j;
+      }
+    }
+  }
+  return best[0][fan.size];
+}
+
+void BoundaryFlipper::list_tets(const EdgeFan& fan, std::size_t i, std::size_t k) {
+  if (k < i + 2) return;
+  const std::size_t j = apex_[i][k];
+  fresh_.push_back({fan.fan[i], fan.fan[j], fan.fan[k], fan.b});
+  fresh_.push_back({fan.a, fan.fan[i], fan.fan[j], fan.fan[k]});
+  list_tets(fan, i, j);
+  list_tets(fan, j, k);
+}
+
+/// The new edge must be new on the boundary, and inside too unless a tet is peeled off it.
+bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
+  const Index first = fan.fan[0];
+  const Index last = fan.fan[fan.size];
+  for (const Index f : skin_.faces_of(first)) {
+    if (has(skin_.face(f), last)) return false;
+  }
+  if (fan.size > 1) {
+    collect_edge_star(mesh_, first, last, added_);
+    if (!added_.empty()) return false;
+  }
+  change_.removed.assign(fan.faces.begin(), fan.faces.end());
+  change_.fresh = {{fan.a, first, last}, {first, fan.b, last}};
+  change_.moved = kNoIndex;
+  return skin_.check(mesh_, change_) == SkinVerdict::kAllowed;
+}
+
+bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
+  EdgeFan fan;
+  if (!find_fan(a, b, fan)) return false;
+  scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));
+  const double worst = worst_score(fan);
+  if (worst >= threshold) return false;
+  if (fan.size == 1 && mesh_.alive <= fewest_tets_) return false;
+  if (fan.size > 2 && mesh_.alive + fan.size - 2 > most_tets_) return false;
+  if (fan.size > 1) {
+    const double best = best_triangulation(fan);
+    if (!(best > 0.0 && best > kGrowth * worst)) return false;
+  }
+  fresh_.clear();
+  list_tets(fan, 0, fan.size);
+  const auto is_positive = [&](const Tet& t) {
+    const std::vector<Vec3>& p = mesh_.points;
+    return orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) > 0;
+  };
+  if (!std::all_of(fresh_.begin(), fresh_.end(), is_positive) || !is_permitted(fan)) return false;
+  skin_.apply(mesh_, change_);
+  apply_flip(mesh_, std::span<const Index>(fan.tets.data(), fan.size), fresh_, added_);
+  return true;
+}
+
+std::uint64_t BoundaryFlipper::pass(double threshold) {
+  std::uint64_t flips = 0;
+  for (Index f = 0; f < skin_.slots(); ++f) {
+    for (std::size_t k = 0; k < 3 && skin_.is_alive(f); ++k) {
+      const Triangle t = skin_.face(f);
+      const Index a = std::min(t[k], t[(k + 1) % 3]);
+      const Index b = std::max(t[k], t[(k + 1) % 3]);
+      if (try_flip(a, b, threshold)) ++flips;
+    }
+  }
+  return flips;
+}
+
+}  // namespace palpate::simplify

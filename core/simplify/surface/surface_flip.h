@@ -1,0 +1,69 @@
+// Flips of boundary edges under the guard of a Skin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/simplify/surface/skin.h"
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// The tets around a boundary edge (a, b), from one boundary face to the other: tet i has the vertices a, b,
+/// fan[i], fan[i + 1] and is positive as (a, b, fan[i], fan[i + 1]). The faces (a, fan[0], b) and
+/// (a, b, fan[size]) are on the boundary.
+struct EdgeFan {
+  static constexpr std::size_t kMostTets = 5;
+  Index a = kNoIndex;
+  Index b = kNoIndex;
+  std::size_t size = 0;  ///< tets
+  std::array<Index, kMostTets + 1> fan{};
+  std::array<Index, kMostTets> tets{};
+  std::array<Index, 2> faces{};  ///< numbers in the skin, of the first and of the last
+};
+
+/// Flips boundary edges where the tets around them get better.
+///
+/// The two faces at the edge (a, b) give way to those at the edge from fan[0] to fan[n], and the n tets to
+/// two for each triangle of the best triangulation of the fan (one to a, one to b); a single tet is peeled
+/// off.
+class BoundaryFlipper {
+ public:
+  BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores)
+      : mesh_(mesh), skin_(skin), scores_(scores) {}
+
+  /// Peeling takes a tet away, flips of fans of more than two add some: only within this range of counts.
+  void set_range(std::uint64_t fewest, std::uint64_t most) {
+    fewest_tets_ = fewest;
+    most_tets_ = most;
+  }
+
+  /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
+  std::uint64_t pass(double threshold);
+
+  /// Flips edge (a, b) if the worst tet there gets better by it and the skin's guard permits it.
+  bool try_flip(Index a, Index b, double threshold);
+
+ private:
+  bool find_fan(Index a, Index b, EdgeFan& fan) const;
+  double worst_score(const EdgeFan& fan);
+  double best_triangulation(const EdgeFan& fan);
+  void list_tets(const EdgeFan& fan, std::size_t i, std::size_t j);
+  double score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
+  bool is_permitted(const EdgeFan& fan);
+
+  WorkingMesh& mesh_;
+  Skin& skin_;
+  const ScoreRule& scores_;
+  ScoreScale scale_;  ///< at the edge under examination
+  std::uint64_t fewest_tets_ = 0;
+  std::uint64_t most_tets_ = ~std::uint64_t{0};
+  SkinChange change_;
+  std::vector<Tet> fresh_;
+  std::vector<Index> added_;
+  std::array<std::array<std::size_t, EdgeFan::kMostTets + 1>, EdgeFan::kMostTets + 1> apex_{};
+};
+
+}  // namespace palpate::simplify

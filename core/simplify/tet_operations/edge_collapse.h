@@ -1,0 +1,36 @@
+// Edge collapses inside a tet mesh, shortest edge first.
+#pragma once
+
+#include <cstdint>
+
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// Where the vertex goes that an edge becomes. An end that may not move is the only place there is.
+enum class CollapsePlacement {
+  kFirst,    ///< the first that passes of midpoint, centroid of the link and both ends
+  kBest,     ///< of the same places the one with the best worst score around
+  kMidpoint  ///< the midpoint alone
+};
+
+struct CollapseOptions {
+  CollapsePlacement placement = CollapsePlacement::kFirst;
+  double least_score = 0.0;  ///< a collapse may leave no tet at or below this
+  std::uint64_t target = 0;  ///< stop at the first state with at most so many tets
+};
+
+/// What became of the candidates.
+struct CollapseReport {
+  std::uint64_t collapses = 0;
+  std::uint64_t rejected_link = 0;   ///< times that the link condition did not hold
+  std::uint64_t rejected_shape = 0;  ///< times that a tet would have become inverted or too bad
+};
+
+/// Collapses edges with at least one free end, the shortest first (relative to the wanted size at the
+/// midpoint; ties by vertex numbers), until `target` is reached or nothing more can go. What was refused is
+/// looked at again when all else is done and something has changed. Every tet stays positive, exactly.
+CollapseReport collapse_edges(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options);
+
+}  // namespace palpate::simplify

@@ -1,0 +1,289 @@
+#include "core/simplify/tet_operations/flips.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/orientation.h"
+#include "core/simplify/fusion/fusion.h"
+
+namespace palpate::simplify {
+namespace {
+
+Index corner_of(const Tet& tet, int local) {
+  return tet[static_cast<std::size_t>(local)];
+}
+
+/// The two vertices of `tet` beside a and b, such that (a, b, first, second) is positive.
+std::array<Index, 2> ring_pair(const Tet& tet, Index a, Index b) {
+  const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, a)))];
+  const std::array<Index, 3> opposite{corner_of(tet, face[0]), corner_of(tet, face[1]),
+                                      corner_of(tet, face[2])};
+  const std::size_t at_b = opposite[0] == b ? 0U : (opposite[1] == b ? 1U : 2U);
+  return {opposite[(at_b + 1) % 3], opposite[(at_b + 2) % 3]};
+}
+
+}  // namespace
+
+bool order_edge_ring(const WorkingMesh& mesh, Index a, Index b, const Index* tets, std::size_t count,
+                     EdgeRing& ring) {
+  if (count < 3) return false;
+  std::array<std::array<Index, 2>, kLargestRing> pairs;
+  for (std::size_t i = 0; i < count; ++i) {
+    pairs[i] = ring_pair(mesh.tets[tets[i]], a, b);
+    ring.tets[i] = tets[i];
+  }
+  for (std::size_t i = 0; i + 1 < count; ++i) {  // bring the successor of pair i behind it
+    std::size_t j = i + 1;
+    while (j < count && pairs[j][0] != pairs[i][1]) ++j;
+    if (j == count) return false;
+    std::swap(pairs[i + 1], pairs[j]);
+    std::swap(ring.tets[i + 1], ring.tets[j]);
+  }
+  if (pairs[count - 1][1] != pairs[0][0]) return false;
+  ring.a = a;
+  ring.b = b;
+  ring.size = count;
+  for (std::size_t i = 0; i < count; ++i) ring.ring[i] = pairs[i][0];
+  return true;
+}
+
+bool find_edge_ring(const WorkingMesh& mesh, Index a, Index b, EdgeRing& ring) {
+  std::array<Index, kLargestRing> tets{};
+  std::size_t count = 0;
+  const Index around = mesh.star_size[b] < mesh.star_size[a] ? b : a;
+  const Index other = around == a ? b : a;
+  for (const Index t : mesh.star(around)) {
+    if (corners_that_are(mesh.tets[t], other) == 0U) continue;
+    if (count == kLargestRing || mesh.is_kept(t)) return false;
+    tets[count++] = t;
+  }
+  return order_edge_ring(mesh, a, b, tets.data(), count, ring);
+}
+
+double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles) {
+  std::array<std::array<double, kLargestRing>, kLargestRing> best{};
+  std::array<std::array<std::size_t, kLargestRing>, kLargestRing> apex{};
+  for (std::size_t width = 2; width < size; ++width) {
+    for (std::size_t i = 0; i + width < size; ++i) {
+      const std::size_t j = i + width;
+      best[i][j] = kForbidden;
+      for (std::size_t k = i + 1; k < j; ++k) {
+        if (value[i][k][j] == kForbidden || best[i][k] == kForbidden || best[k][j] == kForbidden) continue;
+        const double sum = best[i][k] + best[k][j] + value[i][k][j];
+        if (sum > best[i][j]) {
+          best[i][j] = sum;
+          apex[i][j] = k;
+        }
+      }
+    }
+  }
+  triangles.clear();
+  if (best[0][size - 1] == kForbidden) return kForbidden;
+  std::array<std::array<std::size_t, 2>, kLargestRing> arcs{};
+  std::size_t waiting = 0;
+  arcs[waiting++] = {0, size - 1};
+  while (waiting > 0) {
+    const auto [i, j] = arcs[--waiting];
+    if (j < i + 2) continue;
+    const std::size_t k = apex[i][j];
+    triangles.push_back({i, k, j});
+    arcs[waiting++] = {i, k};
+    arcs[waiting++] = {k, j};
+  }
+  return best[0][size - 1];
+}
+
+double Flipper::known_score(Index t) {
+  double& score = mesh_.score[t];
+  if (score == WorkingMesh::kNoScore) {
+    const Tet& tet = mesh_.tets[t];
+    const Vec3& a = mesh_.points[tet[0]];
+    score = std::max(
+        0.0, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
+  }
+  return score;
+}
+
+double Flipper::worth(const ScoreScale& scale, double score) const {
+  return gain_of_score(scale, score) - gain_of_score(scale, kUsualScore);
+}
+
+Flipper::Before Flipper::measure_before(const Index* tets, std::size_t count) {
+  Before before{0.0, 1e300};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double score = known_score(tets[i]);
+    before.sum += worth(scores_.far(), score);
+    before.worst = std::min(before.worst, score);
+  }
+  return before;
+}
+
+bool Flipper::flip(const Index* old, std::size_t count) {
+  for (const Tet& t : fresh_) {
+    if (orientation(mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]], mesh_.points[t[3]]) <= 0) {
+      return false;
+    }
+  }
+  removed_.clear();
+  for (std::size_t i = 0; i < count; ++i) removed_.push_back(mesh_.tets[old[i]]);
+  apply_flip(mesh_, {old, count}, fresh_, added_);
+  for (std::size_t i = 0; i < fresh_scores_.size(); ++i) mesh_.score[added_[i]] = fresh_scores_[i];
+  split_vertex_ = kNoIndex;
+  return true;
+}
+
+void Flipper::undo() {
+  std::vector<Index> slots;
+  apply_flip(mesh_, added_, removed_, slots);
+  if (split_vertex_ != kNoIndex) remove_vertex(mesh_, split_vertex_);
+}
+
+bool Flipper::try_remove_edge(Index a, Index b) {
+  EdgeRing ring;
+  return find_edge_ring(mesh_, a, b, ring) && try_ring(ring);
+}
+
+bool Flipper::try_edges_of(Index tet) {
+  const Tet corners = mesh_.tets[tet];
+  const double score = known_score(tet);
+  std::array<std::array<Index, kLargestRing>, 6> tets;
+  std::array<std::size_t, 6> count{};
+  unsigned open = 0x3f;  // bit e: edge e, in the order of kTetEdges, is still a candidate
+  const auto meet = [&](std::size_t edge, Index t) {
+    if ((open >> edge & 1U) == 0U) return;
+    const double other = known_score(t);
+    if (count[edge] == kLargestRing || mesh_.is_kept(t) || other < score || (other == score && t < tet)) {
+      open &= ~(1U << edge);
+    } else {
+      tets[edge][count[edge]++] = t;
+    }
+  };
+  constexpr std::array<std::size_t, 4> kFirstEdge{0, 3, 5, 6};  // of corner 0, 1, 2
+  for (std::size_t i = 0; i < 3; ++i) {
+    if ((open >> kFirstEdge[i] & ((1U << (3 - i)) - 1U)) == 0U) continue;
+    for (const Index t : mesh_.star(corners[i])) {
+      for (std::size_t e = kFirstEdge[i]; e < kFirstEdge[i + 1]; ++e) {
+        if (corners_that_are(mesh_.tets[t], corners[i + 1 + e - kFirstEdge[i]]) != 0U) meet(e, t);
+      }
+    }
+  }
+  EdgeRing ring;
+  for (std::size_t e = 0; e < 6; ++e) {
+    if ((open >> e & 1U) == 0U) continue;
+    const Index a = corner_of(corners, kTetEdges[e][0]);
+    const Index b = corner_of(corners, kTetEdges[e][1]);
+    if (order_edge_ring(mesh_, a, b, tets[e].data(), count[e], ring) && try_ring(ring)) return true;
+  }
+  return false;
+}
+
+void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues& value) {
+  const std::size_t n = ring.size;
+  const ScoreScale scale = scores_.at(mesh_.points[ring.a]);
+  cone_.start(scale, mesh_.points[ring.a]);
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    for (std::size_t k = i + 1; k + 1 < n; ++k) {
+      for (std::size_t j = k + 1; j < n; ++j) {
+        cone_.add(mesh_.points[ring.ring[i]], mesh_.points[ring.ring[k]], mesh_.points[ring.ring[j]]);
+      }
+    }
+  }
+  cone_.close();
+  cone_.scores(mesh_.points[ring.a], scores_a_);
+  cone_.scores_from_behind(mesh_.points[ring.b], scores_b_);
+  std::size_t at = 0;
+  for (std::size_t i = 0; i + 2 < n; ++i) {
+    for (std::size_t k = i + 1; k + 1 < n; ++k) {
+      for (std::size_t j = k + 1; j < n; ++j, ++at) {
+        const double worst = std::min(scores_a_[at], scores_b_[at]);
+        value[i][k][j] = worst > 0.0 && worst >= least_score
+                             ? worth(scale, scores_a_[at]) + worth(scale, scores_b_[at])
+                             : kForbidden;
+      }
+    }
+  }
+}
+
+bool Flipper::try_ring(const EdgeRing& ring) {
+  const std::size_t n = ring.size;
+  const std::size_t tets_after = mesh_.alive + n - 4;
+  if (tets_after > rule_.most_tets || tets_after < rule_.fewest_tets) return false;
+  const Before before = measure_before(ring.tets.data(), n);
+  measure_ring(ring, rule_.least_of_worst * before.worst, value_);
+  const double sum = best_ring_filling(value_, n, triangles_);
+  if (sum == kForbidden || !(sum > before.sum + rule_.least_growth)) return false;
+  fresh_.clear();
+  fresh_scores_.clear();
+  for (const auto& [i, k, j] : triangles_) {
+    // Position of (i, k, j) among all triangles: those with smaller i, then smaller k, then smaller j.
+    std::size_t at = 0;
+    for (std::size_t s = 0; s < i; ++s) at += (n - s - 1) * (n - s - 2) / 2;
+    for (std::size_t s = i + 1; s < k; ++s) at += n - s - 1;
+    at += j - k - 1;
+    fresh_.push_back({ring.a, ring.ring[i], ring.ring[k], ring.ring[j]});
+    fresh_.push_back({ring.b, ring.ring[i], ring.ring[j], ring.ring[k]});
+    fresh_scores_.push_back(scores_a_[at]);
+    fresh_scores_.push_back(scores_b_[at]);
+  }
+  growth_ = sum - before.sum;
+  return flip(ring.tets.data(), n);
+}
+
+bool Flipper::try_remove_face(Index tet, std::size_t corner) {
+  if (mesh_.alive + 1 > rule_.most_tets || mesh_.is_kept(tet)) return false;
+  const Tet& t = mesh_.tets[tet];
+  const Index p = t[corner];
+  const auto& face = kTetFaces[corner];
+  const Index a = corner_of(t, face[0]);
+  const Index b = corner_of(t, face[1]);
+  const Index c = corner_of(t, face[2]);  // (p, a, b, c) is positive
+  const Index other = neighbour_across(mesh_, tet, a, b, c);
+  if (other == kNoIndex || mesh_.is_kept(other)) return false;
+  Index q = kNoIndex;
+  for (const Index v : mesh_.tets[other]) {
+    if (v != a && v != b && v != c) q = v;
+  }
+  const std::array<Index, 2> old{tet, other};
+  const Before before = measure_before(old.data(), old.size());
+  const ScoreScale scale = scores_.at(mesh_.points[p]);
+  cone_.start(scale, mesh_.points[p]);
+  fresh_.assign({Tet{p, a, b, q}, Tet{p, b, c, q}, Tet{p, c, a, q}});
+  for (const Tet& f : fresh_) cone_.add(mesh_.points[f[1]], mesh_.points[f[2]], mesh_.points[f[3]]);
+  cone_.close();
+  cone_.scores(mesh_.points[p], fresh_scores_);
+  double sum = 0.0;
+  for (const double score : fresh_scores_) {
+    if (score <= 0.0 || score < rule_.least_of_worst * before.worst) return false;
+    sum += worth(scale, score);
+  }
+  if (!(sum > before.sum + rule_.least_growth)) return false;
+  growth_ = sum - before.sum;
+  return flip(old.data(), old.size());
+}
+
+Index Flipper::split_edge(Index a, Index b) {
+  EdgeRing ring;
+  if (!find_edge_ring(mesh_, a, b, ring) || mesh_.alive + ring.size > rule_.most_tets) return kNoIndex;
+  const Before before = measure_before(ring.tets.data(), ring.size);
+  const Index middle = add_vertex(mesh_, 0.5 * (mesh_.points[a] + mesh_.points[b]));
+  fresh_.clear();
+  fresh_scores_.clear();
+  for (std::size_t i = 0; i < ring.size; ++i) {
+    const Index r = ring.ring[i];
+    const Index s = ring.ring[(i + 1) % ring.size];
+    fresh_.push_back({a, middle, r, s});
+    fresh_.push_back({middle, b, r, s});
+  }
+  if (!flip(ring.tets.data(), ring.size)) {
+    remove_vertex(mesh_, middle);
+    return kNoIndex;
+  }
+  split_vertex_ = middle;
+  growth_ = -before.sum;
+  for (const Index t : added_) growth_ += worth(scores_.far(), known_score(t));
+  return middle;
+}
+
+}  // namespace palpate::simplify

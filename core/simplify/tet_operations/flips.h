@@ -1,0 +1,120 @@
+// Flips: an edge gives way to triangles across its ring, or a face to an edge, where that is better.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// Longer rings are left alone: they have 20 times as many triangles and are hardly ever better.
+inline constexpr std::size_t kLargestRing = 7;
+
+/// The tets around an inner edge (a, b), in order: tet i has the vertices a, b, ring[i], ring[i + 1] and is
+/// positive as (a, b, ring[i], ring[i + 1]).
+struct EdgeRing {
+  Index a = kNoIndex;
+  Index b = kNoIndex;
+  std::size_t size = 0;
+  std::array<Index, kLargestRing> ring{};
+  std::array<Index, kLargestRing> tets{};
+};
+
+/// Orders the `count` <= kLargestRing tets around edge (a, b) into a ring. Returns false if they do not
+/// close, that is, if the edge is on the boundary, or if they are fewer than 3.
+bool order_edge_ring(const WorkingMesh& mesh, Index a, Index b, const Index* tets, std::size_t count,
+                     EdgeRing& ring);
+
+/// Finds the ring of edge (a, b). Returns false if it is on the boundary, longer than kLargestRing, or has a
+/// kept tet.
+bool find_edge_ring(const WorkingMesh& mesh, Index a, Index b, EdgeRing& ring);
+
+/// The best way to fill a ring of `size` vertices with triangles, by dynamic programming over its arcs.
+///
+/// value[i][k][j], i < k < j, is what triangle (i, k, j) is worth, or kForbidden; the best sum is wanted.
+/// Returns it, or kForbidden if there is no filling; `triangles` gets the size - 2 triangles.
+/// Source: Klincsek, Ann. Discrete Math. 9 (1980); Shewchuk, "Two discrete optimization algorithms for the
+/// topological improvement of tetrahedral meshes" (2002).
+inline constexpr double kForbidden = -1e300;
+using RingValues = std::array<std::array<std::array<double, kLargestRing>, kLargestRing>, kLargestRing>;
+using RingTriangle = std::array<std::size_t, 3>;
+double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles);
+
+/// When a flip is made.
+struct FlipRule {
+  double least_growth = 1e-6;                   ///< the sum of gains must grow by more
+  double least_of_worst = 0.5;                  ///< no score may fall below this share of the worst before
+  std::uint64_t fewest_tets = 0;                ///< no flip may leave fewer
+  std::uint64_t most_tets = ~std::uint64_t{0};  ///< or more
+};
+
+/// Makes flips. Sums of gains are over the tets that change; a tet more counts as one of the usual score, so
+/// that counts are not free. Every tet stays positive, exactly; kept tets and the boundary stay as they are.
+class Flipper {
+ public:
+  /// Holds references to the mesh and the score rule.
+  Flipper(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule)
+      : mesh_(mesh), scores_(scores), rule_(rule) {}
+
+  void set_rule(const FlipRule& rule) { rule_ = rule; }
+  const FlipRule& rule() const { return rule_; }
+
+  /// Removes edge (a, b) if the best filling of its ring is better than the tets around it.
+  bool try_remove_edge(Index a, Index b);
+
+  /// Tries the edges of which `tet` is the lowest-scored tet (ties: the smallest slot), so that a pass over
+  /// all tets tries each edge once. Returns whether one was removed; `tet` is dead then.
+  bool try_edges_of(Index tet);
+
+  /// Replaces the face of `tet` opposite to its corner by an edge (2-3 flip) if that is better.
+  bool try_remove_face(Index tet, std::size_t corner);
+
+  /// Splits edge (a, b) at its midpoint. The caller judges; see growth(). Returns the new vertex, or kNoIndex
+  /// if the edge cannot be split or there would be too many tets.
+  Index split_edge(Index a, Index b);
+
+  /// Takes the last flip or split back. Requires that no other operation came since.
+  void undo();
+
+  /// The score of tet t, computed if it is not known.
+  double known_score(Index t);
+
+  /// Of the last flip or split: the tets before (as they were), the slots of those after, and by how much
+  /// the sum of gains has grown.
+  const std::vector<Tet>& removed() const { return removed_; }
+  const std::vector<Index>& added() const { return added_; }
+  double growth() const { return growth_; }
+
+ private:
+  struct Before {
+    double sum = 0.0;
+    double worst = 0.0;
+  };
+  Before measure_before(const Index* tets, std::size_t count);
+  double worth(const ScoreScale& scale, double score) const;
+  bool try_ring(const EdgeRing& ring);
+  void measure_ring(const EdgeRing& ring, double least_score, RingValues& value);
+  bool flip(const Index* old, std::size_t count);
+
+  WorkingMesh& mesh_;
+  const ScoreRule& scores_;
+  FlipRule rule_;
+  Cone cone_;
+  RingValues value_{};
+  std::vector<RingTriangle> triangles_;
+  std::vector<double> scores_a_;
+  std::vector<double> scores_b_;
+  std::vector<Tet> fresh_;
+  std::vector<double> fresh_scores_;
+  std::vector<Tet> removed_;
+  std::vector<Index> added_;
+  double growth_ = 0.0;
+  Index split_vertex_ = kNoIndex;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,264 @@
+#include "core/simplify/tet_operations/refined.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// What an effort means.
+struct Effort {
+  double stage_share;      ///< a stage collapses down to this share of its tets
+  double stage_threshold;  ///< during the stages, tets below this score are flipped
+  int stage_steps;         ///< gradient steps of a stage's sweep
+  double final_threshold;  ///< the same at the wanted count
+  int final_steps;
+  int passes;  ///< least number of stages and final rounds together
+  double repair_threshold;
+  double compound_threshold;
+  int repair_rounds;
+};
+
+constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1, 2, 0.08, 0.03, 1},
+                                                        {0.80, 0.06, 0, 0.18, 1, 5, 0.13, 0.05, 2},
+                                                        {0.78, 0.08, 0, 0.25, 2, 6, 0.16, 0.08, 3},
+                                                        {0.80, 0.10, 0, 0.30, 2, 9, 0.18, 0.10, 4},
+                                                        {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
+                                                        {0.90, 0.20, 1, 1.00, 3, 24, 0.25, 0.14, 8}}};
+
+/// Counts, relative to the wanted one, that stages aim at: the first flips of a mesh take more tets away than
+/// later ones do.
+constexpr double kFirstAim = 1.06;
+constexpr double kLaterAim = 1.02;
+constexpr double kLastAim = 1.012;
+
+/// A stage that falls short of its goal has to leave less than this share of the tets to be followed by
+/// another.
+constexpr double kLeastProgress = 0.98;
+
+/// Flips never take a mesh below these, relative to the wanted count.
+constexpr double kLeastShareInStages = 1.002;
+constexpr double kLeastShare = 0.998;
+
+/// Repairs take more tets away than they add, so they begin with a few too many.
+constexpr double kRepairAim = 1.003;
+
+/// The last collapses for splits aim no lower; one collapse may go a few tets further.
+constexpr double kLeastShareWithRoom = 0.998;
+constexpr std::uint64_t kTetsOfASplit = 5;
+
+/// What collapses may leave, from strict to anything positive.
+constexpr std::array kLeastScores{0.003, 1e-9};
+constexpr std::array kLastLeastScores{0.04, 0.003, 1e-9};  ///< of the last few, with little repair to come
+
+std::uint64_t share_of(std::uint64_t count, double share) {
+  return static_cast<std::uint64_t>(static_cast<double>(count) * share);
+}
+
+class Run {
+ public:
+  Run(WorkingMesh&& mesh, const ScoreRule& scores, const RefinedOptions& options, std::uint64_t target)
+      : mesh_(std::move(mesh)),
+        scores_(scores),
+        options_(options),
+        effort_(kEfforts[static_cast<std::size_t>(options.effort)]),
+        target_(target),
+        smoother_(mesh_, scores_),
+        flipper_(mesh_, scores_, {}),
+        repairer_(mesh_, scores_, {}, options.tools) {}
+
+  void simplify() {
+    const int stages = options_.interleave ? go_down() : 0;
+    collapse_to(share_of(target_, kLastAim));
+    set_window(kLeastShareInStages, mesh_.alive);
+    const int rounds = std::max(1, effort_.passes - stages);
+    for (int i = 0; i < rounds; ++i) {
+      sweep(effort_.final_steps);
+      flip_below(effort_.final_threshold);
+    }
+    // Room for splits is there before the last collapses only.
+    if (options_.repair)
+      repair(0, 0.5 * effort_.compound_threshold,
+             rule_of(kLeastShareInStages, share_of(mesh_.alive, kLastAim)));
+    collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
+    sweep(1);
+    if (!options_.repair) return;
+    repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+    if (mesh_.alive > target_) {
+      collapse_with(kLastLeastScores, target_);
+      repair(1, effort_.compound_threshold, final_rule());
+    }
+    make_room_for_splits();
+  }
+
+  WorkingMesh& mesh() { return mesh_; }
+  const CollapseReport& collapses() const { return collapses_; }
+  RepairCounts counts() const {
+    RepairCounts sum = repairer_.counts();
+    sum.moves += counts_.moves;
+    sum.edges_removed += counts_.edges_removed;
+    sum.faces_removed += counts_.faces_removed;
+    return sum;
+  }
+
+ private:
+  static constexpr int kCompoundSteps = 4;
+  static constexpr double kVeryBad = 0.03;  ///< scores that are worth giving up a vertex elsewhere
+
+  /// Returns the number of stages.
+  int go_down() {
+    int stages = 0;
+    double aim = kFirstAim;
+    while (mesh_.alive > share_of(target_, aim)) {
+      const std::uint64_t before = mesh_.alive;
+      const std::uint64_t goal = std::max(share_of(target_, aim), share_of(before, effort_.stage_share));
+      collapse_to(goal);
+      // Where the boundary forbids more, another stage would only repeat this one.
+      if (mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress)) break;
+      set_window(kLeastShareInStages, before - 1);  // so that the count falls from stage to stage
+      sweep(effort_.stage_steps);
+      flip_below(effort_.stage_threshold);
+      aim = kLaterAim;
+      ++stages;
+    }
+    return stages;
+  }
+
+  FlipRule final_rule() const { return rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive)); }
+
+  /// A tet that only a split helps needs tets to spare, which a collapse elsewhere gives.
+  void make_room_for_splits() {
+    const std::uint64_t fewest = share_of(target_, kLeastShareWithRoom);
+    const bool is_bad = std::any_of(mesh_.tets.begin(), mesh_.tets.end(), [&](const Tet& tet) {
+      const auto t = static_cast<Index>(&tet - mesh_.tets.data());
+      return mesh_.is_alive(t) && flipper_.known_score(t) < kVeryBad;
+    });
+    if (!is_bad || mesh_.alive < fewest + kTetsOfASplit) return;
+    collapse_with(kLastLeastScores, mesh_.alive - kTetsOfASplit);
+    repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+  }
+
+  void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
+
+  void collapse_with(std::span<const double> least_scores, std::uint64_t count) {
+    CollapseOptions collapse;
+    collapse.placement = options_.collapse_placement;
+    collapse.target = count;
+    for (const double least : least_scores) {
+      if (mesh_.alive <= collapse.target) return;
+      collapse.least_score = least;
+      const CollapseReport report = collapse_edges(mesh_, scores_, collapse);
+      collapses_.collapses += report.collapses;
+      collapses_.rejected_link += report.rejected_link;
+      collapses_.rejected_shape += report.rejected_shape;
+    }
+  }
+
+  void sweep(int steps) {
+    if (options_.tools.smoothing) counts_.moves += smoother_.sweep(steps);
+  }
+
+  void flip_below(double threshold) {
+    const auto end = static_cast<Index>(mesh_.tets.size());
+    for (Index t = 0; t < end; ++t) {
+      if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
+      if (options_.tools.edge_removal && flipper_.try_edges_of(t)) {
+        ++counts_.edges_removed;
+        continue;
+      }
+      for (std::size_t corner = 0; corner < 4 && options_.tools.face_removal; ++corner) {
+        if (!flipper_.try_remove_face(t, corner)) continue;
+        ++counts_.faces_removed;
+        break;
+      }
+    }
+  }
+
+  void repair(int rounds, double compound_threshold, const FlipRule& rule) {
+    repairer_.set_rule(rule);
+    for (int i = 0; i < rounds; ++i) repairer_.round(effort_.repair_threshold, 0.0, effort_.final_steps + i);
+    repairer_.round(compound_threshold, compound_threshold, kCompoundSteps);
+  }
+
+  FlipRule rule_of(double least_share, std::uint64_t most) const {
+    FlipRule rule;
+    rule.fewest_tets = share_of(target_, least_share) + 1;
+    rule.most_tets = most;
+    return rule;
+  }
+
+  void set_window(double least_share, std::uint64_t most) { flipper_.set_rule(rule_of(least_share, most)); }
+
+  WorkingMesh mesh_;
+  const ScoreRule& scores_;
+  const RefinedOptions& options_;
+  const Effort effort_;
+  const std::uint64_t target_;
+  Smoother smoother_;
+  Flipper flipper_;
+  Repairer repairer_;
+  CollapseReport collapses_;
+  RepairCounts counts_;  ///< but those of the repairs
+};
+
+/// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the
+/// mesh: the integral of 1 / size^3 over the target.
+double ideal_volume(const TetMesh& mesh, const SizingField& field, std::uint64_t target) {
+  double sum = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const std::array<Vec3, 4> p{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]};
+    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
+    if (field.is_empty()) {
+      sum += volume;
+    } else {
+      const double size = field.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3]));
+      sum += volume / (size * size * size);
+    }
+  }
+  return sum / static_cast<double>(std::max<std::uint64_t>(1, target));
+}
+
+}  // namespace
+
+void validate_options(const RefinedOptions& options) {
+  if (options.stop.fusions || (!options.stop.tets && !options.stop.ratio)) {
+    throw InputError("stop", 0, "tets or ratio", options.stop.fusions ? "fusions" : "limit");
+  }
+  if (options.stop.ratio && !(*options.stop.ratio >= 0.0 && *options.stop.ratio < 1.0)) {
+    throw InputError("ratio", 0, "a number in [0, 1)", std::to_string(*options.stop.ratio));
+  }
+  if (options.effort < 0 || options.effort > kMostEffort) {
+    throw InputError("effort", 0, "0 to " + std::to_string(kMostEffort), std::to_string(options.effort));
+  }
+}
+
+RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
+  validate_options(options);
+  RefinedReport report;
+  report.vertices_in = mesh.points.size();
+  report.tets_in = mesh.tets.size();
+  const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
+  const SizingField field = options.sizing.keep.empty() ? SizingField() : SizingField(options.sizing, mesh);
+  if (mesh.tets.size() > target) {
+    const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
+    Run run(build_working_mesh(std::move(mesh), field), scores, options, target);
+    run.simplify();
+    report.collapses = run.collapses();
+    report.counts = run.counts();
+    mesh = extract_mesh(std::move(run.mesh()));
+  }
+  report.vertices_out = mesh.points.size();
+  report.tets_out = mesh.tets.size();
+  const char* reached = reached_stop(options.stop, target, 0, report.tets_out);
+  report.stop = reached != nullptr ? reached : "limit";
+  return report;
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,57 @@
+// palpate.refined: collapse, and repair in between, up to a remesher's quality, with the boundary untouched.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/mesh/tet_mesh.h"
+#include "core/simplify/fusion/fusion_options.h"
+#include "core/simplify/sizing/sizing.h"
+#include "core/simplify/tet_operations/edge_collapse.h"
+#include "core/simplify/tet_operations/repair.h"
+
+namespace palpate::simplify {
+
+inline constexpr int kMostEffort = 5;
+
+struct RefinedOptions {
+  StopRule stop;   ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
+  int effort = 1;  ///< 0 .. kMostEffort: more passes and higher thresholds, better and slower
+  CollapsePlacement collapse_placement = CollapsePlacement::kFirst;
+  bool interleave = true;  ///< smooth and flip on the way down; else collapse in one go
+  bool repair = true;      ///< the worst tets one by one, at the end
+  RepairTools tools;       ///< smoothing, edge and face removal hold for all of the run
+  SizingOptions sizing;
+};
+
+struct RefinedReport {
+  std::uint64_t vertices_in = 0;
+  std::uint64_t vertices_out = 0;
+  std::uint64_t tets_in = 0;
+  std::uint64_t tets_out = 0;
+  CollapseReport collapses;
+  RepairCounts counts;
+  std::string stop;  ///< "tets", "ratio", or "limit" when nothing more could be collapsed
+};
+
+/// Throws: InputError for a stop other than tets or ratio, a ratio outside [0, 1), an effort out of range.
+void validate_options(const RefinedOptions& options);
+
+/// Simplifies `mesh` in place.
+///
+///   while there are more tets than wanted: collapse the shortest inner edges by a share of the tets, smooth
+///   every free vertex once, flip where it helps; at the wanted count smooth and flip again, then repair the
+///   worst tets one by one.
+///
+/// Scores are those of ScoreScale with the ideal volume of the wanted count. Every operation leaves every tet
+/// positive, exactly; boundary vertices and faces stay as they are, to the bit; kept tets too. The same input
+/// gives the same bytes. A mesh that has no more tets than wanted is left as it is.
+///
+/// Ends at most 0.5% below the wanted count (or one collapse, about 8 tets, if that is more); a run that can
+/// collapse nothing more ends above it, with stop "limit".
+/// Time: about linear. Memory: about 130 bytes a tet of the input beside it.
+/// Requires: positive tets. Throws: InputError for impossible options or a non-manifold face.
+/// Source:  docs/refined.md.
+RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options);
+
+}  // namespace palpate::simplify

@@ -1,0 +1,235 @@
+#include "core/simplify/tet_operations/repair.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/error.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// c of gain_of_score in repairs.
+constexpr double kRepairGainOffset = 0.003;
+
+/// A round takes at most so many tets, and one in so many of all.
+constexpr std::size_t kAlwaysRepaired = 32;
+constexpr std::size_t kShareOfRepair = 4;
+constexpr std::size_t kShareOfCompound = 32;
+
+/// A compound move smooths the vertices around so many times.
+constexpr int kSweepsOfCompound = 3;
+
+/// A compound move that makes the worst tet around so many times better is kept whatever the sum says.
+constexpr double kWorthAnyway = 2.0;
+
+/// Shifts of a vertex of the ring away from the edge, or towards it, that may make a flip possible.
+constexpr std::array kShifts{0.15, 0.3, -0.15, 0.5};
+
+/// Edges are split only for tets below this score: a count is not given away lightly.
+constexpr double kSplitThreshold = 0.03;
+
+FlipRule trial_rule(FlipRule rule) {
+  rule.least_growth = -1e299;
+  rule.least_of_worst = 0.0;
+  return rule;
+}
+
+std::array<Index, 2> edge_of(const Tet& tet, std::size_t e) {
+  return {tet[static_cast<std::size_t>(kTetEdges[e][0])], tet[static_cast<std::size_t>(kTetEdges[e][1])]};
+}
+
+std::size_t corner_in(const Tet& tet, Index v) {
+  return static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
+}
+
+}  // namespace
+
+Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule, const RepairTools& tools)
+    : mesh_(mesh),
+      scores_(scores.with_gain_offset(kRepairGainOffset)),
+      tools_(tools),
+      smoother_(mesh, scores_),
+      flipper_(mesh, scores_, rule),
+      trial_(mesh, scores_, trial_rule(rule)) {}
+
+void Repairer::set_rule(const FlipRule& rule) {
+  flipper_.set_rule(rule);
+  trial_.set_rule(trial_rule(rule));
+}
+
+void Repairer::remember_more() {
+  given_up_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
+  hopeless_at_.resize(mesh_.tets.size(), WorkingMesh::kNoScore);
+}
+
+void Repairer::round(double threshold, double compound_threshold, int steps) {
+  bad_.clear();
+  remember_more();
+  for (Index t = 0; t < mesh_.tets.size(); ++t) {
+    if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) bad_.emplace_back(mesh_.score[t], t);
+  }
+  std::sort(bad_.begin(), bad_.end());
+  // Where most tets are bad, as when the boundary is too fine for the count, no repair helps; the time is
+  // bounded.
+  const std::size_t share = compound_threshold > 0.0 ? kShareOfCompound : kShareOfRepair;
+  if (bad_.size() > kAlwaysRepaired + mesh_.alive / share) bad_.resize(kAlwaysRepaired + mesh_.alive / share);
+  for (const auto& [score, t] : bad_) {
+    if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
+    const Tet tet = mesh_.tets[t];
+    if (given_up_at_[t] != mesh_.score[t]) {
+      if (try_flips(t, tet) || try_moves(tet, steps)) continue;
+      given_up_at_[t] = mesh_.score[t];
+    }
+    // A trial that is taken back may give the tet another slot: from here on its vertices stand for it.
+    const double score_now = flipper_.known_score(t);
+    if (score_now >= compound_threshold) continue;
+    const bool is_split_wanted = score_now < kSplitThreshold;
+    if (hopeless_at_[t] != score_now) {
+      if (try_compound(tet, score_now, steps)) continue;
+      if (is_split_wanted && try_shifted_flips(tet, score_now, steps)) continue;
+      remember_more();
+      const Index slot = find_tet(tet);
+      hopeless_at_[slot] = given_up_at_[slot] = flipper_.known_score(slot);
+    }
+    if (is_split_wanted) try_splits(tet, score_now, steps);
+  }
+}
+
+bool Repairer::try_flips(Index t, const Tet& tet) {
+  for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (!flipper_.try_remove_edge(a, b)) continue;
+    ++counts_.edges_removed;
+    return true;
+  }
+  for (std::size_t corner = 0; corner < 4 && tools_.face_removal; ++corner) {
+    if (!flipper_.try_remove_face(t, corner)) continue;
+    ++counts_.faces_removed;
+    return true;
+  }
+  return false;
+}
+
+bool Repairer::try_moves(const Tet& tet, int steps) {
+  if (!tools_.smoothing) return false;
+  bool moved = false;
+  for (const Index v : tet) {
+    if (!mesh_.is_free(v) || !(smoother_.smooth(v, steps) > 0.0)) continue;
+    ++counts_.moves;
+    moved = true;
+  }
+  return moved;
+}
+
+bool Repairer::try_compound(const Tet& tet, double score, int steps) {
+  if (!tools_.compound_moves || !tools_.smoothing) return false;
+  for (std::size_t e = 0; e < 6 && tools_.edge_removal; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (!trial_.try_remove_edge(a, b) || !keep_if_better(score, steps, true)) continue;
+    ++counts_.edges_removed;
+    return true;
+  }
+  for (std::size_t corner = 0; corner < 4 && tools_.face_removal; ++corner) {
+    const Index t = find_tet(tet);
+    if (!trial_.try_remove_face(t, corner_in(mesh_.tets[t], tet[corner])) ||
+        !keep_if_better(score, steps, true)) {
+      continue;
+    }
+    ++counts_.faces_removed;
+    return true;
+  }
+  return false;
+}
+
+/// The slot of the tet with these vertices.
+Index Repairer::find_tet(const Tet& tet) const {
+  for (const Index t : mesh_.star(tet[0])) {
+    const Tet& other = mesh_.tets[t];
+    if (std::is_permutation(other.begin(), other.end(), tet.begin())) return t;
+  }
+  throw ContractError("find_tet: no tet has these vertices");
+}
+
+bool Repairer::try_shifted_flips(const Tet& tet, double score, int steps) {
+  if (!tools_.compound_moves || !tools_.smoothing || !tools_.edge_removal) return false;
+  EdgeRing ring;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (!find_edge_ring(mesh_, a, b, ring)) continue;
+    const EdgeRing around = ring;
+    for (std::size_t i = 0; i < around.size; ++i) {
+      if (mesh_.is_free(around.ring[i]) && try_shift(around, around.ring[i], score, steps)) return true;
+    }
+  }
+  return false;
+}
+
+bool Repairer::try_shift(const EdgeRing& ring, Index v, double score, int steps) {
+  const Vec3 from = mesh_.points[v];
+  const Vec3 away = from - 0.5 * (mesh_.points[ring.a] + mesh_.points[ring.b]);
+  for (const double share : kShifts) {
+    const Vec3 to = from + share * away;
+    cone_.start(scores_.at(from), from);
+    add_star(mesh_, v, kNoIndex, cone_);
+    cone_.close();
+    if (!cone_.is_positive(to)) continue;
+    apply_move(mesh_, v, to);
+    if (trial_.try_remove_edge(ring.a, ring.b)) {
+      if (keep_if_better(score, steps, false)) {
+        ++counts_.edges_removed;
+        return true;
+      }
+    }
+    apply_move(mesh_, v, from);
+  }
+  return false;
+}
+
+bool Repairer::try_splits(const Tet& tet, double score, int steps) {
+  if (!tools_.edge_splits || !tools_.smoothing) return false;
+  for (std::size_t e = 0; e < 6; ++e) {
+    const auto [a, b] = edge_of(tet, e);
+    if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(score, steps, true)) continue;
+    ++counts_.splits;
+    return true;
+  }
+  return false;
+}
+
+double Repairer::worst_around() {
+  double worst = 1e300;
+  for (const Index t : trial_.added()) worst = std::min(worst, flipper_.known_score(t));
+  for (const Index v : vertices_) {
+    for (const Index t : mesh_.star(v)) worst = std::min(worst, flipper_.known_score(t));
+  }
+  return worst;
+}
+
+bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
+  vertices_.clear();
+  places_.clear();
+  for (const Index t : trial_.added()) {
+    for (const Index v : mesh_.tets[t]) {
+      if (!mesh_.is_free(v) || std::find(vertices_.begin(), vertices_.end(), v) != vertices_.end()) continue;
+      vertices_.push_back(v);
+      places_.push_back(mesh_.points[v]);
+    }
+  }
+  double growth = trial_.growth();
+  for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
+    double gained = 0.0;
+    for (const Index v : vertices_) gained += smoother_.smooth(v, steps);
+    growth += gained;
+    // A sweep gains less than the one before it.
+    if (growth + left * gained <= flipper_.rule().least_growth) break;
+  }
+  if ((by_sum && growth > flipper_.rule().least_growth) || worst_around() > kWorthAnyway * score) {
+    counts_.moves += vertices_.size();
+    return true;
+  }
+  for (std::size_t i = 0; i < vertices_.size(); ++i) apply_move(mesh_, vertices_[i], places_[i]);
+  trial_.undo();
+  return false;
+}
+
+}  // namespace palpate::simplify

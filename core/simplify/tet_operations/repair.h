@@ -1,0 +1,76 @@
+// The worst tets, one after another, by whatever helps.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/simplify/tet_operations/flips.h"
+#include "core/simplify/tet_operations/smoothing.h"
+
+namespace palpate::simplify {
+
+/// What a repair may use; one switch an ingredient.
+struct RepairTools {
+  bool smoothing = true;
+  bool edge_removal = true;
+  bool face_removal = true;
+  bool compound_moves = true;  ///< a flip that is good only once the vertices around it have moved
+  bool edge_splits = true;     ///< a new vertex in the middle of an edge of a tet that nothing else helps
+};
+
+/// How often each was made.
+struct RepairCounts {
+  std::uint64_t moves = 0;
+  std::uint64_t edges_removed = 0;
+  std::uint64_t faces_removed = 0;
+  std::uint64_t splits = 0;
+};
+
+/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here
+/// (kRepairGainOffset), so that a mesh is worth about as much as its worst tets.
+class Repairer {
+ public:
+  /// Holds a reference to the mesh, copies of the rules.
+  Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule, const RepairTools& tools);
+
+  /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
+  /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
+  /// Below `compound_threshold` also compound moves and, last, splits. What an earlier round has tried in
+  /// vain on a tet, all but splits, is not tried again while its score is the same. A round takes the worst
+  /// fourth of all tets at most, with compound moves the worst in 32.
+  void round(double threshold, double compound_threshold, int steps);
+
+  /// Changes how far the count may go.
+  void set_rule(const FlipRule& rule);
+
+  const RepairCounts& counts() const { return counts_; }
+
+ private:
+  void remember_more();
+  bool try_flips(Index t, const Tet& tet);
+  bool try_moves(const Tet& tet, int steps);
+  bool try_compound(const Tet& tet, double score, int steps);
+  bool try_splits(const Tet& tet, double score, int steps);
+  Index find_tet(const Tet& tet) const;
+  double worst_around();
+  bool keep_if_better(double score, int steps, bool by_sum);
+  bool try_shifted_flips(const Tet& tet, double score, int steps);
+  bool try_shift(const EdgeRing& ring, Index v, double score, int steps);
+
+  WorkingMesh& mesh_;
+  ScoreRule scores_;
+  RepairTools tools_;
+  Smoother smoother_;
+  Flipper flipper_;
+  Flipper trial_;  ///< makes flips that may be bad, for a trial
+  RepairCounts counts_;
+  Cone cone_;
+  std::vector<std::pair<double, Index>> bad_;
+  std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
+  std::vector<double> hopeless_at_;  ///< the score at which compound moves helped nothing either
+  std::vector<Index> vertices_;
+  std::vector<Vec3> places_;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,83 @@
+#include "core/simplify/tet_operations/smoothing.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+
+namespace palpate::simplify {
+namespace {
+
+/// Steps towards the centroid of the star, the longest first.
+constexpr std::array kCentroidSteps{1.0, 0.5, 0.2};
+
+/// First step along the gradient, and the difference that the gradient is got by, in lengths of an edge.
+constexpr double kFirstStep = 0.15;
+constexpr double kDifference = 0.01 * kFirstStep;
+constexpr double kShorter = 0.4;  ///< factor of a step that was too long
+constexpr int kTriesPerStep = 3;
+
+/// Share of the worst score that has to stay.
+constexpr double kLeastOfWorst = 0.5;
+
+}  // namespace
+
+bool Smoother::try_place(const Vec3& place) {
+  const double least = kLeastOfWorst * figures_.worst;
+  const ConeFigures there = cone_.evaluate(place, least);
+  if (!(there.worst > 0.0) || there.worst < least || !(there.sum > figures_.sum)) return false;
+  place_ = place;
+  figures_ = there;
+  return true;
+}
+
+void Smoother::climb(int steps) {
+  const Tet& tet = mesh_.tets[cone_tet_];
+  const double edge = length(mesh_.points[tet[0]] - mesh_.points[tet[1]]);
+  double step = kFirstStep * edge;
+  const double d = kDifference * edge;
+  for (int i = 0; i < steps; ++i) {
+    const Vec3 gradient{cone_.evaluate(place_ + Vec3{d, 0.0, 0.0}).sum - figures_.sum,
+                        cone_.evaluate(place_ + Vec3{0.0, d, 0.0}).sum - figures_.sum,
+                        cone_.evaluate(place_ + Vec3{0.0, 0.0, d}).sum - figures_.sum};
+    const double norm = length(gradient);
+    if (!(norm > 0.0)) return;
+    bool better = false;
+    for (int k = 0; k < kTriesPerStep && !better; ++k) {
+      better = try_place(place_ + (step / norm) * gradient);
+      if (!better) step *= kShorter;
+    }
+    if (!better) return;
+  }
+}
+
+double Smoother::smooth(Index v, int steps) {
+  const Vec3 before = mesh_.points[v];
+  cone_.start(rule_.at(before), before);
+  add_star(mesh_, v, kNoIndex, cone_);
+  cone_.close();
+  cone_tet_ = mesh_.star(v)[0];
+  place_ = before;
+  figures_ = cone_.evaluate(before);
+  const double sum_before = figures_.sum;
+  const Vec3 centroid = cone_.volume_centroid(before);
+  for (const double step : kCentroidSteps) {
+    if (try_place(before + step * (centroid - before))) break;
+  }
+  climb(steps);
+  if (!(figures_.sum > sum_before) || !cone_.is_positive(place_)) return 0.0;
+  mesh_.points[v] = place_;
+  cone_.scores(place_, scores_);
+  std::size_t i = 0;
+  for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0, scores_[i++]);
+  return figures_.sum - sum_before;
+}
+
+std::uint64_t Smoother::sweep(int steps) {
+  std::uint64_t moved = 0;
+  for (Index v = 0; v < mesh_.points.size(); ++v) {
+    if (mesh_.is_vertex_alive(v) && mesh_.is_free(v) && smooth(v, steps) > 0.0) ++moved;
+  }
+  return moved;
+}
+
+}  // namespace palpate::simplify

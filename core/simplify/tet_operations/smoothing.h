@@ -1,0 +1,42 @@
+// Moving free vertices to where the tets around them are better.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// Moves one vertex after another; the memory that it works in is kept between them.
+class Smoother {
+ public:
+  /// Holds references to both.
+  Smoother(WorkingMesh& mesh, const ScoreRule& rule) : mesh_(mesh), rule_(rule) {}
+
+  /// Moves free vertex v to where the sum of gains around it is larger: towards the volume-weighted centroid
+  /// of its star (steps 1, 0.5, 0.2; the first that is better), then up to `steps` steps along the gradient,
+  /// got by forward differences. No score around falls below half of the worst before, and every tet stays
+  /// positive, exactly; else v stays. Fills the scores of its star if it moves.
+  /// Returns: by how much the sum of gains has grown; 0 if v stays.
+  double smooth(Index v, int steps);
+
+  /// One sweep over all free vertices in storage order. Returns how many moved.
+  std::uint64_t sweep(int steps);
+
+ private:
+  bool try_place(const Vec3& place);
+  void climb(int steps);
+
+  WorkingMesh& mesh_;
+  const ScoreRule& rule_;
+  Cone cone_;
+  Index cone_tet_ = kNoIndex;  ///< one of the star
+  Vec3 place_;
+  ConeFigures figures_;
+  std::vector<double> scores_;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,95 @@
+#include <poll.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <new>
+
+#include "core/base/error.h"
+#include "experiments/commands/commands.h"
+#include "experiments/commands/commands_export.h"
+#include "experiments/commands/usage.h"
+#include "experiments/records/provenance.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace {
+
+int fail(const std::string& message, int code) {
+  print_note(message);
+  return code;
+}
+
+std::string version_text() {
+  const SourceVersion version = find_source_version();
+  std::string text = std::string("palpate ") + PALPATE_VERSION;
+  if (version.commit != "unknown") text += " (" + version.commit + (version.dirty ? ", changed)" : ")");
+  return text;
+}
+
+void add_commands(CLI::App& app, int& exit_code) {
+  add_run_command(app, exit_code);
+  add_check_command(app, exit_code);
+  add_gate_command(app, exit_code);
+  add_list_command(app, exit_code);
+  add_make_command(app, exit_code);
+  add_mesh_command(app, exit_code);
+  add_simplify_command(app, exit_code);
+  add_simulate_command(app, exit_code);
+  add_quality_command(app, exit_code);
+  add_springs_command(app, exit_code);
+  add_export_command(app, exit_code);
+  add_train_command(app, exit_code);
+  add_test_command(app, exit_code);
+  name_command_groups(app);
+}
+
+/// True if standard output is a pipe that nobody reads any more.
+bool reader_has_left() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
+}
+
+int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
+  try {
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::Success& help) {  // --help, --version
+    return app.exit(help);
+  } catch (const CLI::ParseError& error) {
+    return fail(explain(app, error), kBadInput);
+  }
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that left early (palpate ... | head) is no failure
+  CLI::App app("Benchmark and validation harness for tetrahedral organ models", "palpate");
+  app.set_version_flag("--version", version_text, "Print the version and exit");
+  app.require_subcommand(1);
+  set_plain_help(app);
+  int exit_code = kDone;
+  add_commands(app, exit_code);
+  int code = kDone;
+  try {
+    check_command_names(app, argc, argv);
+    code = parse_and_run(app, argc, argv, exit_code);
+  } catch (const InputError& error) {
+    code = fail(error.what(), kBadInput);
+  } catch (const UnavailableError& error) {
+    code = fail(error.what(), kCouldNotRun);
+  } catch (const ContractError& error) {
+    code = fail(std::string("a fault of its own: ") + error.what(), kCouldNotRun);
+  } catch (const std::bad_alloc&) {
+    code = fail("out of memory", kCouldNotRun);
+  } catch (const std::exception& error) {
+    code = fail(std::string("a fault of its own: ") + error.what(), kCouldNotRun);
+  }
+  std::cout.flush();
+  if (!std::cout && !reader_has_left()) return fail("standard output cannot be written", kBadInput);
+  return code;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,258 @@
+// run, check, test.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+#include <thread>
+
+#include "core/base/error.h"
+#include "experiments/commands/commands.h"
+#include "experiments/commands/usage.h"
+#include "experiments/files/places.h"
+#include "experiments/plan_reader/plan_report.h"
+#include "experiments/processes/process.h"
+#include "experiments/processes/stop_signals.h"
+#include "experiments/records/run_folder.h"
+#include "experiments/runner/contest_table.h"
+#include "experiments/runner/read_plan.h"
+#include "experiments/runner/runner.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "experiments/simulation/motion_setup.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+struct RunArguments {
+  std::string plan;
+  std::string out;
+  std::string case_id;
+  bool resume = false;
+  bool list_cases = false;
+  bool no_report = false;
+  int threads = 0;
+};
+
+fs::path choose_folder(const RunArguments& arguments, const Plan& plan) {
+  if (!arguments.out.empty()) return arguments.out;
+  const fs::path parent = results_folder(plan.name);
+  return arguments.resume ? find_run(parent) : new_run_folder(parent);
+}
+
+/// Runs the report over a finished run and prints what it says. Returns kDone, kNotAccepted if something that
+/// the plan requires does not hold, or kCouldNotRun.
+int make_report(const fs::path& folder) {
+  const fs::path script = fs::path(source_folder()) / "report" / "make_report.py";
+  if (!fs::exists(script)) {
+    print_note("the report is missing: " + script.string());
+    return kCouldNotRun;
+  }
+  ProcessSpec spec;
+  spec.arguments = {"/usr/bin/python3", script.string(), folder.string()};
+  spec.timeout_s = 1800.0;
+  spec.standard_output = folder / "report.txt";
+  spec.standard_error = folder / "report_errors.txt";
+  spec.stop_flag = catch_stop_signals();
+  const ProcessResult result = run_process(spec);
+  std::cout << std::ifstream(spec.standard_output).rdbuf();
+  std::cout.clear();  // an empty summary sets the fail bit
+  if (result.end == ProcessEnd::kExited && (result.exit_code == kDone || result.exit_code == kNotAccepted)) {
+    std::error_code ignored;
+    fs::remove(spec.standard_error, ignored);
+    return result.exit_code;
+  }
+  std::ostringstream errors;
+  errors << std::ifstream(spec.standard_error).rdbuf();
+  std::string last = errors.str();
+  while (!last.empty() && last.back() == '\n') last.pop_back();
+  print_note("the report failed (" + result.message + "): " + last.substr(last.rfind('\n') + 1));
+  return kCouldNotRun;
+}
+
+void print_outcomes(const RunResult& result) {
+  TextTable table({"contestant", "cases", "outcome"}, "lrl");
+  for (const auto& [label, outcomes] : result.outcomes) {
+    for (const auto& [outcome, count] : outcomes) {
+      const Color color = outcome == "accepted" ? Color::kGreen : Color::kRed;
+      table.add({label, std::to_string(count), colored(outcome, color)});
+    }
+  }
+  std::cout << '\n' << table.text();
+  std::size_t shown = 0;
+  for (const auto& [id, failure] : result.failures) {
+    if (++shown > 20) break;
+    std::cout << "  " << id << ": " << failure << '\n';
+  }
+  if (result.failures.size() > 20) {
+    std::cout << "  and " << result.failures.size() - 20 << " more in records.jsonl\n";
+  }
+}
+
+int run(const RunArguments& arguments) {
+  const Registry registry = load_registry();
+  const Plan plan = read_plan(arguments.plan, registry);
+  if (arguments.list_cases) {
+    const auto cases = build_cases(plan, registry);
+    if (arguments.case_id.empty()) {
+      for (const Case& c : cases) std::cout << c.id << '\n';
+    } else {
+      for (const std::size_t i : select_cases(cases, arguments.case_id)) std::cout << cases[i].id << '\n';
+    }
+    return kDone;
+  }
+  require_available(plan, registry);
+  for (const std::string& note : plan.notes) print_note(note);
+  RunOptions options;
+  options.stop_flag = catch_stop_signals();
+  options.folder = choose_folder(arguments, plan);
+  options.resume = arguments.resume;
+  options.case_id = arguments.case_id;
+  if (arguments.threads > 0) options.threads = arguments.threads;
+  Progress progress;
+  const RunResult result = run_plan(plan, registry, options, progress);
+  if (result.interrupted) {
+    progress.say("interrupted; what is finished is kept, go on with: palpate run " + arguments.plan +
+                 " --out " + options.folder.string() + " --resume");
+    return kInterrupted;
+  }
+  progress.show("report");
+  if (arguments.no_report && requires_report(plan.file))
+    print_note("without a report, nobody looks at what the plan requires (required: true)");
+  const int reported = arguments.no_report ? kDone : make_report(options.folder);
+  progress.say("done");
+  print_outcomes(result);
+  std::cout << "Run: " << options.folder.string() << '\n';
+  if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
+  return result.required_rejected ? kNotAccepted : reported;
+}
+
+/// Whether a file says that it is a scene; anything else is read as a plan.
+bool is_scene(const std::string& file) {
+  const YamlValue root = read_yaml(file);
+  if (!root.is_map()) return false;
+  for (const auto& [key, value] : root.entries()) {
+    if (key == "schema" && value.is_text()) return value.text().rfind("palpate/scene/", 0) == 0;
+  }
+  return false;
+}
+
+/// Reads the scene and puts it on its mesh, which finds the regions that take hold of nothing.
+void check_scene(const std::string& file, const Registry& registry) {
+  const Scene scene = read_scene(file);
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  const Scene placed = place_scene(scene, made.mesh);
+  if (scene.is_dynamic) {
+    build_motion(placed, made.mesh, registry, 1);
+  } else {
+    build_problem(placed, made.mesh);
+  }
+  if (scene.model) resolve_options(*find_model(scene, registry).method, scene.model->set);
+  std::cout << file << ": good, a " << (scene.is_dynamic ? "dynamic" : "static") << " scene of "
+            << made.mesh.points.size() << " vertices\n";
+}
+
+int check(const std::vector<std::string>& files) {
+  const Registry registry = load_registry();
+  int code = kDone;
+  for (const std::string& file : files) {
+    try {
+      if (is_scene(file)) {
+        check_scene(file, registry);
+        continue;
+      }
+      const Plan plan = read_plan(file, registry);
+      const std::size_t cases = build_cases(plan, registry).size();
+      std::cout << file << ": good, " << cases << " cases, "
+                << cases * static_cast<std::size_t>(plan.run.repeats + plan.run.warmup) << " runs\n";
+      for (const std::string& note : plan.notes) std::cout << file << ": note: " << note << '\n';
+    } catch (const InputError& error) {
+      print_note(error.what());
+      code = kBadInput;
+    }
+  }
+  return code;
+}
+
+/// Runs ctest on the build that this program comes from, with its output passed through. `full` takes nothing
+/// as known.
+int test(bool full, const std::vector<std::string>& extra) {
+  const fs::path build = fs::path(program_folder()).parent_path();
+  std::vector<std::string> arguments{"ctest",
+                                     "--test-dir",
+                                     build.string(),
+                                     "--output-on-failure",
+                                     "--no-tests=error",
+                                     "--parallel",
+                                     std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
+  if (full) ::setenv("PALPATE_FULL", "1", 1);
+  arguments.insert(arguments.end(), extra.begin(), extra.end());
+  std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  std::cout.flush();
+  const pid_t child = ::fork();
+  if (child < 0) throw UnavailableError(std::string("cannot start ctest: ") + std::strerror(errno));
+  if (child == 0) {
+    ::execvp(pointers[0], pointers.data());
+    ::_exit(127);
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) {
+    throw UnavailableError("cannot start ctest (the package cmake has it)");
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? kDone : kNotAccepted;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Run a plan: contestants, judge, records, report");
+  command->add_option("PLAN", arguments->plan, "Plan file (.yaml)")->required();
+  command->add_option("--out", arguments->out, "Run folder (default: results/<plan>/<time>-<commit>)")
+      ->type_name("DIR");
+  command
+      ->add_option("--case", arguments->case_id,
+                   "Only this case, or those that start so (kidney/hierarchical)")
+      ->type_name("ID");
+  command->add_flag("--resume", arguments->resume,
+                    "Go on with the run in --out (default: the plan's newest)");
+  command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
+  command->add_flag("--no-report", arguments->no_report, "Leave tables and charts out");
+  command->footer(
+      "Exit codes: 0 done and accepted; 1 a required answer was rejected, or a comparison, a target or\n"
+      "the claim with required: true does not hold (the report's last lines say which); 3 a required case\n"
+      "or the report could not run; 130 interrupted.");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+void add_check_command(CLI::App& app, int& exit_code) {
+  auto files = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("check", "Validate plans and scenes, run nothing");
+  command->add_option("FILE", *files, "Plan and scene files")->required();
+  command->callback([files, &exit_code] { exit_code = check(*files); });
+}
+
+void add_test_command(CLI::App& app, int& exit_code) {
+  CLI::App* command = app.add_subcommand("test", "Run the project's tests");
+  auto full = std::make_shared<bool>(false);
+  command->add_flag("--full", *full, "Hold every source against every tool, as if none had passed before");
+  command->footer("Anything else goes to ctest: palpate test -R runner");
+  command->prefix_command();
+  command->callback([command, full, &exit_code] { exit_code = test(*full, command->remaining()); });
+}
+
+}  // namespace palpate::experiments

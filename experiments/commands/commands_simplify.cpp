@@ -1,0 +1,332 @@
+// simplify: one mesh through the same door as in a plan.
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "core/base/error.h"
+#include "experiments/commands/commands.h"
+#include "experiments/commands/usage.h"
+#include "experiments/contestants/contestant_run.h"
+#include "experiments/files/output_file.h"
+#include "experiments/judging/judge_record.h"
+#include "experiments/judging/keep.h"
+#include "experiments/meshes/mesh_source.h"
+#include "experiments/processes/bounded_work.h"
+#include "experiments/text/nearest_name.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kMostRemoved = std::int64_t{1} << 40;
+
+struct SimplifyArguments {
+  std::string mesh;
+  std::string out;
+  std::string method;
+  std::int64_t fusions = -1;
+  std::int64_t tets = -1;
+  double ratio = -1.0;
+  std::vector<std::string> set;
+  std::vector<std::string> keep;
+  double timeout_s = 3600.0;
+  int threads = 1;
+  bool as_json = false;
+};
+
+/// A folder below the system's temporary one, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder() {
+    std::string name = (fs::temp_directory_path() / "palpate-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+      throw InputError(name, 0, "a temporary folder that can be written", "none");
+    }
+    path_ = name;
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+MethodEntry find_method(const Registry& registry, const std::string& name) {
+  const auto entry = registry.find(name);
+  if (!entry)
+    throw InputError("--method: unknown method \"" + name + "\"" +
+                     nearest_hint(name, registry.method_names()));
+  if (entry->contestant->contest != "simplify") {
+    throw InputError("--method: " + name + " is in the contest " + entry->contestant->contest +
+                     ", not in simplify");
+  }
+  const std::string why = entry->contestant->unavailable();
+  if (!why.empty()) throw UnavailableError(name + " is unavailable: " + why);
+  return *entry;
+}
+
+std::vector<std::string> keep_of(const SimplifyArguments& arguments, const MethodSpec& method,
+                                 const Registry& registry) {
+  std::vector<std::string> keep;
+  for (const std::string& region : arguments.keep) keep.push_back(parse_keep(region, "--keep"));
+  if (!keep.empty() && !method.keeps)
+    throw InputError("--keep: method " + method.name + " keeps no regions" + keeping_methods(registry));
+  return keep;
+}
+
+/// Says which tets had to stay. Returns whether they did.
+bool report_kept(const std::vector<std::string>& keep, const TetMesh& in, const TetMesh& out, json& report) {
+  if (keep.empty()) return true;
+  const judge::RegionFigures kept = judge::compare_in_regions(out, in, judge_regions(keep));
+  report["keep"] = keep;
+  report["kept_tets"] = kept.input_tets;
+  report["kept_tets_changed"] = kept.changed_tets;
+  if (kept.input_tets == 0)
+    print_note("no tetrahedron meets a region to keep (regions are in the mesh's own coordinates)");
+  if (kept.changed_tets > 0)
+    print_note(std::to_string(kept.changed_tets) + " tetrahedra that were to be kept are not in the output");
+  return kept.changed_tets == 0;
+}
+
+/// Judges what the method wrote, in a child with bounds. Says what is wrong with it; returns whether it is
+/// valid.
+bool report_validity(const TetMesh& out, json& report) {
+  const auto judge = [&out] {
+    const Judgement judgement = judge_mesh(out);
+    return json{{"figures", judgement.figures}, {"violations", judgement.violations}};
+  };
+  const WorkResult judged = run_bounded(judge, {});
+  if (judged.end != WorkEnd::kDone) {
+    report["valid"] = nullptr;
+    print_note("the output was not judged: the judge " + judged.message);
+    return false;
+  }
+  const json& figures = judged.value.at("figures");
+  report["valid"] = figures.at("valid");
+  for (const char* key : {"inverted_tets", "flat_tets", "findings"}) report[key] = figures.at(key);
+  for (const json& violation : judged.value.at("violations"))
+    print_note("the output is invalid: " + violation.get<std::string>());
+  return judged.value.at("violations").empty();
+}
+
+Stop stop_of(const SimplifyArguments& arguments, const MethodSpec& method) {
+  const int given = int{arguments.fusions >= 0} + int{arguments.tets >= 0} + int{arguments.ratio >= 0.0};
+  if (given > 1) throw InputError("--fusions, --tets, --ratio", 0, "one stop", std::to_string(given));
+  Stop stop;
+  if (arguments.fusions >= 0) stop = {StopKind::kFusions, static_cast<double>(arguments.fusions), ""};
+  if (arguments.tets >= 0) stop = {StopKind::kTets, static_cast<double>(arguments.tets), ""};
+  if (arguments.ratio >= 0.0) stop = {StopKind::kRatio, arguments.ratio, ""};
+  if (!method.takes_stop(stop_name(stop.kind))) {
+    throw InputError(method.name + " cannot stop at " + stop_name(stop.kind) + ", only at " +
+                     joined(method.stops));
+  }
+  return stop;
+}
+
+json parse_options(const MethodSpec& method, const std::vector<std::string>& settings) {
+  std::map<std::string, GivenOption> given;
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw InputError("--set", 0, "key=value", "\"" + setting + "\"");
+    const std::string key = setting.substr(0, equals);
+    if (!given.emplace(key, GivenOption{setting.substr(equals + 1), "--set"}).second) {
+      throw InputError("--set: option \"" + key + "\" twice");
+    }
+  }
+  return resolve_options(method, given);
+}
+
+/// The input, oriented and judged. Throws: InputError if the judge finds it invalid.
+TetMesh read_valid_mesh(const std::string& path) {
+  MeditFile file = read_mesh(path, ReadOrientation::kRestore);
+  const std::string before = path + ": ";
+  for (const std::string& note : file.notes) print_note(before + note);
+  const Judgement judgement = judge_mesh(file.mesh);
+  if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
+  return std::move(file.mesh);
+}
+
+/// Names of the report's figures for people, in the order in which they are printed.
+constexpr std::array<std::pair<const char*, const char*>, 16> kReportNames{{
+    {"vertices_in", "vertices before"},
+    {"vertices_out", "vertices after"},
+    {"tets_in", "tetrahedra before"},
+    {"tets_out", "tetrahedra after"},
+    {"fusions", "fusions"},
+    {"stop", "stopped at"},
+    {"kernel_s", "time of the method"},
+    {"inverted_tets", "inverted tetrahedra, by the judge"},
+    {"kept_tets", "tetrahedra to keep"},
+    {"kept_tets_changed", "of these, not in the output"},
+    {"boundary", "not fused: on the boundary"},
+    {"boundary_neighbour", "not fused: next to the boundary"},
+    {"quality", "not fused: a neighbour would lose too much quality"},
+    {"flip", "not fused: a neighbour would turn over"},
+    {"touched", "not fused: moved by an earlier fusion"},
+    {"kept", "not fused: in or next to a region to keep"},
+}};
+
+std::string name_of(const std::string& key) {
+  const auto known = std::find_if(kReportNames.begin(), kReportNames.end(),
+                                  [&](const auto& name) { return key == name.first; });
+  return known == kReportNames.end() ? key : known->second;
+}
+
+std::string short_duration(double seconds) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g %s", seconds < 1.0 ? 1000.0 * seconds : seconds,
+                seconds < 1.0 ? "ms" : "s");
+  return text.data();
+}
+
+void print_report(const json& report) {
+  TextTable table({"measure", "value"}, "lr");
+  for (const auto& [key, name] : kReportNames) {
+    if (!report.contains(key)) continue;
+    const json& value = report.at(key);
+    std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    if (value.is_number()) text = short_number(value.get<double>());
+    if (std::string(key) == "kernel_s") text = short_duration(value.get<double>());
+    table.add({name, text});
+  }
+  const json rejected = report.value("rejected", json::object());
+  for (const auto& [reason, count] : rejected.items()) {
+    if (count != 0) table.add({name_of(reason), count.dump()});
+  }
+  std::cout << table.text();
+}
+
+json full_report(const ContestantAnswer& answer, const std::string& method, const TetMesh& in,
+                 const TetMesh& out) {
+  json report = answer.report;
+  report["method"] = method;
+  report["kernel_s"] = *answer.kernel_s;
+  report["wall_s"] = *answer.wall_s;
+  report["peak_rss_bytes"] = *answer.peak_rss_bytes;
+  report["vertices_in"] = in.points.size();
+  report["tets_in"] = in.tets.size();
+  report["vertices_out"] = out.points.size();
+  report["tets_out"] = out.tets.size();
+  if (!answer.tuned.empty()) {
+    report["tuned"] = answer.tuned;
+    report["searched"] = answer.searched;
+  }
+  return report;
+}
+
+int simplify(const SimplifyArguments& arguments) {
+  const Registry registry = load_registry();
+  const MethodEntry method = find_method(registry, arguments.method);
+  ContestantTask task;
+  task.method = method;
+  task.options = parse_options(*method.method, arguments.set);
+  task.stop = stop_of(arguments, *method.method);
+  task.keep = keep_of(arguments, *method.method, registry);
+  check_output_file(arguments.out);
+  const TetMesh in = read_valid_mesh(arguments.mesh);
+  const ScratchFolder scratch;
+  task.scratch = scratch.path();
+  task.mesh_in = scratch.path() / "in.mesh";
+  write_medit(task.mesh_in, in);
+  task.threads = arguments.threads;
+  task.timeout_s = arguments.timeout_s;
+  const ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(arguments.method + ": " + answer.message);
+  if (answer.outcome != "ok") {
+    throw UnavailableError(arguments.method + ": " + answer.outcome + ": " + answer.message);
+  }
+  TetMesh out;
+  try {
+    out = read_medit(answer.output, ReadOrientation::kKeep).mesh;
+  } catch (const InputError& error) {
+    throw UnavailableError(arguments.method + ": its mesh cannot be read: " + error.what());
+  }
+  write_mesh(arguments.out, out);
+  for (const std::string& note : answer.notes) print_note(note);
+  json report = full_report(answer, arguments.method, in, out);
+  const bool is_valid = report_validity(out, report);
+  const bool kept = report_kept(task.keep, in, out, report);
+  if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
+    print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
+               " tetrahedra left");
+  }
+  if (out.tets.size() == in.tets.size() && answer.notes.empty())
+    print_note("nothing was removed: the output is the input");
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_report(report);
+    std::cout << "Written: " << arguments.out << '\n';
+  }
+  return kept && is_valid ? kDone : kNotAccepted;
+}
+
+}  // namespace
+
+void add_simplify_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimplifyArguments>();
+  CLI::App* command = app.add_subcommand("simplify", "Simplify one mesh with one method");
+  command->add_option("MESH", arguments->mesh, "Mesh to simplify")->required();
+  command->add_option("-o,--output", arguments->out, "Mesh to write (.mesh, .vtu)")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--method", arguments->method, "One of palpate list contestants")
+      ->required()
+      ->type_name("NAME");
+  command->add_option("--fusions", arguments->fusions, "Stop after so many fusions")
+      ->check(whole_number_from(0, kMostRemoved))
+      ->type_name("N");
+  command->add_option("--tets", arguments->tets, "Stop at the first state with at most so many tetrahedra")
+      ->check(whole_number_from(1, kMostRemoved))
+      ->type_name("N");
+  command->add_option("--ratio", arguments->ratio, "Stop when this share of the tetrahedra is removed")
+      ->check(number_from(0.0, 0.999999))
+      ->type_name("R");
+  command->add_option("--set", arguments->set, "Option of the method, as often as needed")
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  command
+      ->add_option("--keep", arguments->keep, "Region whose tetrahedra stay as they are, as often as needed")
+      ->allow_extra_args(false)
+      ->type_name("REGION");
+  command->add_option("--timeout", arguments->timeout_s, "Seconds before the method is stopped (3600)")
+      ->check(number_from(0.01, 1e7))
+      ->type_name("S");
+  command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command->footer(
+      "Without a stop, the method runs to its limit. The judge looks at what was written: an invalid mesh is "
+      "said, and\n"
+      "the exit code is 1.\n\n"
+      "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
+      "make\n"
+      "writes: kidney and liver mm, bean cm):\n"
+      "  \"sphere X Y Z R\"               the ball of radius R around a point\n"
+      "  \"half_space NX NY NZ OFFSET\"   all x with N . x <= OFFSET\n"
+      "  \"patch X Y Z R DEPTH\"          all within DEPTH of the skin's faces that have a vertex in the "
+      "ball\n"
+      "Around a region, edge lengths grow smoothly from a share of the full ones (--set near_size=0.5) to "
+      "all of\n"
+      "them (--set reach=DISTANCE; 0 stands for a quarter of the bounding box's diagonal).");
+  command->add_flag("--json", arguments->as_json, "Print the report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = simplify(*arguments); });
+}
+
+}  // namespace palpate::experiments

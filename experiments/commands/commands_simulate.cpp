@@ -1,0 +1,262 @@
+// simulate: a static scene through the same door as in a plan, or a dynamic one in this process.
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/topology.h"
+#include "experiments/commands/commands.h"
+#include "experiments/commands/usage.h"
+#include "experiments/contestants/contestant_run.h"
+#include "experiments/meshes/mesh_tools.h"
+#include "experiments/processes/stop_signals.h"
+#include "experiments/scene_reader/scene.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "experiments/simulation/displacement_file.h"
+#include "experiments/simulation/simulate_motion.h"
+#include "experiments/text/terminal.h"
+#include "reference/door/deform_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+struct SimulateArguments {
+  std::string scene;
+  std::string out;
+  double timeout_s = 3600.0;
+  int threads = 1;
+  double most_output_gb = kMostOutputBytes / 1e9;
+  bool as_json = false;
+};
+
+/// The folder for what is written, made before any work is done for it. If nothing is written, what was made
+/// for it is taken away again.
+class ResultFolder {
+ public:
+  explicit ResultFolder(const fs::path& folder) {
+    std::error_code error;
+    for (fs::path part = fs::absolute(folder); !fs::exists(part, error) && part.has_relative_path();
+         part = part.parent_path())
+      made_.push_back(part);
+    fs::create_directories(folder, error);
+    if (error || !fs::is_directory(folder))
+      throw InputError(folder.string(), 0, "a folder that can be written",
+                       error ? error.message() : "a file");
+  }
+  ~ResultFolder() {
+    std::error_code ignored;
+    for (const fs::path& part : made_) fs::remove(part, ignored);  // leaves what is not empty
+  }
+  ResultFolder(const ResultFolder&) = delete;
+  ResultFolder& operator=(const ResultFolder&) = delete;
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+double largest(const std::vector<Vec3>& field) {
+  double most = 0.0;
+  for (const Vec3& u : field) most = std::max(most, length(u));
+  return most;
+}
+
+/// The answer as a report; writes the files where there is a displacement.
+json write_result(const ContestantAnswer& answer, const std::string& method, const TetMesh& mesh,
+                  const fs::path& out) {
+  remove_earlier_results(out);
+  json report = answer.report;
+  report["method"] = method;
+  report["kernel_s"] = *answer.kernel_s;
+  report["vertices"] = mesh.points.size();
+  report["tets"] = mesh.tets.size();
+  report["steps"] = answer.report.value("steps", answer.report.value("load_steps", json(1)));
+  report["files"] = json::array();
+  report["max_displacement_m"] = nullptr;
+  if (report.at("outcome") != "converged") return report;
+  std::vector<Vec3> field;
+  try {
+    field = reference::read_displacement(answer.output, mesh.points.size(), build_edges(mesh).size());
+  } catch (const InputError& error) {
+    throw UnavailableError(method + ": its displacement cannot be read: " + error.what());
+  }
+  field.resize(mesh.points.size());
+  report["max_displacement_m"] = largest(field);
+  const fs::path csv = out / "displacement.csv";
+  const fs::path vtu = out / "displacement.vtu";
+  reference::write_displacement(csv, field);
+  write_displacement_vtu(vtu, mesh, field);
+  report["files"] = {csv.string(), vtu.string()};
+  return report;
+}
+
+void print_result(const json& report) {
+  TextTable table({"measure", "value"}, "lr");
+  table.add({"method", report.at("method").get<std::string>()});
+  table.add({"outcome", report.at("outcome").get<std::string>()});
+  table.add({"vertices", report.at("vertices").dump()});
+  table.add({"tetrahedra", report.at("tets").dump()});
+  table.add({"time of the method", duration_text(report.at("kernel_s").get<double>())});
+  if (report.at("max_displacement_m").is_number())
+    table.add({"largest displacement",
+               short_number(1000.0 * report.at("max_displacement_m").get<double>()) + " mm"});
+  std::cout << table.text();
+  for (const json& file : report.at("files")) std::cout << "Written: " << file.get<std::string>() << '\n';
+}
+
+void print_motion(const json& report) {
+  const auto number = [&](const char* key, const char* unit) {
+    const json& value = report.at(key);
+    return value.is_number() ? short_number(value.get<double>()) + unit : std::string("none");
+  };
+  TextTable table({"measure", "value"}, "lr");
+  table.add({"method", report.at("method").get<std::string>()});
+  table.add({"integrator", report.at("integrator").get<std::string>()});
+  table.add({"engine", report.at("engine").get<std::string>() + ", " +
+                           report.at("precision").get<std::string>() + " precision"});
+  table.add({"outcome", report.at("outcome").get<std::string>()});
+  table.add({"vertices", report.at("vertices").dump()});
+  table.add({"springs", report.at("springs").dump()});
+  table.add({"time step", number("time_step_s", " s")});
+  table.add({"longest stable step at rest", number("stable_step_s", " s")});
+  table.add({"steps", report.at("steps").dump()});
+  table.add({"simulated time", number("simulated_s", " s")});
+  table.add({"time of the steps", duration_text(report.at("kernel_s").get<double>())});
+  table.add({"largest displacement", number("max_displacement_m", " m")});
+  table.add({"displacement at the end", number("end_displacement_m", " m")});
+  table.add({"peak speed", number("peak_speed_m_s", " m/s")});
+  table.add({"speeds cut to the limit", report.at("speeds_cut").dump()});
+  table.add({"inverted tetrahedra, most", report.at("inverted_tets_most").dump()});
+  table.add({"springs of length zero", report.at("zero_length_springs").dump()});
+  table.add({"hash of the last state", report.at("state_hash").get<std::string>()});
+  std::cout << table.text();
+  const json& files = report.at("files");
+  std::cout << "Written: " << files.front().get<std::string>() << " and " << files.size() - 1
+            << " more in its folder\n";
+}
+
+/// What there is to say of a run beside its table, on standard error.
+void print_remarks(const json& report, double timeout_s) {
+  const auto outcome = report.at("outcome").get<std::string>();
+  const std::string place = report.at("steps").dump() + " of " + report.at("steps_planned").dump() +
+                            " steps, at " + short_number(report.at("simulated_s").get<double>()) +
+                            " s of the motion; what was computed is written";
+  if (outcome == "timed_out")
+    print_note("stopped after " + duration_text(timeout_s) + ": " + place + "; --timeout allows more");
+  if (outcome == "interrupted") print_note("interrupted: " + place);
+  if (outcome == "unsolved")
+    print_note("the solver did not come to its tolerance in " + report.at("steps_unsolved").dump() + " of " +
+               report.at("steps").dump() + " steps; a shorter step may do");
+  const json& share = report.at("rounding_gain_over_kinetic");
+  constexpr double kNoticed = 0.01;
+  if (share.is_number() && share.get<double>() > kNoticed)
+    print_note("single precision: rounding of positions adds about " +
+               short_number(report.at("rounding_gain_j").get<double>()) + " J in these steps, " +
+               short_number(100.0 * share.get<double>()) +
+               "% of the greatest kinetic energy, less where there is damping; precision: double does not");
+}
+
+int exit_code_of(const json& report) {
+  const auto outcome = report.at("outcome").get<std::string>();
+  if (outcome == "completed") return kDone;
+  if (outcome == "timed_out") return kCouldNotRun;
+  return outcome == "interrupted" ? kInterrupted : kNotAccepted;
+}
+
+int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
+  const ResultFolder folder(arguments.out);
+  SimulateMotionOptions options;
+  options.out = arguments.out;
+  options.threads = arguments.threads;
+  options.stops = {arguments.timeout_s, catch_stop_signals()};
+  options.most_output_bytes = 1e9 * arguments.most_output_gb;
+  const json report = simulate_motion(scene, options);
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_motion(report);
+  }
+  print_remarks(report, arguments.timeout_s);
+  return exit_code_of(report);
+}
+
+int simulate(const SimulateArguments& arguments) {
+  const Scene scene = read_scene(arguments.scene);
+  if (scene.is_dynamic) return simulate_dynamic(scene, arguments);
+  const Registry registry = load_registry();
+  ContestantTask task;
+  task.method = find_model(scene, registry);
+  task.options = resolve_options(*task.method.method, scene.model->set);
+  const std::string why = task.method.contestant->unavailable();
+  if (!why.empty()) throw UnavailableError(scene.model->method + " is unavailable: " + why);
+  const ResultFolder folder(arguments.out);
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  for (const std::string& note : made.notes) print_note(note);
+  const BoundaryProblem problem = build_problem(place_scene(scene, made.mesh), made.mesh);
+  const ScratchFolder scratch;
+  task.mesh_in = scratch.file("in.mesh");
+  task.problem_in = scratch.file("problem.json");
+  task.scratch = scratch.file("run");
+  fs::create_directories(task.scratch);
+  write_medit(task.mesh_in, made.mesh);
+  write_file_atomically(task.problem_in, reference::problem_to_json(problem).dump() + "\n");
+  task.threads = arguments.threads;
+  task.timeout_s = arguments.timeout_s;
+  const ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(scene.model->method + ": " + answer.message);
+  if (answer.outcome != "ok")
+    throw UnavailableError(scene.model->method + ": " + answer.outcome + ": " + answer.message);
+  for (const std::string& note : answer.notes) print_note(note);
+  const json report = write_result(answer, scene.model->method, made.mesh, arguments.out);
+  if (arguments.as_json) {
+    print_json(report);
+  } else {
+    print_result(report);
+  }
+  if (report.at("outcome") == "buckled")
+    print_note(
+        "buckled: the body can give way in some direction without resistance. A vertex that hangs on too few "
+        "springs is the usual cause, and palpate springs names them; docs/scenes.md says what to do");
+  return report.at("outcome") == "converged" ? kDone : kNotAccepted;
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<SimulateArguments>();
+  CLI::App* command = app.add_subcommand("simulate", "Solve one scene with the model that it names");
+  command->add_option("SCENE", arguments->scene, "Scene file (.yaml)")->required();
+  command->add_option("-o,--output", arguments->out, "Folder for what it writes")
+      ->required()
+      ->type_name("DIR");
+  command
+      ->add_option("--timeout", arguments->timeout_s,
+                   "Seconds before the method is stopped; of a motion, between two steps (3600)")
+      ->check(number_from(0.01, 1e7))
+      ->type_name("S");
+  command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command
+      ->add_option("--max-output-gb", arguments->most_output_gb,
+                   "A dynamic scene that may write more is refused (2)")
+      ->check(number_from(0.0, 1e9))
+      ->type_name("GB");
+  command->footer(
+      "A static scene leaves displacement.csv and displacement.vtu; the exit code is 1, without files, if "
+      "the method "
+      "found no equilibrium. A dynamic one leaves frames.pvd with its frames, history.csv and summary.json; "
+      "the exit "
+      "code is 1 if it diverged, ends with inverted tetrahedra or has steps without a solution, 3 after the "
+      "time-out and 130 after Ctrl-C: what was computed until then is written. Results of an earlier run in "
+      "DIR are removed.");
+  command->add_flag("--json", arguments->as_json, "Print the report as JSON");
+  command->callback([arguments, &exit_code] { exit_code = simulate(*arguments); });
+}
+
+}  // namespace palpate::experiments

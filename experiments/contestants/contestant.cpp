@@ -1,0 +1,326 @@
+#include "experiments/contestants/contestant.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "experiments/files/places.h"
+#include "experiments/text/nearest_name.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+const std::vector<std::string> kStops{"fusions", "tets", "ratio", "limit"};
+
+void check_schema(const YamlFields& fields, const std::string& schema) {
+  const YamlValue value = fields.need("schema");
+  if (value.text() != schema) value.fail_expected(schema);
+}
+
+OptionType read_type(const YamlValue& value) {
+  const std::string type = value.text();
+  if (type == "choice") return OptionType::kChoice;
+  if (type == "number") return OptionType::kNumber;
+  if (type == "integer") return OptionType::kInteger;
+  if (type == "bool") return OptionType::kBool;
+  if (type == "file") return OptionType::kFile;
+  value.fail_expected("choice, number, integer, bool or file");
+}
+
+std::vector<std::string> read_texts(const YamlValue& value) {
+  std::vector<std::string> texts;
+  for (const YamlValue& item : value.items()) texts.push_back(item.text());
+  return texts;
+}
+
+OptionSpec read_option(const YamlValue& value) {
+  const YamlFields fields = value.fields({"name", "type", "choices", "min", "max", "default", "help"});
+  OptionSpec option;
+  option.name = fields.need("name").identifier();
+  option.type = read_type(fields.need("type"));
+  if (const auto choices = fields.find("choices")) option.choices = read_texts(*choices);
+  if (option.choices.empty() == (option.type == OptionType::kChoice)) {
+    value.fail("option " + option.name + ": choices belong to the type choice, and only there");
+  }
+  if (const auto min = fields.find("min")) option.min = min->number();
+  if (const auto max = fields.find("max")) option.max = max->number();
+  const YamlValue preset = fields.need("default");
+  const bool is_left_out = option.type == OptionType::kNumber && preset.text() == "none";
+  if (!is_left_out)
+    option.default_value =
+        parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));
+  option.help = fields.need("help").text();
+  return option;
+}
+
+/// The options of every method that honours regions to keep.
+std::vector<OptionSpec> keep_options() {
+  OptionSpec near_size{"near_size", OptionType::kNumber, {}, 1e-3, 1.0, 0.5, ""};
+  near_size.help = "with regions to keep: edge length wanted at a region's border over that far away";
+  OptionSpec reach{"reach", OptionType::kNumber, {}, 0.0, std::nullopt, 0.0, ""};
+  reach.help =
+      "with regions to keep: how far from one sizes reach their full length; 0: a quarter of the "
+      "bounding box's diagonal";
+  return {near_size, reach};
+}
+
+/// Stops belong to the contest `simplify`: nothing else ends at a count.
+std::vector<std::string> read_stops(const YamlFields& fields, const std::string& method,
+                                    const std::string& contest) {
+  std::vector<std::string> stops;
+  if (contest != "simplify" && !fields.find("stops")) return stops;
+  for (const YamlValue& stop : fields.need("stops").items()) {
+    const std::string kind = stop.text();
+    if (std::find(kStops.begin(), kStops.end(), kind) == kStops.end()) {
+      stop.fail("unknown stop \"" + kind + "\"" + nearest_hint(kind, kStops));
+    }
+    stops.push_back(kind);
+  }
+  if (stops.empty()) fields.self().fail("method " + method + " has no stop");
+  return stops;
+}
+
+void add_option(const YamlValue& at, OptionSpec option, std::vector<OptionSpec>& options) {
+  for (const OptionSpec& other : options) {
+    if (other.name == option.name) at.fail("option \"" + option.name + "\" twice");
+  }
+  options.push_back(std::move(option));
+}
+
+void add_options(const YamlValue& list, std::vector<OptionSpec>& options) {
+  for (const YamlValue& item : list.items()) add_option(item, read_option(item), options);
+}
+
+/// What the methods of a contestant share.
+struct SharedOptions {
+  std::vector<OptionSpec> of_all;
+  std::map<std::string, std::vector<OptionSpec>> sets;  ///< by name, for the methods that name them
+};
+
+void add_sets(const YamlValue& names, const SharedOptions& shared, std::vector<OptionSpec>& options) {
+  for (const YamlValue& name : names.items()) {
+    const auto found = shared.sets.find(name.text());
+    if (found == shared.sets.end()) name.fail("no option set \"" + name.text() + "\"");
+    for (const OptionSpec& option : found->second) add_option(name, option, options);
+  }
+}
+
+MethodSpec read_method(const YamlValue& value, const std::string& contest, const SharedOptions& shared) {
+  const YamlFields fields =
+      value.fields({"name", "summary", "stops", "keep", "option_sets", "options", "deterministic"});
+  MethodSpec method;
+  method.name = fields.need("name").identifier();
+  method.summary = fields.need("summary").text();
+  method.stops = read_stops(fields, method.name, contest);
+  if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
+  if (method.keeps) method.options = keep_options();
+  method.options.insert(method.options.end(), shared.of_all.begin(), shared.of_all.end());
+  if (const auto sets = fields.find("option_sets")) add_sets(*sets, shared, method.options);
+  if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
+  if (const auto options = fields.find("options")) add_options(*options, method.options);
+  return method;
+}
+
+std::string bounds_text(const OptionSpec& option) {
+  std::ostringstream text;
+  text << (option.type == OptionType::kInteger ? "a whole number" : "a number");
+  if (option.min && option.max) {
+    text << " from " << *option.min << " to " << *option.max;
+  } else if (option.min) {
+    text << ", at least " << *option.min;
+  } else if (option.max) {
+    text << ", at most " << *option.max;
+  }
+  return text.str();
+}
+
+template <typename T>
+json parse_bounded(const OptionSpec& option, const std::string& text, const std::string& where) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc() && end == text.data() + text.size();
+  const auto real = static_cast<double>(value);
+  if (!whole || !std::isfinite(real) || (option.min && real < *option.min) ||
+      (option.max && real > *option.max)) {
+    throw InputError(where + ": " + option.name, 0, bounds_text(option), "\"" + text + "\"");
+  }
+  return value;
+}
+
+/// The program of a description: a path is relative to the description's folder, a name is looked for there
+/// and else in the build's bin folder.
+std::filesystem::path find_program(const YamlValue& value, const std::filesystem::path& folder,
+                                   const std::filesystem::path& bin_folder) {
+  const std::string text = value.text();
+  std::filesystem::path own = std::filesystem::absolute(folder / text).lexically_normal();
+  if (text.find('/') != std::string::npos) return own;
+  const std::string name = value.identifier();
+  std::error_code error;
+  return std::filesystem::is_regular_file(own, error) ? own : bin_folder / name;
+}
+
+/// Descriptions directly in `root` or one folder below it.
+std::vector<std::filesystem::path> find_descriptions(const std::filesystem::path& root) {
+  std::vector<std::filesystem::path> found;
+  std::error_code error;
+  if (std::filesystem::exists(root / "contestant.yaml", error)) found.push_back(root / "contestant.yaml");
+  for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
+    const auto description = entry.path() / "contestant.yaml";
+    if (std::filesystem::exists(description, error)) found.push_back(description);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+}  // namespace
+
+const OptionSpec* MethodSpec::find_option(const std::string& option) const {
+  for (const OptionSpec& spec : options) {
+    if (spec.name == option) return &spec;
+  }
+  return nullptr;
+}
+
+bool MethodSpec::takes_stop(const std::string& kind) const {
+  return std::find(stops.begin(), stops.end(), kind) != stops.end();
+}
+
+std::string Contestant::unavailable() const {
+  std::error_code error;
+  if (std::filesystem::exists(program, error)) {
+    const bool runs =
+        std::filesystem::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
+    return runs ? "" : "its program " + program.filename().string() + " is not executable";
+  }
+  std::string why = "its program " + program.filename().string() + " was not built";
+  if (!packages.empty()) why += " (needs " + joined(packages) + ")";
+  return why;
+}
+
+Registry::Registry(std::vector<Contestant> contestants) : contestants_(std::move(contestants)) {
+  std::sort(contestants_.begin(), contestants_.end(),
+            [](const Contestant& a, const Contestant& b) { return a.folder < b.folder; });
+  std::set<std::string> seen;
+  for (const std::string& name : method_names()) {
+    if (!seen.insert(name).second) throw InputError("method " + name + " is offered by two contestants");
+  }
+}
+
+std::vector<std::string> Registry::method_names() const {
+  std::vector<std::string> names;
+  for (const Contestant& contestant : contestants_) {
+    for (const MethodSpec& method : contestant.methods) names.push_back(method.name);
+  }
+  return names;
+}
+
+std::optional<MethodEntry> Registry::find(const std::string& method) const {
+  for (const Contestant& contestant : contestants_) {
+    for (const MethodSpec& spec : contestant.methods) {
+      if (spec.name == method) return MethodEntry{&contestant, &spec};
+    }
+  }
+  return std::nullopt;
+}
+
+Contestant read_contestant(const std::filesystem::path& description,
+                           const std::filesystem::path& bin_folder) {
+  const YamlValue root = read_yaml(description);
+  const YamlFields fields = root.fields(
+      {"schema", "contest", "program", "packages", "licence", "source", "options", "option_sets", "methods"});
+  check_schema(fields, "palpate/contestant/1");
+  Contestant contestant;
+  contestant.folder = description.parent_path().filename().string();
+  contestant.contest = fields.need("contest").identifier();
+  contestant.program = find_program(fields.need("program"), description.parent_path(), bin_folder);
+  if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
+  contestant.licence = fields.need("licence").text();
+  if (const auto source = fields.find("source")) contestant.source = source->text();
+  SharedOptions shared;
+  if (const auto options = fields.find("options")) add_options(*options, shared.of_all);
+  if (const auto sets = fields.find("option_sets")) {
+    for (const auto& [name, list] : sets->entries()) add_options(list, shared.sets[name]);
+  }
+  for (const YamlValue& method : fields.need("methods").items()) {
+    contestant.methods.push_back(read_method(method, contestant.contest, shared));
+  }
+  if (contestant.methods.empty()) root.fail("a contestant needs at least one method");
+  return contestant;
+}
+
+Registry load_registry() {
+  std::vector<std::filesystem::path> roots{std::filesystem::path(source_folder()) / "reference"};
+  if (const char* extra = std::getenv("PALPATE_CONTESTANTS")) {
+    std::istringstream list(extra);
+    std::string folder;
+    while (std::getline(list, folder, ':')) {
+      if (folder.empty()) continue;
+      if (!std::filesystem::is_directory(folder))
+        throw InputError("PALPATE_CONTESTANTS", 0, "folders of contestants", "no folder " + folder);
+      roots.emplace_back(folder);
+    }
+  }
+  std::vector<Contestant> contestants;
+  for (const auto& root : roots) {
+    for (const auto& description : find_descriptions(root)) {
+      contestants.push_back(read_contestant(description, program_folder()));
+    }
+  }
+  return Registry(std::move(contestants));
+}
+
+json parse_option(const OptionSpec& option, const std::string& text, const std::string& where) {
+  switch (option.type) {
+    case OptionType::kChoice:
+      if (std::find(option.choices.begin(), option.choices.end(), text) == option.choices.end()) {
+        throw InputError(where + ": " + option.name, 0, "one of " + joined(option.choices),
+                         "\"" + text + "\"" + nearest_hint(text, option.choices));
+      }
+      return text;
+    case OptionType::kBool:
+      if (text != "true" && text != "false") {
+        throw InputError(where + ": " + option.name, 0, "true or false", "\"" + text + "\"");
+      }
+      return text == "true";
+    case OptionType::kInteger:
+      return parse_bounded<std::int64_t>(option, text, where);
+    case OptionType::kNumber:
+      return parse_bounded<double>(option, text, where);
+    case OptionType::kFile: {
+      std::error_code error;
+      if (text.empty()) return text;
+      if (!std::filesystem::is_regular_file(text, error))
+        throw InputError(where + ": " + option.name, 0, "a file", "none at \"" + text + "\"");
+      return std::filesystem::absolute(text).lexically_normal().string();
+    }
+  }
+  throw ContractError("parse_option: unknown type");
+}
+
+json resolve_options(const MethodSpec& method, const std::map<std::string, GivenOption>& given) {
+  json options = json::object();
+  for (const OptionSpec& option : method.options) {
+    if (!option.default_value.is_null()) options[option.name] = option.default_value;
+  }
+  for (const auto& [name, value] : given) {
+    const OptionSpec* option = method.find_option(name);
+    if (option == nullptr) {
+      std::vector<std::string> names;
+      for (const OptionSpec& spec : method.options) names.push_back(spec.name);
+      throw InputError(value.where + ": " + method.name + " has no option \"" + name + "\"" +
+                       nearest_hint(name, names));
+    }
+    options[name] = parse_option(*option, value.text, value.where);
+  }
+  return options;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,269 @@
+#include "experiments/contestants/contestant_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/contestants/input_guard.h"
+#include "experiments/processes/process.h"
+#include "experiments/text/nearest_name.h"
+#include "experiments/text/terminal.h"
+#include "reference/door/contest_files.h"
+#include "reference/door/json_file.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLargestAnswer = 16U << 20U;
+constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
+constexpr std::size_t kMostTuned = 16;
+constexpr double kClockStepSeconds =
+    1e-6;                              // both times come from the steady clock, which counts in nanoseconds
+constexpr double kStartSeconds = 0.1;  // starting a process takes no longer
+constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a kernel time gets a note
+
+/// Reads at most `bytes` of a file; empty if it is missing.
+std::string read_start(const std::filesystem::path& path, std::size_t bytes) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return "";
+  std::ifstream file(path, std::ios::binary);
+  std::string text(std::min<std::size_t>(bytes, std::filesystem::file_size(path, error)), '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  return text;
+}
+
+/// Text from a contestant as one printable line of at most 300 characters.
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (const char c : text.substr(0, text.find('\n'))) {
+    const auto byte = static_cast<unsigned char>(c);
+    line += byte < 32 || byte >= 127 ? '?' : c;
+    if (line.size() == 300) break;
+  }
+  return line;
+}
+
+reference::ContestFiles files_of(const ContestantTask& task) {
+  return reference::contest_files(task.method.contestant->contest);
+}
+
+json build_request(const ContestantTask& task, const std::filesystem::path& mesh_in,
+                   const std::filesystem::path& output) {
+  json request = {{"schema", "palpate/request/1"},
+                  {"contest", task.method.contestant->contest},
+                  {"method", task.method.method->name},
+                  {"mesh_in", mesh_in.string()},
+                  {"options", task.options},
+                  {"threads", task.threads}};
+  const reference::ContestFiles files = files_of(task);
+  if (files.has_problem) request["problem_in"] = task.problem_in.string();
+  if (*files.output_key != 0) request[files.output_key] = output.string();
+  if (files.output_key == std::string_view("mesh_out")) request["stop"] = stop_request(task.stop);
+  if (!task.tuned.empty()) request["tuned"] = task.tuned;
+  if (!task.keep.empty()) request["keep"] = task.keep;
+  return request;
+}
+
+ContestantAnswer failed(ContestantAnswer answer, const char* outcome, const std::string& message) {
+  answer.outcome = outcome;
+  answer.message = message;
+  return answer;
+}
+
+/// What is wrong with the parameters that a search found: they are numbers by name, and those that were
+/// handed back stay as they are. Empty if nothing is.
+std::string tuned_error(const json& response, const json& given) {
+  const json tuned = response.value("tuned", json::object());
+  if (!tuned.is_object() || tuned.size() > kMostTuned) {
+    return "its tuned parameters are no list of at most 16 numbers by name";
+  }
+  for (const auto& [name, value] : tuned.items()) {
+    if (!value.is_number() || !std::isfinite(value.get<double>())) {
+      return "its tuned parameter " + one_line(name) + " is no number: " + one_line(value.dump());
+    }
+  }
+  if (!given.empty() && tuned != given) {
+    return "its tuned parameters are not those it was given: " + one_line(tuned.dump());
+  }
+  return "";
+}
+
+/// What is wrong with an answer's form, empty if nothing is.
+std::string form_error(const json& response) {
+  if (!response.is_object()) return "its answer is no JSON object";
+  if (response.value("schema", json()) != "palpate/response/1") {
+    return "its answer's schema is not palpate/response/1";
+  }
+  const json status = response.value("status", json());
+  if (!status.is_string()) return "its answer has no status";
+  const bool ok = status == "ok";
+  if (!ok && status != "bad_input" && status != "error") return "unknown status " + one_line(status.dump());
+  const std::set<std::string> known =
+      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes", "tuned"}
+         : std::set<std::string>{"schema", "status", "message"};
+  for (const auto& [key, value] : response.items()) {
+    if (known.count(key) == 0) return "unknown key \"" + one_line(key) + "\" in its answer";
+  }
+  if (!ok) return response.value("message", json()).is_string() ? "" : "its answer has no message";
+  if (!response.contains("kernel_s")) return "the key \"kernel_s\" is missing in its answer";
+  const json& kernel_s = response.at("kernel_s");
+  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() <= 0.0) {
+    return "kernel_s is no time above zero: " + one_line(kernel_s.dump());
+  }
+  if (!response.value("report", json()).is_object()) return "its answer has no report";
+  const json notes = response.value("notes", json::array());
+  const bool texts = notes.is_array() &&
+                     std::all_of(notes.begin(), notes.end(), [](const json& n) { return n.is_string(); });
+  return texts ? "" : "its notes are no list of texts";
+}
+
+/// What is wrong with what was written, empty if nothing is.
+std::string output_error(const ContestantTask& task, const json& report,
+                         const std::filesystem::path& output) {
+  std::error_code error;
+  const bool is_there = std::filesystem::is_regular_file(output, error);
+  const reference::ContestFiles files = files_of(task);
+  if (!files.has_problem && *files.output_key != 0) return is_there ? "" : "it wrote no mesh";
+  const json outcome = report.value("outcome", json());
+  if (!outcome.is_string()) return "its report has no outcome";
+  if (*files.output_key == 0) return "";
+  if (outcome != files.output_outcome || is_there) return "";
+  return "it " + outcome.get<std::string>() + " and wrote no " + files.output_word;
+}
+
+ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
+                             const ProcessResult& process, const std::filesystem::path& response_file) {
+  std::error_code error;
+  if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
+    return failed(std::move(answer), "bad_answer", "its answer is larger than 16 MiB");
+  }
+  json response;
+  try {
+    const std::string text = reference::read_text_file(response_file, kLargestAnswer);
+    response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
+  } catch (const InputError& wrong) {
+    return failed(std::move(answer), "bad_answer", one_line(wrong.what()));
+  }
+  const std::string wrong = form_error(response);
+  if (!wrong.empty()) return failed(std::move(answer), "bad_answer", wrong);
+  const std::string status = response.at("status").get<std::string>();
+  const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
+  if (process.exit_code != expected) {
+    return failed(std::move(answer), "bad_answer",
+                  "it answered \"" + status + "\" and left with " + process.message);
+  }
+  if (status != "ok") {
+    const std::string message = one_line(response.at("message").get<std::string>());
+    const bool memory = message.find("bad_alloc") != std::string::npos;
+    return failed(std::move(answer), memory ? "out_of_memory" : status.c_str(), message);
+  }
+  const std::string bad_tuned = tuned_error(response, task.tuned);
+  if (!bad_tuned.empty()) return failed(std::move(answer), "bad_answer", bad_tuned);
+  const double kernel_s = response.at("kernel_s").get<double>();
+  if (kernel_s > process.wall_s + kClockStepSeconds) {
+    return failed(std::move(answer), "bad_answer",
+                  "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
+                      short_number(process.wall_s) + " s of its process");
+  }
+  answer.kernel_s = kernel_s;
+  const std::string bad_output = output_error(task, response.at("report"), answer.output);
+  if (!bad_output.empty()) return failed(std::move(answer), "bad_answer", bad_output);
+  answer.report = response.at("report");
+  answer.tuned = response.value("tuned", json::object());
+  answer.searched = !answer.tuned.empty() && task.tuned.empty();
+  for (const json& note : response.value("notes", json::array())) {
+    answer.notes.push_back(one_line(note.get<std::string>()));
+  }
+  if (!answer.searched && process.has_usage && process.user_s > kStartSeconds &&
+      kernel_s < kTinyShare * process.user_s) {
+    answer.notes.push_back("kernel_s is " + short_number(kernel_s) + " s, less than a thousandth of the " +
+                           short_number(process.user_s) + " s of processor time of its process");
+  }
+  answer.outcome = "ok";
+  return answer;
+}
+
+/// Watches what the contestant is given, and copies its mesh to where it may not write. Returns the copy.
+std::filesystem::path guard_inputs(const ContestantTask& task, InputGuard& guard) {
+  if (!task.problem_in.empty()) guard.watch(task.problem_in);
+  for (const OptionSpec& option : task.method.method->options) {
+    if (option.type != OptionType::kFile || !task.options.contains(option.name)) continue;
+    const std::string file = task.options.at(option.name).get<std::string>();
+    if (!file.empty()) guard.watch(file);
+  }
+  return task.mesh_in.empty() ? task.mesh_in : guard.copy(task.mesh_in, task.scratch / "in");
+}
+
+/// A contestant that changed what it was given has no answer, whatever it says.
+ContestantAnswer hold_to_inputs(ContestantAnswer answer, const InputGuard& guard) {
+  const std::vector<std::string> changed = guard.restore();
+  if (changed.empty() || answer.outcome == "interrupted") return answer;
+  const std::string before = answer.message.empty() ? "" : "; " + answer.message;
+  answer.report = nullptr;
+  answer.kernel_s.reset();
+  return failed(std::move(answer), "bad_answer", "it changed its input " + joined(changed) + before);
+}
+
+ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::path& mesh_in) {
+  const Contestant& contestant = *task.method.contestant;
+  ContestantAnswer answer;
+  const auto request_file = task.scratch / "request.json";
+  const auto response_file = task.scratch / "response.json";
+  const auto error_file = task.scratch / "stderr.txt";
+  if (const char* name = files_of(task).output_file; *name != 0) answer.output = task.scratch / name;
+  write_file_atomically(request_file, build_request(task, mesh_in, answer.output).dump(2) + "\n");
+
+  ProcessSpec spec;
+  spec.arguments = {contestant.program.string(), request_file.string(), response_file.string()};
+  spec.timeout_s = task.timeout_s;
+  spec.memory_bytes = task.memory_mib << 20U;
+  spec.standard_error = error_file;
+  spec.stop_flag = task.stop_flag;
+  spec.threads = task.threads;
+  const ProcessResult process = run_process(spec);
+  answer.wall_s = process.wall_s;
+  if (process.has_usage) {
+    answer.user_s = process.user_s;
+    answer.peak_rss_bytes = process.peak_rss_bytes;
+  }
+
+  const std::string complaint = read_start(error_file, 4096);
+  const std::string said = complaint.empty() ? "" : ": " + one_line(complaint);
+  std::error_code error;
+  switch (process.end) {
+    case ProcessEnd::kInterrupted:
+      return failed(std::move(answer), "interrupted", process.message);
+    case ProcessEnd::kNotStarted:
+      return failed(std::move(answer), "unavailable", process.message);
+    case ProcessEnd::kTimedOut:
+      return failed(std::move(answer), "timed_out", process.message);
+    case ProcessEnd::kSignalled: {
+      const bool memory = complaint.find("bad_alloc") != std::string::npos;
+      return failed(std::move(answer), memory ? "out_of_memory" : "crashed", process.message + said);
+    }
+    case ProcessEnd::kExited:
+      break;
+  }
+  if (!std::filesystem::exists(response_file, error)) {
+    return failed(std::move(answer), "crashed", process.message + " without an answer" + said);
+  }
+  return read_answer(task, std::move(answer), process, response_file);
+}
+
+}  // namespace
+
+ContestantAnswer run_contestant(const ContestantTask& task) {
+  const std::string why = task.method.contestant->unavailable();
+  if (!why.empty()) return failed({}, "unavailable", why);
+  InputGuard guard;
+  const std::filesystem::path mesh_in = guard_inputs(task, guard);
+  return hold_to_inputs(run_guarded(task, mesh_in), guard);
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,57 @@
+// One run of a contestant through the door: request, process, answer, checks.
+#pragma once
+
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/contestants/contestant.h"
+#include "experiments/contestants/stop.h"
+
+namespace palpate::experiments {
+
+/// What to ask of a contestant.
+struct ContestantTask {
+  MethodEntry method;
+  std::filesystem::path mesh_in;
+  std::filesystem::path problem_in;  ///< contests deform and motion (reference/PROTOCOL.md)
+  std::filesystem::path scratch;     ///< an empty folder of its own; request, answer and output go there
+  Stop stop;                         ///< contest simplify alone; resolved: not kTetsOf
+  nlohmann::json options;
+  nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
+  std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
+  int threads = 1;
+  double timeout_s = 300.0;
+  std::uint64_t memory_mib = 0;                           ///< 0: no bound
+  const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the run is given up when it turns non-zero
+};
+
+/// How it went. `outcome` is "ok", or what kept the answer from being judged: "bad_input", "error",
+/// "crashed", "timed_out", "out_of_memory", "bad_answer", "unavailable"; "interrupted" if the stop flag rose.
+struct ContestantAnswer {
+  std::string outcome;
+  std::string message;  ///< one line; empty for "ok"
+  std::optional<double> kernel_s;
+  std::optional<double> wall_s;
+  std::optional<double> user_s;
+  std::optional<std::uint64_t> peak_rss_bytes;
+  nlohmann::json report;                            ///< null unless "ok"
+  nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
+  bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
+  std::vector<std::string> notes;
+  /// Mesh, displacement or history (reference/door/contest_files.h), there only if "ok" and, where the
+  /// contest's files ask for one, with the report's outcome that comes with it.
+  std::filesystem::path output;
+};
+
+/// Runs it to its end. Never throws for what the contestant does; everything that it says is checked: exit
+/// code against status, keys and types of the answer, a kernel time above zero and within the process's.
+/// The contestant gets a copy of the mesh; one that changes a file that it was given ("bad_answer", which
+/// names the file) does not change it for those after it.
+ContestantAnswer run_contestant(const ContestantTask& task);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,200 @@
+#include "experiments/contests/deform/deform_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/topology.h"
+#include "experiments/contestants/answer_cache.h"
+#include "experiments/contestants/solution.h"
+#include "experiments/contests/pad_force.h"
+#include "experiments/files/file_hash.h"
+#include "experiments/files/output_file.h"
+#include "experiments/judging/judge_record.h"
+#include "experiments/meshes/mesh_source.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "reference/door/deform_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr double kReferenceTimeout = 7200.0;  // s
+constexpr double kSimplifierTimeout = 1800.0;
+// Simplifiers get millimetres, as in their own contest: VTK's, in single precision, removes nothing from an
+// organ in metres.
+constexpr double kSimplifierUnit = 1e-3;  // m
+
+void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
+  reference.outcome = outcome;
+  reference.failure = why;
+}
+
+Vec3 read_force(const json& force) {
+  const bool is_vector = force.is_array() && force.size() == 3 && force[0].is_number() &&
+                         force[1].is_number() && force[2].is_number();
+  if (!is_vector) throw InputError("support_forces_n", 0, "three finite numbers a support", force.dump());
+  return {force[0].get<double>(), force[1].get<double>(), force[2].get<double>()};
+}
+
+/// The pads' forces of a level, as its report has them: integrated on its own mesh, which no other has. The
+/// order is at least 1 (twice that of the energy norm), so a level is no farther off than the one before is
+/// from it.
+void add_pad_force(const DeformInput& input, const json& report, DeformReference& reference) {
+  const std::vector<ElasticSupport>& supports = input.own.problem.supports;
+  if (!report.contains("support_forces_n") || report.at("support_forces_n").size() != supports.size()) return;
+  std::vector<Vec3> now;
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    if (!is_moved(supports[k])) continue;
+    now.push_back(read_force(report.at("support_forces_n").at(k)));
+  }
+  if (!reference.pad_force_n.empty())
+    reference.pad_force_error = relative_force_error(reference.pad_force_n, now);
+  reference.pad_force_n = std::move(now);
+}
+
+/// The displacement of one level at the vertices and edge midpoints of the problem's own mesh. What goes
+/// wrong is put into `reference`.
+std::vector<Vec3> solve_level(const DeformInput& input, int level, const ContestSetting& setting,
+                              std::span<const fs::path> companions, DeformReference& reference) {
+  const PlanReference& plan = *setting.plan.reference;
+  ContestantTask task = start_task(plan.method, input.own.mesh_file, setting);
+  task.problem_in = input.own.problem_file;
+  task.options = resolve_options(*task.method.method, plan.set);
+  task.options["refine"] = level;
+  task.timeout_s = kReferenceTimeout;
+  // Two levels are always solved; whether a third is, only each problem's own second one tells.
+  const bool is_certain = level < 2 || !plan.enough;
+  const Solution solution = solve(task, "converged", is_certain ? companions : std::span<const fs::path>());
+  const std::string which = "level " + std::to_string(level) + " of the reference ";
+  reference.interrupted = solution.interrupted;
+  if (solution.interrupted) return {};
+  if (solution.answer.outcome == "ok") reference.levels.push_back(describe_solution(solution, level));
+  if (!solution.failure.empty()) {
+    fail(reference, solution.outcome, which + solution.failure);
+    return {};
+  }
+  const ContestantAnswer& answer = solution.answer;
+  const std::size_t vertices = input.own.mesh.points.size();
+  try {
+    add_pad_force(input, answer.report, reference);
+    return judge::with_midpoints(
+        input.own.mesh,
+        reference::read_displacement(answer.output, vertices, build_edges(input.own.mesh).size()));
+  } catch (const InputError& error) {
+    fail(reference, "bad_answer", which + "cannot be read: " + error.what());
+    return {};
+  }
+}
+
+/// Fills in what is judged by from the levels so far, coarsest first. Throws: InputError where they judge
+/// nothing.
+void estimate_from(const DeformInput& input, const PlanReference& plan,
+                   const std::vector<std::vector<Vec3>>& levels, DeformReference& reference) {
+  const Material& material = input.own.problem.material;
+  const std::size_t vertices = input.own.mesh.points.size();
+  std::vector<std::vector<Vec3>> at_vertices = levels;
+  for (std::vector<Vec3>& level : at_vertices) level.resize(vertices);
+  const auto estimate = [&](std::span<const std::vector<Vec3>> given) {
+    return judge::estimate_reference(input.own.mesh, given, material.lambda_pa(), material.mu_pa(),
+                                     {plan.stated_order});
+  };
+  reference.estimate = estimate(at_vertices);
+  const judge::ReferenceEstimate whole = estimate(levels);
+  reference.whole_energy = whole.error.relative_energy;
+  reference.field = reference.estimate.field;
+  reference.field.insert(reference.field.end(), whole.field.begin() + static_cast<std::ptrdiff_t>(vertices),
+                         whole.field.end());
+}
+
+TetMesh scaled(TetMesh mesh, double factor) {
+  for (Vec3& point : mesh.points) point = factor * point;
+  return mesh;
+}
+
+}  // namespace
+
+DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
+  DeformInput input;
+  input.scene = scene.name;
+  input.sweep = problem_sweep(sweep);
+  input.id = problem_id(scene.name, sweep);
+  SweptScene swept = place_swept_scene(scene.scene, input.sweep);
+  input.own.mesh = std::move(swept.mesh);
+  input.placed = std::move(swept.placed);
+  input.own.problem = build_problem(input.placed, input.own.mesh);
+  write_problem(input.own, folder);
+  return input;
+}
+
+std::string stiffness_name(const ProblemFiles& files) {
+  const BoundaryProblem& problem = files.problem;
+  const bool is_moved_hard = std::any_of(problem.held.begin(), problem.held.end(),
+                                         [](const HeldFaces& held) { return length_sq(held.by_m) > 0.0; });
+  if (problem.strain != StrainSize::kSmall || is_moved_hard || !problem.held_field_m.empty()) return "";
+  BoundaryProblem bare = problem;
+  bare.material.density_kg_m3 = 0.0;
+  bare.gravity_m_s2 = {};
+  bare.tractions.clear();
+  bare.nodal_forces.clear();
+  bare.body_force_n_m3.clear();
+  for (ElasticSupport& support : bare.supports) support.by_m = {};
+  return hash_bytes(files.mesh_hash + reference::problem_to_json(bare).dump());
+}
+
+DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting,
+                                std::span<const fs::path> companions) {
+  const PlanReference& plan = *setting.plan.reference;
+  DeformReference reference;
+  std::vector<std::vector<Vec3>> levels;
+  for (int level = 0; level < plan.levels; ++level) {
+    levels.push_back(solve_level(input, level, setting, companions, reference));
+    if (reference.interrupted || !reference.failure.empty()) return reference;
+    try {
+      estimate_from(input, plan, levels, reference);
+    } catch (const InputError& error) {
+      fail(reference, "bad_answer", std::string("the reference judges nothing: ") + error.what());
+      return reference;
+    }
+    const auto& error = reference.estimate.error.relative_l2;
+    if (plan.enough && error && *error <= *plan.enough) break;
+  }
+  return reference;
+}
+
+SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
+                               const fs::path& folder, const ContestSetting& setting) {
+  SimplifiedInput simplified;
+  create_folder(folder);
+  ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
+  write_medit(task.mesh_in, scaled(input.own.mesh, 1.0 / kSimplifierUnit));
+  task.options = resolve_options(*task.method.method, simplifier.set);
+  task.stop = stop;
+  task.timeout_s = kSimplifierTimeout;
+  bool was_kept = false;
+  const ContestantAnswer answer = run_cached(task, was_kept);
+  if (answer.outcome != "ok") {
+    simplified.failure =
+        "simplifying with " + simplifier.label + " ended: " + answer.outcome + ": " + answer.message;
+    return simplified;
+  }
+  simplified.report = answer.report;
+  try {
+    simplified.files.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit);
+    if (stop.kind != StopKind::kLimit && simplified.files.mesh.tets.size() >= input.own.mesh.tets.size())
+      throw InputError("no tetrahedra were removed");
+    const Judgement judgement = judge_mesh(simplified.files.mesh);
+    if (!judgement.violations.empty()) throw InputError(judgement.violations.front());
+    simplified.files.problem = build_problem(input.placed, simplified.files.mesh);
+    write_problem(simplified.files, folder);
+  } catch (const InputError& error) {
+    simplified.failure = "on the mesh of " + simplifier.label + ": " + error.what();
+  }
+  return simplified;
+}
+
+}  // namespace palpate::experiments

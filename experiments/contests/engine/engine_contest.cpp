@@ -1,0 +1,219 @@
+#include "experiments/contests/engine/engine_contest.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "core/judge/displacement/reference_estimate.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/io/medit.h"
+#include "experiments/contests/engine/plan_engine.h"
+#include "experiments/contests/pad_force.h"
+#include "experiments/contests/problem_files.h"
+#include "experiments/files/file_hash.h"
+#include "experiments/files/output_file.h"
+#include "experiments/scene_reader/scene_problem.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+/// A scene on one mesh.
+struct EngineInput {
+  std::string id;  ///< "kidney_hold/vertices=1503"
+  std::string scene;
+  Scene placed;
+  ProblemFiles files;
+};
+
+/// The figures of a report that the judge takes over where they are there: what a repeat gives is what is
+/// judged.
+constexpr std::array kFigures{
+    "peak_speed_m_s",        "speeds_cut",    "inverted_tets_most", "real_time_factor",
+    "tick_real_time_factor", "stable_step_s", "stability_margin",   "slowest_decay_s",
+    "steps_per_tick",        "tick_p50_s",    "tick_p99_s",         "tick_p99_9_s",
+    "tick_worst_s",          "ticks",         "ticks_missed",       "held_force_size_n"};
+
+/// The worst of the returns; a time that one of them did not reach is left out.
+void add_returns(const json& returns, json& figures) {
+  if (!returns.is_array() || returns.empty()) return;
+  const auto worst = [&](const char* key, const char* name) {
+    double most = 0.0;
+    for (const json& each : returns) {
+      if (!each.at(key).is_number()) return;
+      most = std::max(most, each.at(key).get<double>());
+    }
+    figures[name] = most;
+  };
+  worst("error", "return_error");
+  worst("rms_error", "return_rms_error");
+  worst("half_s", "half_return_s");
+  worst("twentieth_s", "twentieth_return_s");
+}
+
+class EngineContest : public Contest {
+ public:
+  explicit EngineContest(const ContestSetting& setting) : setting_(setting) {}
+
+  json prepare(const std::vector<const Case*>& cases, const json& earlier) override {
+    json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
+    for (const Case* c : cases) {
+      const std::string id = id_of(*c);
+      if (inputs_.count(id) == 0) {
+        setting_.progress.show("scene " + id);
+        inputs_.emplace(id, build_input(*c, id));
+        describe_problem(setting_.folder.paths(), id, inputs_.at(id).files, described);
+      }
+      if (needs_force(*c)) forces_.emplace(id, PadForce{});
+    }
+    return {{"problems", described}};
+  }
+
+  bool record_inputs(const std::set<std::string>& recorded,
+                     const std::function<void(json)>& append) override {
+    for (auto& [id, force] : forces_) {
+      setting_.progress.show("force of the reference on " + id);
+      const EngineInput& input = inputs_.at(id);
+      force = solve_pad_force(input.placed, input.files.mesh, setting_.folder.paths().problem(id), setting_);
+      if (force.interrupted) return false;
+      json record = build_force_record(input, force);
+      if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));
+    }
+    return true;
+  }
+
+  std::string fill_task(const Case& run_case, ContestantTask& task) const override {
+    const ProblemFiles& files = inputs_.at(id_of(run_case)).files;
+    task.mesh_in = files.mesh_file;
+    task.problem_in = files.problem_file;
+    return "";
+  }
+
+  json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
+                    const std::vector<json>& earlier) const override {
+    const EngineInput& input = inputs_.at(id_of(facts.run_case));
+    json record =
+        start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
+    record["scene"] = scene_facts(input);
+    // Times differ from one repeat to the next, so each is judged by its own report.
+    const auto judge = [&](const std::filesystem::path&) { return figures_of(input, answer.report); };
+    judge_answer({judge, [](json&) {}, "motion"}, facts, answer, earlier, record);
+    if (record.at("judge").is_object()) record["judge"] = figures_of(input, answer.report);
+    return record;
+  }
+
+  std::filesystem::path kept_output(const Case& run_case) const override {
+    return setting_.folder.paths().motion(run_case.id);
+  }
+
+ private:
+  static std::uint64_t vertices_of(const Case& run_case) {
+    return run_case.options.value("vertices", std::uint64_t{0});
+  }
+
+  std::string id_of(const Case& run_case) const {
+    const std::string& scene = setting_.plan.scenes[run_case.subject].name;
+    const std::uint64_t vertices = vertices_of(run_case);
+    return vertices == 0 ? scene : scene + "/vertices=" + std::to_string(vertices);
+  }
+
+  bool needs_force(const Case& run_case) const {
+    return setting_.plan.reference && setting_.plan.contestants[run_case.contestant].method == "engine.ticks";
+  }
+
+  EngineInput build_input(const Case& run_case, const std::string& id) const {
+    const PlanScene& scene = setting_.plan.scenes[run_case.subject];
+    EngineInput input{id, scene.name, {}, {}};
+    std::optional<std::uint64_t> vertices;
+    if (vertices_of(run_case) > 0) vertices = vertices_of(run_case);
+    input.files.mesh = build_scene_mesh(scene.scene.mesh, vertices).mesh;
+    input.placed = place_scene(scene.scene, input.files.mesh);
+    const std::filesystem::path folder = setting_.folder.paths().problem(id);
+    create_folder(folder);
+    input.files.mesh_file = std::filesystem::absolute(folder / "in.mesh");
+    write_medit(input.files.mesh_file, input.files.mesh);
+    input.files.mesh_hash = hash_file(input.files.mesh_file);
+    input.files.problem_file = std::filesystem::absolute(scene.scene.file);
+    input.files.problem_hash = hash_file(input.files.problem_file);
+    return input;
+  }
+
+  static json scene_facts(const EngineInput& input) {
+    const Material& material = input.placed.material;
+    return {{"name", input.scene},
+            {"problem_hash", input.files.problem_hash},
+            {"strain", input.placed.strain == StrainSize::kSmall ? "small" : "large"},
+            {"young_modulus_pa", material.young_modulus_pa},
+            {"poisson_ratio", material.poisson_ratio}};
+  }
+
+  json figures_of(const EngineInput& input, const json& report) const {
+    json figures = {{"kind", "engine"}, {"valid", true}, {"findings", json::array()}};
+    const std::string outcome = report.at("outcome").get<std::string>();
+    if (outcome != "completed") {
+      figures["valid"] = false;
+      figures["findings"].push_back("its outcome is " + outcome);
+    }
+    for (const char* name : kFigures) {
+      if (report.value(name, json()).is_number()) figures[name] = report.at(name);
+    }
+    add_returns(report.value("returns", json()), figures);
+    const auto force = forces_.find(input.id);
+    if (force == forces_.end() || !force->second.failure.empty() || !report.contains("held_force_n"))
+      return figures;
+    const auto held = report.at("held_force_n").get<std::vector<double>>();
+    const Vec3& expected = force->second.force_n;
+    const double size = length(expected);
+    figures["reference_force_size_n"] = size;
+    const std::optional<double>& change = force->second.change;
+    if (change) figures["reference_force_change"] = *change;
+    if (size > 0.0) {
+      const double error = length(Vec3{held.at(0), held.at(1), held.at(2)} - expected) / size;
+      figures["force_error"] = error;
+      figures["reference_too_coarse"] = judge::is_reference_too_coarse(error, change);
+    }
+    return figures;
+  }
+
+  json build_force_record(const EngineInput& input, const PadForce& force) const {
+    json record =
+        start_input_record(setting_.plan, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash),
+                           input.id + "/reference", "reference");
+    record["scene"] = scene_facts(input);
+    record["outcome"] = force.outcome;
+    record["message"] = force.failure;
+    record["judge"] = nullptr;
+    if (!force.levels.empty() && (force.failure.empty() || !force.faults.empty())) {
+      record["judge"] = {{"kind", "pad_force"},
+                         {"valid", force.faults.empty()},
+                         {"findings", force.faults},
+                         {"level_reports", force.levels}};
+      record["judge"]["force_n"] = {force.force_n.x, force.force_n.y, force.force_n.z};
+      record["judge"]["force_change"] = force.change ? json(*force.change) : json();
+    }
+    for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
+      record["null_reasons"][key] = "several runs: see judge.level_reports";
+    return record;
+  }
+
+  ContestSetting setting_;
+  std::map<std::string, EngineInput> inputs_;
+  std::map<std::string, PadForce> forces_;
+};
+
+}  // namespace
+
+const ContestKind& engine_contest() {
+  static const ContestKind kind{"engine",
+                                {"scenes", "reference"},
+                                {},
+                                read_engine_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<EngineContest>(setting);
+                                }};
+  return kind;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,176 @@
+#include "experiments/contests/motion/motion_input.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "experiments/contestants/solution.h"
+#include "experiments/files/output_file.h"
+#include "experiments/scene_reader/scene_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+using reference::MotionLoad;
+using reference::MotionProblem;
+
+constexpr double kReferenceTimeout = 14400.0;  // s
+
+/// What the door has no words for.
+void check_scene(const Scene& scene) {
+  const SceneDynamic& dynamic = scene.dynamic;
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(scene.analysis_where + ": the contest motion takes " + what);
+  };
+  if (!dynamic.preset.empty()) refuse("no preset");
+  if (scene.strain != StrainSize::kSmall) refuse("small strain, as its reference has it");
+  if (dynamic.damping_spring_n_s_per_m > 0.0 || dynamic.damping_vertex_n_s_per_m > 0.0)
+    refuse("damping by stiffness_s and mass_per_s, which all contestants can have");
+  if (dynamic.spring_damping != dynamics::SpringDamping::kAxial) refuse("axial damping of springs");
+  if (dynamic.mass_per_vertex_kg) refuse("the material's masses");
+  if (dynamic.speed_limit_m_s) refuse("no speed limit");
+  if (dynamic.probes_m.empty()) refuse("at least one of probes_m");
+}
+
+/// The scene with one of its loads alone, or with its clamps alone.
+BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const SceneLoad* load) {
+  Scene part = placed;
+  part.loads.clear();
+  if (load != nullptr) {
+    part.clamps.clear();
+    part.loads.push_back(*load);
+  }
+  return resolve_problem(part, mesh);
+}
+
+Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
+  const auto nearer = [&](const Vec3& a, const Vec3& b) {
+    return length_sq(a - point) < length_sq(b - point);
+  };
+  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
+                            mesh.points.begin());
+}
+
+/// One solution of the reference.
+struct ReferenceRun {
+  int refine = 0;
+  double time_step_s = 0.0;
+};
+
+/// Solves it. What goes wrong is put into `reference`.
+JudgedMotion solve_run(const MotionInput& input, const ReferenceRun& run, const ContestSetting& setting,
+                       MotionReference& reference, fs::path& file) {
+  const PlanReference& plan = *setting.plan.reference;
+  ContestantTask task = start_task(plan.method, input.files.mesh_file, setting);
+  task.problem_in = input.files.problem_file;
+  task.options = resolve_options(*task.method.method, plan.set);
+  task.options["refine"] = run.refine;
+  task.options["time_step_s"] = run.time_step_s;
+  task.timeout_s = kReferenceTimeout;
+  const Solution solution = solve(task, "completed");
+  const std::string which = "the reference at level " + std::to_string(run.refine) + " ";
+  const auto fail = [&](const std::string& outcome, const std::string& why) {
+    reference.outcome = outcome;
+    reference.failure = which + why;
+    return JudgedMotion{};
+  };
+  reference.interrupted = solution.interrupted;
+  if (solution.interrupted) return {};
+  if (solution.answer.outcome == "ok") reference.runs.push_back(describe_solution(solution, run.refine));
+  if (!solution.failure.empty()) return fail(solution.outcome, solution.failure);
+  const ContestantAnswer& answer = solution.answer;
+  try {
+    file = answer.output;
+    return {reference::read_history(answer.output, input.problem),
+            answer.report.at("frequencies_hz").get<std::vector<double>>()};
+  } catch (const InputError& error) {
+    return fail("bad_answer", std::string("cannot be read: ") + error.what());
+  }
+}
+
+/// Adds `factor` times the size of each error in `errors` to `own`.
+void add_errors(const json& errors, double factor, json& own) {
+  for (const char* name :
+       {"frequency_first", "frequency_mean", "frequency_worst", "probe_l2", "force_l2", "amplitude_error",
+        "phase_error_deg", "oscillation_error", "damping_ratio_error", "decay_error"}) {
+    if (errors.contains(name))
+      own[name] = own.value(name, 0.0) + factor * std::fabs(errors.at(name).get<double>());
+  }
+}
+
+}  // namespace
+
+MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh) {
+  check_scene(placed);
+  MotionProblem problem;
+  problem.body = resolve_part(placed, mesh, nullptr);
+  for (const SceneLoad& load : placed.loads) {
+    MotionLoad part;
+    part.part = resolve_part(placed, mesh, &load);
+    part.profile = load.profile.value_or(dynamics::TimeProfile{});
+    part.from_s = load.from_s;
+    part.until_s = load.until_s;
+    problem.loads.push_back(std::move(part));
+  }
+  problem.damping_stiffness_s = placed.dynamic.damping_stiffness_s;
+  problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
+  problem.duration_s = placed.dynamic.duration_s;
+  problem.samples = placed.dynamic.samples;
+  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_vertex(mesh, probe));
+  problem.frequencies = kComparedFrequencies;
+  return problem;
+}
+
+std::array<double, 2> judging_window(const MotionProblem& problem) {
+  constexpr double kLeastShare = 0.2;
+  const double end = problem.duration_s;
+  double last = 0.0;
+  for (const MotionLoad& load : problem.loads) {
+    const double gone = load.until_s.value_or(end);
+    last = std::max(last, load.from_s);
+    if (load.until_s && *load.until_s < end) last = std::max(last, *load.until_s);
+    if (load.profile.time_s.size() > 1)
+      last = std::max(last, std::min({load.profile.time_s.back(), gone, end}));
+  }
+  return {end - last >= kLeastShare * end ? last : 0.5 * end, end};
+}
+
+MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
+  MotionInput input;
+  input.scene = scene.name;
+  input.sweep = problem_sweep(sweep);
+  input.id = problem_id(scene.name, sweep);
+  SweptScene swept = place_swept_scene(scene.scene, input.sweep);
+  input.files.mesh = std::move(swept.mesh);
+  input.problem = build_motion_problem(swept.placed, input.files.mesh);
+  write_problem(input.files, reference::motion_to_json(input.problem), folder);
+  return input;
+}
+
+MotionReference solve_motion_reference(const MotionInput& input, const ContestSetting& setting) {
+  const PlanReference& plan = *setting.plan.reference;
+  const json options = resolve_options(*setting.registry.find(plan.method)->method, plan.set);
+  const double step = options.at("time_step_s").get<double>();
+  const int coarse = plan.levels - 2;
+  MotionReference reference;
+  fs::path file;
+  fs::path ignored;
+  reference.truth = solve_run(input, {plan.levels - 1, step}, setting, reference, file);
+  const auto ended = [&] { return reference.interrupted || !reference.failure.empty(); };
+  if (ended()) return reference;
+  reference.history_file = setting.folder.paths().history(input.id + "/reference");
+  create_folder(reference.history_file.parent_path());
+  reference::write_history(reference.history_file, reference.truth.history);
+  const JudgedMotion coarser = solve_run(input, {coarse, step}, setting, reference, ignored);
+  if (ended()) return reference;
+  const double of_space = plan.stated_order ? 1.0 / (std::exp2(*plan.stated_order) - 1.0) : 1.0;
+  add_errors(compare_motions(input.problem, coarser, reference.truth), of_space, reference.own_error);
+  const JudgedMotion slower = solve_run(input, {coarse, 2.0 * step}, setting, reference, ignored);
+  if (ended()) return reference;
+  add_errors(compare_motions(input.problem, slower, coarser), 1.0 / 3.0, reference.own_error);
+  return reference;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,12 @@
+// What a plan of the contest motion adds: dynamic scenes and the reference.
+#pragma once
+
+#include "experiments/plan_reader/plan.h"
+#include "experiments/text/yaml_value.h"
+
+namespace palpate::experiments {
+
+/// Reads it: see ContestKind::read. Throws: InputError with file and line.
+void read_motion_plan(const YamlFields& fields, Plan& plan, const Registry& registry);
+
+}  // namespace palpate::experiments

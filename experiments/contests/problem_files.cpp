@@ -1,0 +1,68 @@
+#include "experiments/contests/problem_files.h"
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/io/medit.h"
+#include "experiments/files/file_hash.h"
+#include "experiments/files/output_file.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "reference/door/deform_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+
+using nlohmann::json;
+
+json problem_sweep(const json& sweep) {
+  json own = json::object();
+  for (const char* name : {"poisson_ratio", "vertices"}) {
+    if (sweep.contains(name)) own[name] = sweep.at(name);
+  }
+  return own;
+}
+
+std::string problem_id(const std::string& scene, const json& sweep) {
+  std::string id = scene;
+  const json own = problem_sweep(sweep);
+  for (const auto& [name, value] : own.items()) id += "/" + name + "=" + value.dump();
+  return id;
+}
+
+void write_problem(ProblemFiles& files, const json& problem, const fs::path& folder) {
+  create_folder(folder);
+  files.mesh_file = fs::absolute(folder / "in.mesh");
+  files.problem_file = fs::absolute(folder / "problem.json");
+  write_medit(files.mesh_file, files.mesh);
+  write_file_atomically(files.problem_file, problem.dump() + "\n");
+  files.mesh_hash = hash_file(files.mesh_file);
+  files.problem_hash = hash_file(files.problem_file);
+}
+
+void write_problem(ProblemFiles& files, const fs::path& folder) {
+  write_problem(files, reference::problem_to_json(files.problem), folder);
+}
+
+void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,
+                      json& described) {
+  const json now = {{"mesh_hash", files.mesh_hash},
+                    {"problem_hash", files.problem_hash},
+                    {"vertices", files.mesh.points.size()},
+                    {"tets", files.mesh.tets.size()}};
+  if (described.contains(id) && described.at(id) != now) {
+    throw InputError(paths.folder.string() + ": this run cannot be continued; the problem " + id +
+                     " is no longer what it was");
+  }
+  described[id] = now;
+}
+
+SweptScene place_swept_scene(Scene scene, const json& sweep) {
+  if (sweep.contains("poisson_ratio")) scene.material.poisson_ratio = sweep.at("poisson_ratio").get<double>();
+  std::optional<std::uint64_t> vertices;
+  if (sweep.contains("vertices")) vertices = sweep.at("vertices").get<std::uint64_t>();
+  SweptScene out;
+  out.mesh = build_scene_mesh(scene.mesh, vertices).mesh;
+  out.placed = place_scene(std::move(scene), out.mesh);
+  return out;
+}
+
+}  // namespace palpate::experiments

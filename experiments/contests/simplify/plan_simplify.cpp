@@ -1,0 +1,95 @@
+#include "experiments/contests/simplify/plan_simplify.h"
+
+#include "experiments/judging/keep.h"
+#include "experiments/plan_reader/plan_contestant.h"
+#include "experiments/plan_reader/plan_mesh.h"
+#include "experiments/plan_reader/plan_report.h"
+
+namespace palpate::experiments {
+namespace {
+
+Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
+                           const RunSettings& run) {
+  const YamlFields fields = value.fields(
+      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "required"});
+  Comparison comparison;
+  comparison.of = known_label(fields.need("of"), contestants);
+  const YamlValue against = fields.need("against_best_of");
+  for (const YamlValue& item : against.items()) {
+    std::string label = known_label(item, contestants);
+    if (label == comparison.of) item.fail("\"" + label + "\" cannot be compared with itself");
+    add_once(item, "label", std::move(label), comparison.against_best_of);
+  }
+  if (comparison.against_best_of.empty()) against.fail_expected("at least one label");
+  const YamlValue measures = fields.need("measures");
+  for (const YamlValue& item : measures.items()) {
+    const Measure& measure = known_measure(item, item.text(), true);
+    if (std::string(measure.better).empty()) {
+      item.fail(std::string("of the measure \"") + measure.name + "\" neither more nor less is better");
+    }
+    if (is_clock_time(measure.name)) require_repeats(item, run);
+    add_once(item, "measure", measure.name, comparison.measures);
+  }
+  if (comparison.measures.empty()) measures.fail_expected("at least one measure");
+  const auto time_against = fields.find("time_against");
+  const auto time_factor = fields.find("time_factor");
+  if (time_against) {
+    comparison.time_against = known_label(*time_against, contestants);
+    require_repeats(*time_against, run);
+  }
+  if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
+  if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
+  if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);
+  check_required(fields);
+  return comparison;
+}
+
+Claim read_claim(const YamlValue& value, const std::vector<PlanContestant>& contestants) {
+  const YamlFields fields =
+      value.fields({"text", "source", "measure", "better", "than", "spread", "published", "required"});
+  Claim claim;
+  claim.text = fields.need("text").text();
+  if (const auto source = fields.find("source")) claim.source = source->text();
+  const YamlValue measure = fields.need("measure");
+  claim.measure = known_measure(measure, measure.text(), true).name;
+  claim.better = known_label(fields.need("better"), contestants);
+  claim.than = known_label(fields.need("than"), contestants);
+  if (const auto spread = fields.find("spread")) claim.spread = known_label(*spread, contestants);
+  if (const auto published = fields.find("published")) {
+    const YamlFields figures = published->fields({"better", "than"});
+    claim.published_better = figures.need("better").number();
+    claim.published_than = figures.need("than").number();
+  }
+  check_required(fields);
+  return claim;
+}
+
+std::vector<Comparison> read_comparisons(const YamlValue& value,
+                                         const std::vector<PlanContestant>& contestants,
+                                         const RunSettings& run) {
+  std::vector<Comparison> comparisons;
+  for (const YamlValue& item : value.items()) comparisons.push_back(read_comparison(item, contestants, run));
+  if (comparisons.empty()) value.fail_expected("at least one comparison");
+  return comparisons;
+}
+
+}  // namespace
+
+void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
+  plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
+  plan.subjects = names_of(plan.meshes);
+  if (const auto sweep = fields.find("sweep"))
+    plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
+  plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
+  auto part = std::make_shared<SimplifyPart>();
+  if (const auto region = fields.find("region")) part->region = read_keep(*region);
+  if (const auto equal_count = fields.find("equal_count")) part->equal_count = equal_count->number(1e-6, 0.1);
+  if (const auto claim = fields.find("claim")) part->claim = read_claim(*claim, plan.contestants);
+  if (const auto comparisons = fields.find("comparisons"))
+    part->comparisons = read_comparisons(*comparisons, plan.contestants, plan.run);
+  for (const Comparison& comparison : part->comparisons)
+    plan.compared.insert(plan.compared.end(), comparison.measures.begin(), comparison.measures.end());
+  plan.part = std::move(part);
+}
+
+}  // namespace palpate::experiments

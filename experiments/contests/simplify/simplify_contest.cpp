@@ -1,0 +1,148 @@
+#include "experiments/contests/simplify/simplify_contest.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "experiments/contests/run_mesh.h"
+#include "experiments/contests/simplify/plan_simplify.h"
+#include "experiments/judging/judge_record.h"
+#include "experiments/meshes/mesh_source.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+/// What the adapter reports of the mesh has to be what the judge counts.
+void add_report_violations(json& record) {
+  for (const auto& [reported, counted] :
+       {std::pair{"tets_out", "tets"}, std::pair{"vertices_out", "vertices"}}) {
+    const json said = record.at("report").value(reported, json());
+    const json seen = record.at("judge").value(counted, json());
+    if (said.is_number() && seen.is_number() && said != seen) {
+      record["violations"].push_back(std::string("reports ") + reported + " " + said.dump() +
+                                     ", the judge counts " + seen.dump());
+    }
+  }
+}
+
+/// Whether the plan shows, bounds or compares a measure of linear elements.
+bool asks_for_linear_elements(const Plan& plan) {
+  const auto asks = [](const auto& names) {
+    return std::any_of(names.begin(), names.end(), is_of_linear_elements);
+  };
+  const SimplifyPart& part = part_of<SimplifyPart>(plan);
+  return asks(plan.measure) || asks(plan.compared) ||
+         (part.claim && is_of_linear_elements(part.claim->measure)) ||
+         std::any_of(plan.accept.begin(), plan.accept.end(),
+                     [](const AcceptBound& bound) { return is_of_linear_elements(bound.measure); });
+}
+
+class SimplifyContest : public Contest {
+ public:
+  explicit SimplifyContest(const ContestSetting& setting) : setting_(setting) {}
+
+  json prepare(const std::vector<const Case*>&, const json& earlier) override {
+    json described = json::array();
+    for (const PlanMesh& mesh : setting_.plan.meshes) {
+      const auto file = setting_.folder.paths().mesh(mesh.name + "/input");
+      if (!earlier.is_null()) {
+        meshes_.push_back(reload_mesh(mesh, file, earlier));
+        continue;
+      }
+      setting_.progress.show("mesh " + mesh.name);
+      meshes_.push_back(obtain_mesh(mesh, file));
+      for (const std::string& note : meshes_.back().notes) {
+        const bool named = note.rfind(mesh.name + ":", 0) == 0;
+        setting_.progress.say(named ? note : mesh.name + ": " + note);
+      }
+      described.push_back(describe_mesh(meshes_.back()));
+    }
+    return earlier.is_null() ? json{{"meshes", described}} : json::object();
+  }
+
+  bool record_inputs(const std::set<std::string>& recorded,
+                     const std::function<void(json)>& append) override {
+    for (const RunMesh& mesh : meshes_) {
+      if (recorded.count(mesh.name + "/input") > 0) continue;
+      json record = build_input_record(mesh);
+      if (record.at("outcome") == "interrupted") return false;
+      append(std::move(record));
+    }
+    return true;
+  }
+
+  std::string fill_task(const Case& run_case, ContestantTask& task) const override {
+    task.mesh_in = std::filesystem::absolute(mesh_of(run_case).file);
+    return "";
+  }
+
+  json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
+                    const std::vector<json>& earlier) const override {
+    const RunMesh& mesh = mesh_of(facts.run_case);
+    const auto judge = [&](const std::filesystem::path& file) {
+      const TetMesh output = read_mesh(file, ReadOrientation::kKeep).mesh;
+      Judgement judgement = judge_output(output, mesh.mesh, facts.contestant.keep);
+      add_region_figures(judgement.figures, output, mesh.mesh, part_of<SimplifyPart>(facts.plan).region);
+      if (asks_for_linear_elements(facts.plan)) add_linear_element_figures(judgement.figures, output);
+      return judgement.figures;
+    };
+    json record = start_record(facts, mesh_facts(mesh.name, mesh.mesh, mesh.hash), answer);
+    judge_answer({judge, add_report_violations, "mesh"}, facts, answer, earlier, record);
+    return record;
+  }
+
+  std::filesystem::path kept_output(const Case& run_case) const override {
+    return setting_.folder.paths().mesh(run_case.id);
+  }
+
+ private:
+  const RunMesh& mesh_of(const Case& run_case) const { return meshes_[run_case.subject]; }
+
+  json build_input_record(const RunMesh& mesh) const {
+    json record = start_input_record(setting_.plan, mesh_facts(mesh.name, mesh.mesh, mesh.hash),
+                                     mesh.name + "/input", "input");
+    const auto judge = [&] {
+      Judgement judgement = judge_mesh(mesh.mesh);
+      add_region_figures(judgement.figures, mesh.mesh, mesh.mesh,
+                         part_of<SimplifyPart>(setting_.plan).region);
+      if (asks_for_linear_elements(setting_.plan)) add_linear_element_figures(judgement.figures, mesh.mesh);
+      return json{{"figures", judgement.figures}, {"violations", judgement.violations}};
+    };
+    for (const char* key : {"kernel_s", "wall_s", "user_s", "peak_rss_bytes"})
+      record["null_reasons"][key] = "the input mesh itself: nothing ran";
+    record["mesh_file"] = "meshes/" + mesh.name + "/input.mesh";
+    const auto judged = judge_bounded(judge, judge_bounds(setting_.plan, setting_.stop_flag), record);
+    if (!judged) {
+      for (const char* key : {"judge", "output_hash"}) record["null_reasons"][key] = "not_judged";
+      return record;
+    }
+    record["judge"] = judged->at("figures");
+    record["output_hash"] = mesh.hash;
+    record["violations"] = judged->at("violations");
+    const bool is_valid = record.at("violations").empty();
+    record["outcome"] = is_valid ? "accepted" : "rejected";
+    if (!is_valid) record["message"] = reason_of(record);
+    return record;
+  }
+
+  ContestSetting setting_;
+  std::vector<RunMesh> meshes_;
+};
+
+}  // namespace
+
+const ContestKind& simplify_contest() {
+  static const ContestKind kind{"simplify",
+                                {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
+                                {"histograms", "overview", "timing", "quality_time", "scaling", "cut_away"},
+                                read_simplify_plan,
+                                cross_cases,
+                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+                                  return std::make_unique<SimplifyContest>(setting);
+                                }};
+  return kind;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,49 @@
+#include "experiments/files/file_hash.h"
+
+#include <array>
+#include <fstream>
+#include <memory>
+#include <vector>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#include "core/base/error.h"
+
+namespace palpate::experiments {
+namespace {
+
+std::string hexadecimal(XXH128_hash_t hash) {
+  static constexpr std::string_view kDigits = "0123456789abcdef";
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, hash);
+  std::string text = "xxh3:";
+  for (const unsigned char byte : canonical.digest) {
+    text += kDigits[byte >> 4U];
+    text += kDigits[byte & 15U];
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string hash_bytes(std::string_view bytes) {
+  return hexadecimal(XXH3_128bits(bytes.data(), bytes.size()));
+}
+
+std::string hash_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path.string(), 0, "a file that can be read", "none");
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
+  require(state != nullptr, "hash_file: no memory");
+  XXH3_128bits_reset(state.get());
+  std::vector<char> block(1U << 18U);
+  while (file) {
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    XXH3_128bits_update(state.get(), block.data(), static_cast<std::size_t>(file.gcount()));
+  }
+  if (file.bad()) throw InputError(path.string(), 0, "a file that can be read", "a read error");
+  return hexadecimal(XXH3_128bits_digest(state.get()));
+}
+
+}  // namespace palpate::experiments

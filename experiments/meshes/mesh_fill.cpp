@@ -1,0 +1,173 @@
+#include "experiments/meshes/mesh_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/io/off.h"
+#include "core/mesh/orientation.h"
+#include "core/mesh/topology.h"
+#include "experiments/meshes/mesh_tools.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace {
+
+constexpr double kVerticesPerCube = 0.48;  // inner vertices for each h^3 of volume, as gmsh fills
+constexpr double kLargestVertexCount = 2e7;
+constexpr double kAcceptedError = 0.01;
+constexpr double kSkinError = 0.08;  // close enough to keep the skin and adapt the interior alone
+constexpr int kSkinTries = 6;
+constexpr int kInteriorTries = 14;
+
+/// Large meshes take a second or more a try, so they are aimed less finely.
+double aimed_error(std::uint64_t vertices) {
+  return vertices <= 3000 ? 0.003 : 0.008;
+}
+
+double relative_error(const FilledSurface& filled, std::uint64_t vertices) {
+  return static_cast<double>(filled.mesh.points.size()) / static_cast<double>(vertices) - 1.0;
+}
+
+bool is_better(const FilledSurface& a, const FilledSurface& b, std::uint64_t vertices) {
+  return b.mesh.points.empty() ||
+         std::fabs(relative_error(a, vertices)) < std::fabs(relative_error(b, vertices));
+}
+
+/// The skin must be the mesh's boundary, and the mesh as simple as the skin.
+void check_filled(const SurfaceMesh& skin, const TetMesh& mesh) {
+  const auto& p = mesh.points;
+  const bool keeps_points =
+      p.size() >= skin.points.size() && std::equal(skin.points.begin(), skin.points.end(), p.begin());
+  if (!keeps_points) throw UnavailableError("gmsh moved vertices of the skin");
+  for (const Tet& t : mesh.tets) {
+    if (orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) <= 0) {
+      throw UnavailableError("gmsh left an inverted tetrahedron");
+    }
+  }
+  if (build_boundary(mesh).size() != skin.triangles.size()) {
+    throw UnavailableError("gmsh changed the triangles of the skin");
+  }
+  const auto faces = static_cast<std::int64_t>(build_faces(mesh).size());
+  const auto edges = static_cast<std::int64_t>(build_edges(mesh).size());
+  const std::int64_t euler =
+      static_cast<std::int64_t>(p.size()) - edges + faces - static_cast<std::int64_t>(mesh.tets.size());
+  const std::int64_t skin_euler =
+      static_cast<std::int64_t>(skin.points.size()) - static_cast<std::int64_t>(skin.triangles.size() / 2);
+  if (2 * euler != skin_euler) throw UnavailableError("gmsh left holes inside the surface");
+}
+
+}  // namespace
+
+FilledSurface fill_surface(const SurfaceMesh& skin, double interior_size) {
+  const ScratchFolder scratch;
+  write_off(scratch.file("skin.off"), skin);
+  const double expected = static_cast<double>(skin.points.size()) +
+                          estimate_interior_vertices(enclosed_volume(skin), interior_size);
+  ToolCall call{"mesh", "gmsh.delaunay", scratch.file("skin.off"), scratch.file("filled.mesh"), {}, 60.0};
+  call.options = {{"interior_size", interior_size}};
+  call.timeout_s += expected / 500.0;  // gmsh fills ten times as many a second
+  run_tool(kGmshTool, call);
+  FilledSurface filled{skin, {}, interior_size};
+  filled.mesh = read_medit(call.output, ReadOrientation::kKeep).mesh;
+  check_filled(skin, filled.mesh);
+  return filled;
+}
+
+SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length) {
+  const ScratchFolder scratch;
+  write_off(scratch.file("surface.off"), surface);
+  ToolCall call{"mesh", "cgal.remesh_surface", scratch.file("surface.off"), scratch.file("skin.off"), {},
+                600.0};
+  call.options = {{"edge_length", edge_length}};
+  run_tool(kSurfaceTool, call);
+  return read_off(call.output);
+}
+
+double estimate_interior_vertices(double volume, double interior_size) {
+  return kVerticesPerCube * volume / (interior_size * interior_size * interior_size);
+}
+
+double estimate_interior_size(double volume, double vertices) {
+  return std::cbrt(kVerticesPerCube * volume / vertices);
+}
+
+void check_interior_size(double volume, double interior_size) {
+  if (!(interior_size > 0.0) || !std::isfinite(interior_size)) {
+    throw InputError("edge length", 0, "a positive number", short_number(interior_size));
+  }
+  const double expected = estimate_interior_vertices(volume, interior_size);
+  if (expected > kLargestVertexCount) {
+    std::array<char, 64> text{};
+    std::snprintf(text.data(), text.size(), "%g, which takes about %.3g", interior_size, expected);
+    throw InputError("edge length", 0, "a length that takes fewer than 20 million vertices", text.data());
+  }
+}
+
+bool is_close_enough(std::uint64_t found, std::uint64_t wanted) {
+  const std::uint64_t gap = found > wanted ? found - wanted : wanted - found;
+  return gap <= 1 || static_cast<double>(gap) <= kAcceptedError * static_cast<double>(wanted);
+}
+
+FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, double start) {
+  const auto skin_count = static_cast<double>(skin.points.size());
+  const auto wanted = static_cast<double>(vertices) - skin_count;
+  require(wanted > 0.0, "fill_to_vertices: the skin alone has as many vertices");
+  FilledSurface best;
+  double too_fine = 0.0;
+  double too_coarse = 0.0;
+  double size = start;
+  for (int i = 0; i < kInteriorTries; ++i) {
+    FilledSurface filled = fill_surface(skin, size);
+    const double error = relative_error(filled, vertices);
+    const double inner = std::max(1.0, static_cast<double>(filled.mesh.points.size()) - skin_count);
+    if (is_better(filled, best, vertices)) best = std::move(filled);
+    if (std::fabs(error) <= aimed_error(vertices)) break;
+    (error > 0.0 ? too_fine : too_coarse) = size;
+    double next = size * std::clamp(std::cbrt(inner / wanted), 0.5, 2.0);
+    const bool has_bracket = too_fine > 0.0 && too_coarse > 0.0;
+    const double low = std::min(too_fine, too_coarse);
+    const double high = std::max(too_fine, too_coarse);
+    if (has_bracket && (next <= low || next >= high || i > kInteriorTries / 2)) next = std::sqrt(low * high);
+    if (next == size || (has_bracket && high - low < 1e-9 * high)) break;
+    size = next;
+  }
+  return best;
+}
+
+FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices, double start,
+                             const std::string& name) {
+  FilledSurface best;
+  double size = start;
+  for (int i = 0; i < kSkinTries; ++i) {
+    FilledSurface filled = fill_surface(make_skin(size), size);
+    const double error = relative_error(filled, vertices);
+    if (is_better(filled, best, vertices)) best = std::move(filled);
+    if (std::fabs(error) <= kSkinError) break;
+    size *= std::clamp(std::cbrt(1.0 + error), 0.3, 3.0);
+  }
+  if (std::fabs(relative_error(best, vertices)) > aimed_error(vertices) &&
+      best.skin.points.size() < vertices) {
+    FilledSurface closer = fill_to_vertices(best.skin, vertices, best.interior_size);
+    if (is_better(closer, best, vertices)) best = std::move(closer);
+  }
+  // Over one skin the count may jump across what is wanted: others nearby have their jumps elsewhere.
+  for (const double factor : {0.98, 1.02, 0.96, 1.04}) {
+    if (is_close_enough(best.mesh.points.size(), vertices)) break;
+    const SurfaceMesh other = make_skin(factor * size);
+    if (other.points.size() >= vertices) continue;
+    FilledSurface filled = fill_to_vertices(other, vertices, best.interior_size);
+    if (is_better(filled, best, vertices)) best = std::move(filled);
+  }
+  if (!is_close_enough(best.mesh.points.size(), vertices)) {
+    throw InputError(
+        name, 0, "a number of vertices that it can be made with",
+        std::to_string(vertices) + " (the nearest found is " + std::to_string(best.mesh.points.size()) + ")");
+  }
+  return best;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,377 @@
+#include "experiments/meshes/mesh_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/io/off.h"
+#include "core/mesh/orientation.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/mesh/topology.h"
+#include "experiments/judging/doubled_points.h"
+#include "experiments/meshes/body_surface.h"
+#include "experiments/meshes/mesh_cache.h"
+#include "experiments/meshes/mesh_fill.h"
+#include "experiments/meshes/mesh_tools.h"
+#include "experiments/meshes/organ_source.h"
+#include "experiments/meshes/skin_jitter.h"
+#include "experiments/text/nearest_name.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace {
+
+constexpr std::uint64_t kDefaultVertices = 1503;
+constexpr std::uint64_t kFewestVertices = 100;
+constexpr std::uint64_t kMostVertices = 5'000'000;
+constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
+constexpr double kDefaultJitter = 0.25;   // cells
+
+/// A built surface that is filled: ball, bean, filled_bar.
+struct FilledShape {
+  const char* name;
+  SurfaceMesh (*build)(int frequency);
+};
+constexpr std::array<FilledShape, 3> kFilledShapes{
+    {{"ball", build_geodesic_sphere}, {"bean", build_bean_surface}, {"filled_bar", build_bar_surface}}};
+
+/// A lattice: its vertex count is a known function of the cells.
+struct LatticeShape {
+  const char* name;
+  TetMesh (*build)(int cells, const ShapeRequest& request);
+  double (*vertices)(double cells);
+  int most_cells;
+};
+
+constexpr std::array<LatticeShape, 3> kLatticeShapes{{
+    {"cube",
+     [](int n, const ShapeRequest& r) {
+       return build_kuhn_cube(n, r.jitter.value_or(kDefaultJitter), r.seed);
+     },
+     [](double n) { return (n + 1) * (n + 1) * (n + 1); }, 560},
+    {"bar", [](int n, const ShapeRequest&) { return build_bar(n); },
+     [](double n) { return (4 * n + 1) * (n + 1) * (n + 1); }, 350},
+    {"bcc_bar", [](int n, const ShapeRequest&) { return build_bcc_bar(n); },
+     [](double n) { return (4 * n + 1) * (n + 1) * (n + 1) + 4 * n * n * n + 18 * n * n; }, 270},
+}};
+
+void check_vertex_count(const std::string& where, std::uint64_t vertices) {
+  if (vertices >= kFewestVertices && vertices <= kMostVertices) return;
+  throw InputError(where, 0, "100 to 5000000 vertices", std::to_string(vertices));
+}
+
+double mean_edge(const SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) sum += length(surface.points[t[k]] - surface.points[t[(k + 1) % 3]]);
+  }
+  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
+}
+
+std::string describe(const char* name, const FilledSurface& filled) {
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "%s: skin of %zu vertices, interior edges about %.3g", name,
+                filled.skin.points.size(), filled.interior_size);
+  return text.data();
+}
+
+/// The skin's frequency goes with the interior's size. Coarse: 6 (362 vertices) at the default count. Fine:
+/// as long as the edges inside.
+MadeMesh make_filled(const FilledShape& shape, const ShapeRequest& request) {
+  constexpr double kFrequency = 6.0;
+  constexpr double kInnerVertices = 1141.0;  // 1503 - 362
+  constexpr double kMostFrequency = 350.0;   // of filled_bar, and more than enough for the others
+  const MeshSize& size = request.size;
+  const auto skin = [&](double frequency) {
+    SurfaceMesh built = shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
+    jitter_skin(request.seed, built);
+    return built;
+  };
+  FilledSurface filled;
+  if (request.skin == SkinSize::kFine) {
+    const SurfaceMesh first = skin(kFrequency);
+    const double edge_at_1 = kFrequency * mean_edge(first);  // edges go with 1 / frequency
+    const auto fine_skin = [&](double interior) { return skin(edge_at_1 / interior); };
+    const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
+    if (size.edge_length) {
+      check_interior_size(enclosed_volume(first), *size.edge_length);
+      filled = fill_surface(fine_skin(*size.edge_length), *size.edge_length);
+    } else {
+      check_vertex_count(shape.name, vertices);
+      const double start = estimate_interior_size(enclosed_volume(first), static_cast<double>(vertices));
+      filled = fill_with_skin(fine_skin, vertices, start, shape.name);
+    }
+  } else if (size.edge_length) {
+    const double volume = enclosed_volume(skin(kFrequency));
+    check_interior_size(volume, *size.edge_length);
+    const double default_size = estimate_interior_size(volume, kInnerVertices);
+    filled = fill_surface(skin(kFrequency * default_size / *size.edge_length), *size.edge_length);
+  } else {
+    const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
+    check_vertex_count(shape.name, vertices);
+    const double wanted = static_cast<double>(vertices);
+    const SurfaceMesh surface = skin(kFrequency * std::cbrt(wanted / static_cast<double>(kDefaultVertices)));
+    const double inner = wanted - static_cast<double>(surface.points.size());
+    filled = fill_to_vertices(surface, vertices, estimate_interior_size(enclosed_volume(surface), inner));
+    if (!is_close_enough(filled.mesh.points.size(), vertices)) {
+      throw InputError(shape.name, 0, "a number of vertices that it can be made with",
+                       std::to_string(vertices) + " (the nearest found is " +
+                           std::to_string(filled.mesh.points.size()) + ")");
+    }
+  }
+  MadeMesh made;
+  made.notes.push_back(describe(shape.name, filled));
+  made.mesh = std::move(filled.mesh);
+  return made;
+}
+
+MadeMesh make_lattice(const LatticeShape& shape, const ShapeRequest& request) {
+  int cells = 1;
+  if (request.size.edge_length) {
+    const double wanted = std::round(1.0 / *request.size.edge_length);
+    if (!(*request.size.edge_length > 0.0) || wanted > shape.most_cells) {
+      throw InputError(shape.name, 0, "an edge length of at least 1/" + std::to_string(shape.most_cells),
+                       short_number(*request.size.edge_length));
+    }
+    cells = std::max(1, static_cast<int>(wanted));
+  } else {
+    const auto wanted = static_cast<double>(request.size.vertices.value_or(kDefaultVertices));
+    if (wanted < 1.0 || wanted > 1.1 * shape.vertices(shape.most_cells)) {
+      throw InputError(
+          shape.name, 0,
+          "a number of vertices that 1 to " + std::to_string(shape.most_cells) + " cells a side have",
+          std::to_string(request.size.vertices.value_or(kDefaultVertices)));
+    }
+    const auto gap = [&](int n) { return std::fabs(shape.vertices(n) - wanted); };
+    while (cells < shape.most_cells && gap(cells + 1) < gap(cells)) ++cells;
+  }
+  MadeMesh made{shape.build(cells, request), {}};
+  made.notes.push_back(std::string(shape.name) + ": " + std::to_string(cells) + " cells a unit, " +
+                       std::to_string(made.mesh.points.size()) + " vertices");
+  return made;
+}
+
+[[noreturn]] void refuse_shape(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ShapeInfo& shape : list_shapes()) names.push_back(shape.name);
+  throw InputError("unknown shape \"" + name + "\"" + nearest_hint(name, names));
+}
+
+template <typename Shapes>
+auto find_shape(const Shapes& shapes, const std::string& name) {
+  const auto found =
+      std::find_if(shapes.begin(), shapes.end(), [&](const auto& shape) { return name == shape.name; });
+  return found == shapes.end() ? nullptr : &*found;
+}
+
+void check_size(const MeshSize& size) {
+  if (size.vertices && size.edge_length) {
+    throw InputError("mesh size", 0, "a number of vertices or an edge length", "both");
+  }
+  if (size.edge_length && (!std::isfinite(*size.edge_length) || *size.edge_length <= 0.0)) {
+    throw InputError("edge length", 0, "a positive number", short_number(*size.edge_length));
+  }
+}
+
+std::string ending_of(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return ending;
+}
+
+/// Adapts the interior to the count; only a skin that is too fine for it is remeshed.
+FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertices, MadeMesh& made) {
+  const double volume = enclosed_volume(surface);
+  check_vertex_count("mesh size", vertices);
+  const std::size_t skin_count = surface.points.size();
+  if (skin_count < vertices) {
+    const double start =
+        estimate_interior_size(volume, static_cast<double>(vertices) - static_cast<double>(skin_count));
+    FilledSurface filled = fill_to_vertices(surface, vertices, start);
+    if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
+  }
+  made.notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too fine for a mesh of " +
+                       std::to_string(vertices) + ": it was remeshed");
+  const auto skin = [&](double interior) { return remesh_surface(surface, kSkinToInterior * interior); };
+  return fill_with_skin(skin, vertices, estimate_interior_size(volume, 0.8 * static_cast<double>(vertices)),
+                        "vertices");
+}
+
+/// Restores the orientation of foreign tets, and says so.
+void restore_orientation(const std::string& where, MeditFile& file) {
+  std::size_t turned = 0;
+  TetMesh& mesh = file.mesh;
+  for (Tet& t : mesh.tets) {
+    const auto& p = mesh.points;
+    const int sign = orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+    if (sign == 0) throw InputError(where, 0, "tetrahedra with a volume", "a flat one");
+    if (sign > 0) continue;
+    std::swap(t[2], t[3]);
+    ++turned;
+  }
+  if (turned > 0)
+    file.notes.push_back(std::to_string(turned) + " negatively oriented tetrahedra were turned");
+}
+
+}  // namespace
+
+std::optional<SkinSize> skin_size(const std::string& name) {
+  if (name == "coarse") return SkinSize::kCoarse;
+  if (name == "fine") return SkinSize::kFine;
+  return std::nullopt;
+}
+
+std::vector<ShapeInfo> list_shapes() {
+  std::string image_reason;
+  std::string body_reason;
+  const std::string filled_reason = why_unavailable(kGmshTool);
+  for (const MeshTool& tool : {kVtkTool, kSurfaceTool, kGmshTool}) {
+    const std::string reason = why_unavailable(tool);
+    if (image_reason.empty()) image_reason = reason;
+    if (body_reason.empty() && std::string(tool.program) != kVtkTool.program) body_reason = reason;
+  }
+  std::vector<ShapeInfo> shapes;
+  for (const BodyInfo& body : list_bodies())
+    shapes.push_back({body.name, body.summary, "mm", body.needs_image ? image_reason : body_reason});
+  shapes.insert(
+      shapes.end(),
+      {{"bean", "a geodesic sphere bent into a kidney with a hilum", "cm", filled_reason},
+       {"ball", "the unit ball, a geodesic sphere filled with a finer interior", "1", filled_reason},
+       {"filled_bar", "a bar [0, 4] x [0, 1]^2 whose inside is filled without a lattice", "1", filled_reason},
+       {"bar", "a bar [0, 4] x [0, 1]^2 of Kuhn cells", "1", ""},
+       {"cube", "a cube [0, 1]^3 of Kuhn cells, inner vertices moved at random", "1", ""},
+       {"bcc_bar", "a bar [0, 4] x [0, 1]^2 of body-centred cubic lattice", "1", ""}});
+  return shapes;
+}
+
+std::string shape_complaint(const ShapeRequest& request) {
+  const bool is_lattice = find_shape(kLatticeShapes, request.name) != nullptr;
+  const bool is_flat = is_lattice || request.name == "filled_bar";
+  if (request.jitter && request.name != "cube") {
+    return request.name + ": expected no jitter (it is the cube's), found " + short_number(*request.jitter);
+  }
+  if (request.seed != 0 && is_flat && request.name != "cube") {
+    return request.name +
+           ": expected no seed (nothing of it is random: its skin is flat and regular), found " +
+           std::to_string(request.seed);
+  }
+  if (request.skin != SkinSize::kCoarse && is_lattice) {
+    return request.name + ": expected no skin (it is a lattice, whose skin goes with its cells), found fine";
+  }
+  return "";
+}
+
+std::string shape_key(const ShapeRequest& request) {
+  std::array<char, 64> edge{};
+  std::snprintf(edge.data(), edge.size(), "%a", request.size.edge_length.value_or(0.0));
+  return "shape " + request.name + "; vertices " + std::to_string(request.size.vertices.value_or(0)) +
+         "; edge " + edge.data() + (request.skin == SkinSize::kFine ? "; fine skin" : "") +
+         (request.seed > 0 ? "; seed " + std::to_string(request.seed) : "") +
+         (is_body(request.name) ? body_data_key(request.name) : "");
+}
+
+MadeMesh make_shape(const ShapeRequest& request) {
+  check_size(request.size);
+  const LatticeShape* lattice = find_shape(kLatticeShapes, request.name);
+  const FilledShape* shape = find_shape(kFilledShapes, request.name);
+  if (lattice == nullptr && shape == nullptr && !is_body(request.name)) refuse_shape(request.name);
+  const std::string complaint = shape_complaint(request);
+  if (!complaint.empty()) throw InputError(complaint);
+  if (lattice != nullptr) return make_lattice(*lattice, request);
+  return make_cached(shape_key(request),
+                     [&] { return shape != nullptr ? make_filled(*shape, request) : make_body(request); });
+}
+
+MadeMesh mesh_surface(const std::filesystem::path& path, const MeshSize& size) {
+  check_size(size);
+  const std::string ending = ending_of(path);
+  if (ending != ".stl" && ending != ".off" && ending != ".obj" && ending != ".ply") {
+    throw InputError(path.string(), 0, "a surface in .stl, .off, .obj or .ply", "\"" + ending + "\"");
+  }
+  const ScratchFolder scratch;
+  run_tool(kSurfaceTool, {"convert", "cgal.read_surface", path, scratch.file("surface.off"), {}, 600.0});
+  const SurfaceMesh surface = read_off(scratch.file("surface.off"));
+  MadeMesh made;
+  FilledSurface filled;
+  if (size.vertices) {
+    filled = fill_user_surface(surface, *size.vertices, made);
+  } else {
+    const double interior = size.edge_length.value_or(mean_edge(surface));
+    check_interior_size(enclosed_volume(surface), interior);
+    filled = fill_surface(surface, interior);
+  }
+  made.notes.push_back(describe("filled", filled));
+  made.mesh = std::move(filled.mesh);
+  return made;
+}
+
+namespace {
+
+MeditFile read_any_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
+  const std::string ending = ending_of(path);
+  if (ending == ".mesh") return read_medit(path, orientation);
+  const bool is_msh = ending == ".msh";
+  if (!is_msh && ending != ".vtk" && ending != ".vtu") {
+    throw InputError(path.string(), 0, "a mesh in .mesh, .msh, .vtk or .vtu", "\"" + ending + "\"");
+  }
+  if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), 0, "a readable file", "none");
+  if (std::filesystem::file_size(path) == 0) throw InputError(path.string(), 0, "a mesh", "an empty file");
+  const ScratchFolder scratch;
+  const ToolCall call{"convert", is_msh ? "gmsh.read" : "vtk.read", path, scratch.file("read.mesh"), {},
+                      600.0};
+  const nlohmann::json response = run_tool(is_msh ? kGmshTool : kVtkTool, call);
+  MeditFile file;
+  try {
+    file = read_medit(call.output, ReadOrientation::kKeep);
+  } catch (const InputError& error) {  // says where in the converted file; the user has the other one
+    const std::string what = error.what();
+    throw InputError(path.string() + what.substr(std::min(what.find(": "), what.size())));
+  }
+  file.notes = response.at("notes").get<std::vector<std::string>>();
+  if (orientation == ReadOrientation::kRestore) {
+    const std::size_t isolated = remove_isolated_vertices(file.mesh);
+    file.isolated_vertices = isolated;
+    if (isolated > 0) {
+      file.notes.push_back((isolated == 1
+                                ? std::string("1 vertex that no tetrahedron uses was")
+                                : std::to_string(isolated) + " vertices that no tetrahedron uses were") +
+                           " left out");
+    }
+    restore_orientation(path.string(), file);
+  }
+  return file;
+}
+
+}  // namespace
+
+MeditFile read_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
+  MeditFile file = read_any_mesh(path, orientation);
+  const std::string complaint = doubled_points_complaint(file.mesh);
+  if (!complaint.empty()) throw InputError(path.string(), 0, "tetrahedra that share vertices", complaint);
+  return file;
+}
+
+void write_mesh(const std::filesystem::path& path, const TetMesh& mesh) {
+  const std::string ending = ending_of(path);
+  if (ending == ".mesh") return write_medit(path, mesh);
+  if (ending != ".vtu")
+    throw InputError(path.string(), 0, "a mesh to write in .mesh or .vtu", "\"" + ending + "\"");
+  const ScratchFolder scratch;
+  write_medit(scratch.file("mesh.mesh"), mesh);
+  // Written aside and copied as a whole, so that a full disk leaves what was there.
+  const ToolCall call{"convert", "vtk.write", scratch.file("mesh.mesh"), scratch.file("mesh.vtu"), {}, 600.0};
+  run_tool(kVtkTool, call);
+  std::ostringstream bytes;
+  bytes << std::ifstream(call.output, std::ios::binary).rdbuf();
+  write_file_atomically(path, bytes.str());
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,58 @@
+// Where a plan's or a command's mesh comes from: a shape that is made, a surface that is filled, a file.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/io/medit.h"
+#include "core/mesh/tet_mesh.h"
+#include "experiments/meshes/shape_request.h"
+
+namespace palpate::experiments {
+
+/// "coarse" or "fine"; nothing for another word.
+std::optional<SkinSize> skin_size(const std::string& name);
+
+/// One line of `palpate list meshes`.
+struct ShapeInfo {
+  std::string name;
+  std::string summary;
+  std::string unit;         ///< "mm" for bodies, "cm" for the bean, "1" for built shapes
+  std::string unavailable;  ///< why it cannot be made here, empty if it can
+};
+
+std::vector<ShapeInfo> list_shapes();
+
+/// What a made mesh is kept under, beside what make_cached adds: the request, and for a body the hash of
+/// the data that it is made from. Throws: UnavailableError if there are none.
+std::string shape_key(const ShapeRequest& request);
+
+/// Which part of the request the shape of that name cannot take, as a sentence; empty if it can take all.
+/// A seed moves the skin's vertices along the skin (jitter_skin), so flat-sided shapes take none but the
+/// cube. Sizes are not looked at.
+std::string shape_complaint(const ShapeRequest& request);
+
+/// Makes a shape; the same request gives the same mesh to the byte. Finished meshes are kept in a cache below
+/// the build folder, keyed by the request and the programs that made them. Throws: InputError for an unknown
+/// name (with the nearest), an impossible size or what shape_complaint() refuses; UnavailableError if a
+/// program,
+///         a package or the organ data is missing, or a mesher fails or hangs.
+MadeMesh make_shape(const ShapeRequest& request);
+
+/// Fills a closed surface (.stl, .off, .obj, .ply) with tets; the skin is kept unless a vertex count needs
+/// another. Throws: InputError for an open, non-manifold, self-intersecting or inside-out surface, saying
+/// where;
+///         UnavailableError as above.
+MadeMesh mesh_surface(const std::filesystem::path& surface, const MeshSize& size);
+
+/// Reads .mesh itself, and .msh, .vtk, .vtu through the converter programs.
+/// Throws: InputError for a broken file, and for tets that all stand alone (doubled_points_complaint()).
+MeditFile read_mesh(const std::filesystem::path& path,
+                    ReadOrientation orientation = ReadOrientation::kRestore);
+
+/// Writes .mesh itself, and .vtu through the converter. Throws: InputError for any other ending.
+void write_mesh(const std::filesystem::path& path, const TetMesh& mesh);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,118 @@
+// A plan: one question, as data. runner/read_plan reads one.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/contestants/contestant.h"
+#include "experiments/meshes/mesh_source.h"
+#include "experiments/plan_reader/sweep.h"
+#include "experiments/scene_reader/scene.h"
+
+namespace palpate::experiments {
+
+/// A mesh of a plan: a shape that is made, or a file.
+struct PlanMesh {
+  std::string name;
+  std::optional<ShapeRequest> shape;
+  std::filesystem::path file;  ///< when there is no shape; resolved against the plan's folder
+};
+
+/// A scene of a plan, read and checked.
+struct PlanScene {
+  std::string name;
+  Scene scene;
+};
+
+/// The reference that a contest of displacements is judged by: a method with quadratic elements and an
+/// integer option "refine", solved on the mesh (refine 0) and on its uniform refinements.
+struct PlanReference {
+  std::string method;
+  std::map<std::string, GivenOption> set;
+  int levels = 2;                ///< refine = 0 ... levels - 1
+  std::optional<double> enough;  ///< no further level once the estimated relative L2 error is this small
+  std::optional<double> stated_order;  ///< of convergence, for two levels; three observe their own
+};
+
+/// One contestant of a plan.
+struct PlanContestant {
+  std::string method;
+  std::string label;
+  std::optional<Stop> stop;
+  std::map<std::string, GivenOption> set;
+  std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
+  std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
+  std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
+  std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
+  bool required = true;             ///< false: its outcome does not decide the exit code
+};
+
+/// How the cases are run.
+struct RunSettings {
+  int repeats = 1;
+  int warmup = 0;
+  int threads = 1;
+  double timeout_s = 300.0;
+  std::uint64_t memory_mib = 4096;
+  double judge_timeout_s = 600.0;         ///< of the judge, for each answer
+  std::uint64_t judge_memory_mib = 8192;  ///< of the judge, beyond what the runner has
+};
+
+/// Bounds that a measure has to keep.
+struct AcceptBound {
+  std::string measure;
+  std::optional<double> min;
+  std::optional<double> max;
+};
+
+/// What one contest alone reads from its plan.
+struct ContestPart {
+  virtual ~ContestPart() = default;
+};
+
+struct Plan {
+  std::filesystem::path file;
+  std::string name;  ///< the file's name without its ending
+  std::string question;
+  std::string contest;  ///< one of runner/contest_table
+  std::vector<std::string>
+      subjects;                   ///< the names of what its cases are about: its meshes, scenes, known cases
+  std::vector<PlanMesh> meshes;   ///< of contests that start from meshes
+  std::vector<PlanScene> scenes;  ///< of contests that start from scenes
+  std::optional<PlanReference> reference;   ///< of contests that are judged by a solution
+  std::vector<PlanContestant> simplifiers;  ///< of the contests' inputs; may be empty
+  std::vector<PlanContestant> contestants;
+  std::vector<SweepAxis> sweep;
+  RunSettings run;
+  std::vector<std::string> measure;
+  std::vector<std::string> compared;  ///< measures whose better side the report needs
+  std::vector<AcceptBound> accept;
+  std::vector<std::string> charts;          ///< empty: the report's choice
+  std::vector<std::string> notes;           ///< worth saying, no error: contestants that are unavailable here
+  std::shared_ptr<const ContestPart> part;  ///< may be null
+};
+
+/// What the plan's contest alone read. Throws: std::bad_cast if it is not a `Part`.
+template <typename Part>
+const Part& part_of(const Plan& plan) {
+  return dynamic_cast<const Part&>(*plan.part);
+}
+
+/// The names of meshes or scenes.
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> names;
+  names.reserve(all.size());
+  for (const Named& each : all) names.push_back(each.name);
+  return names;
+}
+
+/// The simplifier that leaves the mesh as it is: its method is empty.
+inline constexpr const char* kNoSimplifier = "none";
+
+}  // namespace palpate::experiments

@@ -1,0 +1,113 @@
+#include "experiments/records/record_file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "core/base/error.h"
+#include "reference/door/json_file.h"
+
+namespace palpate::experiments {
+namespace {
+
+/// Bytes up to and with the last newline.
+long long whole_lines(int file, long long size) {
+  std::string block;
+  for (long long end = size; end > 0;) {
+    const long long begin = std::max(0LL, end - 65536);
+    block.resize(static_cast<std::size_t>(end - begin));
+    if (::pread(file, block.data(), block.size(), begin) != static_cast<ssize_t>(block.size())) return size;
+    const std::size_t newline = block.rfind('\n');
+    if (newline != std::string::npos) return begin + static_cast<long long>(newline) + 1;
+    end = begin;
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path.string(), 0, "the records of a run", "no such file");
+  std::vector<nlohmann::json> records;
+  std::string line;
+  std::size_t number = 0;
+  while (std::getline(file, line)) {
+    ++number;
+    if (file.eof()) break;  // no newline: the run was killed while it wrote this line
+    nlohmann::json record = reference::parse_json(line, path.string() + ":" + std::to_string(number));
+    const bool sound = record.is_object() && record.value("schema", nlohmann::json()) == "palpate/record/1" &&
+                       record.value("case", nlohmann::json()).is_string() &&
+                       record.value("outcome", nlohmann::json()).is_string() &&
+                       record.value("repeat", nlohmann::json()).is_number_integer();
+    if (!sound) throw InputError(path.string(), number, "a record (palpate/record/1)", "something else");
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+double median(std::vector<double> values) {
+  require(!values.empty(), "median: no values");
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+RecordFile::RecordFile(const std::filesystem::path& path) : path_(path) {
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (file_ < 0) fail(std::strerror(errno));
+  struct stat status {};
+  const bool known = ::fstat(file_, &status) == 0;
+  size_ = known ? whole_lines(file_, status.st_size) : 0;
+  if (!known || (size_ < status.st_size && ::ftruncate(file_, size_) != 0)) {
+    const std::string reason = std::strerror(errno);
+    ::close(file_);
+    fail(reason);
+  }
+}
+
+RecordFile::~RecordFile() {
+  ::close(file_);
+}
+
+void RecordFile::fail(const std::string& reason) const {
+  throw InputError(path_.string(), 0, "a file that can be written", reason);
+}
+
+void RecordFile::append(const nlohmann::json& record) {
+  const std::string line = record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  errno = 0;
+  const ssize_t written = ::write(file_, line.data(), line.size());
+  const bool whole = written == static_cast<ssize_t>(line.size());
+  const bool synced = whole && (::fsync(file_) == 0 || errno == EINVAL);
+  if (!synced) {
+    const std::string reason = errno != 0 ? std::strerror(errno) : "no room on the disk";
+    if (::ftruncate(file_, size_) != 0) fail(reason + ", and the torn line could not be taken back");
+    fail(reason);
+  }
+  size_ += written;
+}
+
+FolderLock::FolderLock(const std::filesystem::path& folder) {
+  const auto path = folder / ".lock";
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file_ < 0) {
+    throw InputError(folder.string(), 0, "a folder that can be written", std::strerror(errno));
+  }
+  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(file_);
+    throw InputError(folder.string() + ": another run is at work in this folder");
+  }
+}
+
+FolderLock::~FolderLock() {
+  ::close(file_);
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,136 @@
+#include "experiments/runner/read_plan.h"
+
+#include <algorithm>
+
+#include "experiments/plan_reader/plan_report.h"
+#include "experiments/runner/contest_table.h"
+#include "experiments/text/nearest_name.h"
+
+namespace palpate::experiments {
+namespace {
+
+/// The keys of every plan.
+const std::vector<std::string> kKeys{"schema", "question", "contest", "contestants",
+                                     "sweep",  "run",      "measure", "accept"};
+
+RunSettings read_run(const YamlValue& value) {
+  const YamlFields fields = value.fields(
+      {"repeats", "warmup", "threads", "timeout_s", "memory_mib", "judge_timeout_s", "judge_memory_mib"});
+  RunSettings run;
+  if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
+  if (const auto v = fields.find("warmup")) run.warmup = static_cast<int>(v->integer(0, 1'000));
+  if (const auto v = fields.find("threads")) run.threads = static_cast<int>(v->integer(1, 1'024));
+  if (const auto v = fields.find("timeout_s")) run.timeout_s = v->number(0.01, 1e7);
+  if (const auto v = fields.find("memory_mib")) {
+    run.memory_mib = static_cast<std::uint64_t>(v->integer(16, 1 << 24));
+  }
+  if (const auto v = fields.find("judge_timeout_s")) run.judge_timeout_s = v->number(0.01, 1e7);
+  if (const auto v = fields.find("judge_memory_mib")) {
+    run.judge_memory_mib = static_cast<std::uint64_t>(v->integer(1, 1 << 24));
+  }
+  return run;
+}
+
+std::vector<AcceptBound> read_accept(const YamlValue& value) {
+  std::vector<AcceptBound> bounds;
+  for (const auto& [name, entry] : value.entries()) bounds.push_back(read_bound(name, entry));
+  return bounds;
+}
+
+void read_measures(const YamlValue& value, std::vector<std::string>& measures) {
+  for (const YamlValue& item : value.items()) {
+    const std::string name = item.text();
+    known_measure(item, name, false);
+    if (std::find(measures.begin(), measures.end(), name) != measures.end()) {
+      item.fail("measure \"" + name + "\" twice");
+    }
+    measures.push_back(name);
+  }
+}
+
+std::string plan_name(const std::filesystem::path& path) {
+  const std::string stem = path.stem().string();
+  std::string name;
+  for (const char c : stem) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                       c == '_' || c == '-' || c == '.';
+    name += plain ? c : '_';
+  }
+  return name.empty() ? "plan" : name;
+}
+
+/// The keys of all contests, each once.
+std::vector<std::string> all_keys() {
+  std::vector<std::string> keys = kKeys;
+  for (const ContestKind* kind : list_contests()) {
+    for (const std::string& key : kind->keys) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    }
+  }
+  return keys;
+}
+
+bool has_key(const ContestKind& kind, const std::string& key) {
+  return std::find(kind.keys.begin(), kind.keys.end(), key) != kind.keys.end();
+}
+
+/// The contest that the plan names. Throws: InputError at `name` for an unknown one.
+const ContestKind& known_contest(const YamlValue& name) {
+  std::string known;
+  const auto& contests = list_contests();
+  for (std::size_t i = 0; i < contests.size(); ++i) {
+    if (contests[i]->name == name.text()) return *contests[i];
+    known += (i == 0 ? "" : i + 1 == contests.size() ? " or " : ", ") + contests[i]->name;
+  }
+  name.fail_expected(known);
+}
+
+/// Refuses keys that belong to other contests alone.
+void refuse_keys_of_others(const YamlFields& fields, const ContestKind& own) {
+  for (const ContestKind* kind : list_contests()) {
+    for (const std::string& key : kind->keys) {
+      const auto extra = fields.find(key);
+      if (extra && !has_key(own, key))
+        extra->fail("\"" + key + "\" belongs to the contest " + kind->name + ", not to " + own.name);
+    }
+  }
+}
+
+void add_availability_notes(Plan& plan, const Registry& registry) {
+  const auto add = [&](const std::string& label, const std::string& method) {
+    const std::string why = registry.find(method)->contestant->unavailable();
+    if (!why.empty()) plan.notes.push_back(label + " is unavailable: " + why);
+  };
+  for (const PlanContestant& contestant : plan.contestants) add(contestant.label, contestant.method);
+  for (const PlanContestant& simplifier : plan.simplifiers) {
+    if (!simplifier.method.empty()) add(simplifier.label, simplifier.method);
+  }
+  if (plan.reference) add("the reference", plan.reference->method);
+}
+
+}  // namespace
+
+Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
+  const YamlValue root = read_yaml(path);
+  const YamlFields fields = root.fields(all_keys());
+  const YamlValue schema = fields.need("schema");
+  if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
+  Plan plan;
+  plan.file = path;
+  plan.name = plan_name(path);
+  plan.question = fields.need("question").text();
+  if (plan.question.empty()) fields.need("question").fail_expected("a question");
+  const ContestKind& contest = known_contest(fields.need("contest"));
+  plan.contest = contest.name;
+  refuse_keys_of_others(fields, contest);
+  if (const auto run = fields.find("run")) plan.run = read_run(*run);
+  contest.read(fields, plan, registry);
+  if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
+  if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
+  if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, contest.charts);
+  add_availability_notes(plan, registry);
+  if (std::string note = timing_note(plan); !note.empty()) plan.notes.push_back(std::move(note));
+  return plan;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,252 @@
+#include "experiments/scene_reader/scene_problem.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/rigid_motion.h"
+#include "core/mesh/topology.h"
+#include "experiments/judging/judge_record.h"
+#include "experiments/text/nearest_name.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace {
+
+constexpr int kParts = 16;  // a face's edge is divided into so many
+constexpr double kRounding =
+    1e-9;  // of the box's diagonal: a face in the plane of a half-space belongs to it
+
+/// Share of a triangle in a region: of kParts^2 equal parts, those whose centroid lies in it.
+double share_inside(const Region& region, const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {
+  int inside = 0;
+  const double step = 1.0 / kParts;
+  const auto count = [&](double u, double v) {
+    inside += is_inside(region, a + (u * step) * (b - a) + (v * step) * (c - a), tolerance) ? 1 : 0;
+  };
+  for (int i = 0; i < kParts; ++i) {
+    for (int j = 0; i + j < kParts; ++j) {
+      count(i + 1.0 / 3.0, j + 1.0 / 3.0);
+      if (i + j + 1 < kParts) count(i + 2.0 / 3.0, j + 2.0 / 3.0);
+    }
+  }
+  return static_cast<double>(inside) / (kParts * kParts);
+}
+
+double area_of(const TetMesh& mesh, const Triangle& face) {
+  const Vec3& a = mesh.points[face[0]];
+  return 0.5 * length(cross(mesh.points[face[1]] - a, mesh.points[face[2]] - a));
+}
+
+/// Resolves one scene on one mesh.
+class ProblemBuilder {
+ public:
+  ProblemBuilder(const Scene& scene, const TetMesh& mesh)
+      : scene_(scene), mesh_(mesh), boundary_(build_boundary(mesh)) {
+    const BoundingBox box = bounding_box(mesh.points);
+    tolerance_ = kRounding * length(box.high - box.low);
+  }
+
+  BoundaryProblem build() {
+    problem_.material = scene_.material;
+    problem_.strain = scene_.strain;
+    for (const SceneClamp& clamp : scene_.clamps) add_clamp(clamp);
+    for (const SceneLoad& load : scene_.loads) add_load(load);
+    return std::move(problem_);
+  }
+
+ private:
+  void require_placed(const Region& region) const {
+    require(!region.surface_direction && !region.radius_relative && !region.share,
+            "build_problem: a region is not placed");
+  }
+
+  [[noreturn]] void fail_empty(const Region& region, const std::string& who, const std::string& what) const {
+    const std::string unit = unit_complaint(region, mesh_);
+    throw InputError(region.where + ": " + who + ": the region (" + region.text + ") " +
+                     (unit.empty() ? what : "selects nothing: " + unit));
+  }
+
+  void check_unit(const Region& region, const std::string& who) const {
+    const std::string unit = unit_complaint(region, mesh_);
+    if (!unit.empty())
+      throw InputError(region.where + ": " + who + ": the region (" + region.text +
+                       ") is in the wrong place: " + unit);
+  }
+
+  FacePatch patch_of(const Region& region, const std::string& who) const {
+    require_placed(region);
+    FacePatch patch;
+    for (const Triangle& face : boundary_) {
+      const double share = share_inside(region, mesh_.points[face[0]], mesh_.points[face[1]],
+                                        mesh_.points[face[2]], tolerance_);
+      if (share <= 0.0) continue;
+      patch.faces.push_back(face);
+      patch.weight.push_back(share);
+    }
+    if (patch.faces.empty()) fail_empty(region, who, "selects nothing of the skin");
+    check_unit(region, who);
+    return patch;
+  }
+
+  std::vector<Triangle> held_faces(const Region& region, const std::string& who) const {
+    require_placed(region);
+    std::vector<Triangle> faces;
+    for (const Triangle& face : boundary_) {
+      const bool all = std::all_of(face.begin(), face.end(),
+                                   [&](Index v) { return is_inside(region, mesh_.points[v], tolerance_); });
+      if (all) faces.push_back(face);
+    }
+    if (faces.empty())
+      fail_empty(region, who, "selects nothing: no face of the skin has all three vertices in it");
+    check_unit(region, who);
+    return faces;
+  }
+
+  void hold(HeldFaces held, const Region& region, const std::string& who) {
+    for (const Triangle& face : held.faces) {
+      for (const Index vertex : face) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          if (held.axes[axis]) hold_vertex(vertex, axis, component(held.by_m, axis), region, who);
+        }
+      }
+    }
+    problem_.held.push_back(std::move(held));
+  }
+
+  static double component(const Vec3& v, std::size_t axis) {
+    return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
+  }
+
+  void hold_vertex(Index vertex, std::size_t axis, double by, const Region& region, const std::string& who) {
+    const auto [at, is_new] = held_.emplace(std::pair{vertex, axis}, Hold{by, region.where});
+    if (is_new || at->second.by == by) return;
+    throw InputError(region.where + ": " + who + ": contradicts " + at->second.where + ": vertex " +
+                     std::to_string(vertex) + " is to move by " + short_number(by) + " m and by " +
+                     short_number(at->second.by) + " m along " + "xyz"[axis]);
+  }
+
+  void add_clamp(const SceneClamp& clamp) {
+    if (clamp.elastic_pa_per_m) {
+      problem_.supports.push_back({patch_of(clamp.region, "clamp"), *clamp.elastic_pa_per_m, {}});
+      return;
+    }
+    hold({held_faces(clamp.region, "clamp"), clamp.axes, {}}, clamp.region, "clamp");
+  }
+
+  void add_load(const SceneLoad& load) {
+    switch (load.kind) {
+      case SceneLoad::Kind::kGravity:
+        problem_.gravity_m_s2 = load.vector;
+        return;
+      case SceneLoad::Kind::kDisplace:
+        if (load.elastic_pa_per_m) {
+          problem_.supports.push_back(
+              {patch_of(load.region, "displace"), *load.elastic_pa_per_m, load.vector});
+        } else {
+          hold({held_faces(load.region, "displace"), {true, true, true}, load.vector}, load.region,
+               "displace");
+        }
+        return;
+      case SceneLoad::Kind::kForce: {
+        Traction traction{patch_of(load.region, "force"), {}, 0.0};
+        double area = 0.0;
+        for (std::size_t i = 0; i < traction.patch.faces.size(); ++i)
+          area += traction.patch.weight[i] * area_of(mesh_, traction.patch.faces[i]);
+        traction.traction_pa = (1.0 / area) * load.vector;
+        problem_.tractions.push_back(std::move(traction));
+        return;
+      }
+    }
+    throw ContractError("add_load: unknown kind");
+  }
+
+  struct Hold {
+    double by;
+    std::string where;
+  };
+
+  const Scene& scene_;
+  const TetMesh& mesh_;
+  std::vector<Triangle> boundary_;
+  double tolerance_ = 0.0;
+  BoundaryProblem problem_;
+  std::map<std::pair<Index, std::size_t>, Hold> held_;
+};
+
+}  // namespace
+
+MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices) {
+  MadeMesh made;
+  if (mesh.shape) {
+    ShapeRequest shape = *mesh.shape;
+    if (vertices) shape.size = {*vertices, std::nullopt};
+    made = make_shape(shape);
+  } else {
+    if (vertices) throw InputError(mesh.file.string() + ": a mesh from a file has the vertices that it has");
+    MeditFile file = read_mesh(mesh.file);
+    const Judgement judgement = judge_mesh(file.mesh);
+    if (!judgement.violations.empty())
+      throw InputError(mesh.file.string(), 0, "a valid mesh", judgement.violations.front());
+    made = {std::move(file.mesh), std::move(file.notes)};
+  }
+  const BoundingBox box = bounding_box(made.mesh.points);
+  const Vec3 size = box.high - box.low;
+  const double scale = mesh.unit_m ? *mesh.unit_m : *mesh.length_m / std::max({size.x, size.y, size.z});
+  for (Vec3& point : made.mesh.points) point = scale * point;
+  return made;
+}
+
+namespace {
+
+/// A tool that goes farther than the body is long would take its patch out of it.
+void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
+  const BoundingBox box = bounding_box(mesh.points);
+  const Vec3 size = box.high - box.low;
+  const double longest = std::max({size.x, size.y, size.z});
+  double share = load.profile ? 0.0 : 1.0;
+  if (load.profile) {
+    for (const double each : load.profile->share) share = std::max(share, std::abs(each));
+  }
+  const double way = share * length(load.vector);
+  if (way > longest)
+    throw InputError(load.where + ": the tool leaves the organ: it is moved by " + short_number(way) +
+                     " m, and the organ is " + short_number(longest) + " m long");
+}
+
+}  // namespace
+
+Scene place_scene(Scene scene, const TetMesh& mesh) {
+  for (SceneClamp& clamp : scene.clamps) clamp.region = place_region(clamp.region, mesh);
+  for (SceneLoad& load : scene.loads) {
+    if (load.kind != SceneLoad::Kind::kGravity) load.region = place_region(load.region, mesh);
+    if (load.kind == SceneLoad::Kind::kDisplace) check_tool_stays(load, mesh);
+  }
+  return scene;
+}
+
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh) {
+  return ProblemBuilder(placed, mesh).build();
+}
+
+BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh) {
+  BoundaryProblem problem = resolve_problem(placed, mesh);
+  const std::vector<RigidMotion> free = find_free_motions(mesh, resisted_axes(mesh, problem));
+  if (free.empty()) return problem;
+  std::vector<std::string> motions;
+  for (const RigidMotion& motion : free) {
+    if (motion.part == free[0].part) motions.push_back(rigid_motion_text(motion));
+  }
+  const std::string part =
+      free[0].part == 0 ? "" : " of the part of the mesh with vertex " + std::to_string(free[0].part);
+  const char* which = motions.size() == 6   ? "every rigid motion"
+                      : motions.size() == 1 ? "a rigid motion"
+                                            : "rigid motions";
+  throw InputError(placed.file.string() + ": the clamps leave " + which + part + " free" +
+                   (motions.size() < 6 ? ": " + joined(motions) : ""));
+}
+
+}  // namespace palpate::experiments

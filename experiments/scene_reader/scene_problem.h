@@ -1,0 +1,40 @@
+// A scene on a mesh: regions become faces, totals become tractions, and what cannot be solved is refused.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/mesh/boundary_problem.h"
+#include "core/mesh/tet_mesh.h"
+#include "experiments/scene_reader/scene.h"
+
+namespace palpate::experiments {
+
+/// The scene's mesh in metres. `vertices` replaces the count of a made shape.
+/// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for `vertices` of a
+///         file, or a file whose mesh is invalid.
+MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices = std::nullopt);
+
+/// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a
+/// simplified one say, it still means the same parts of space.
+/// Throws: InputError for a region far from the mesh, and a tool that is moved farther than the mesh is long.
+Scene place_scene(Scene scene, const TetMesh& mesh);
+
+/// A placed scene on a mesh in metres, by its boundary faces.
+///
+/// The weight of a face in a region is the share of 256 equal parts of it whose centroids lie in the region,
+/// so that a region means nearly the same on every mesh. A hard clamp or displacement holds the boundary
+/// faces all of whose vertices lie in the region. A total force becomes a uniform traction over the weighted
+/// area, so that the total is kept whatever the mesh.
+///
+/// Requires: points in metres, positive tets.
+/// Throws: InputError that starts with the region's place for one that takes hold of no face (or lies so far
+///         off that its unit must be wrong), for vertices that are held in two ways, and for a body with a
+///         rigid motion left free, naming that motion.
+BoundaryProblem build_problem(const Scene& placed, const TetMesh& mesh);
+
+/// The same for a body that may move as a whole: no rigid motion needs to be held.
+BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,25 @@
+// The keys of a mesh that is made, as plans, scenes and trainings share them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "experiments/meshes/mesh_source.h"
+#include "experiments/text/yaml_value.h"
+
+namespace palpate::experiments {
+
+/// vertices, edge_length, skin, seed, jitter: what may stand beside `make`.
+const std::vector<std::string>& shape_keys();
+
+/// `more`, with shape_keys() behind them.
+std::vector<std::string> with_shape_keys(std::vector<std::string> more);
+
+/// Reads the shape that `make` names. Throws: InputError with file and line for an unknown shape, a value out
+/// of range, or a key that the shape does not take.
+ShapeRequest read_shape_fields(const YamlFields& fields, const YamlValue& make);
+
+/// Throws: InputError with file and line if a mesh from a file has one of shape_keys().
+void refuse_shape_keys(const YamlFields& fields);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,177 @@
+#include "experiments/simulation/motion_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "experiments/simulation/displacement_file.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+std::string frame_name(std::size_t number) {
+  std::string digits = std::to_string(number);
+  if (digits.size() < 5) digits.insert(0, 5 - digits.size(), '0');
+  return "frame_" + digits + ".vtu";
+}
+
+Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
+  const auto nearer = [&](const Vec3& a, const Vec3& b) {
+    return length_sq(a - point) < length_sq(b - point);
+  };
+  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
+                            mesh.points.begin());
+}
+
+void append_cell(std::string& row, double value) {
+  if (!row.empty() && row.back() != '\n') row += ',';
+  if (std::isfinite(value)) append_number(row, value);
+}
+
+void append_cells(std::string& row, const Vec3& value) {
+  append_cell(row, value.x);
+  append_cell(row, value.y);
+  append_cell(row, value.z);
+}
+
+/// "frame_00012.vtu": five digits or more.
+bool is_frame_name(const std::string& name) {
+  constexpr std::string_view kHead = "frame_";
+  constexpr std::string_view kTail = ".vtu";
+  if (!name.starts_with(kHead) || !name.ends_with(kTail)) return false;
+  const std::string digits = name.substr(kHead.size(), name.size() - kHead.size() - kTail.size());
+  return digits.size() >= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
+}
+
+}  // namespace
+
+void remove_earlier_results(const fs::path& folder) {
+  std::vector<fs::path> found;
+  for (const char* name :
+       {"history.csv", "frames.pvd", "summary.json", "displacement.csv", "displacement.vtu"})
+    found.push_back(folder / name);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (is_frame_name(entry.path().filename().string())) found.push_back(entry.path());
+  }
+  for (const fs::path& file : found) {
+    fs::remove(file, error);
+    if (error) throw InputError(file.string(), 0, "a file that can be removed", error.message());
+  }
+}
+
+double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uint64_t rows,
+                             std::size_t columns) {
+  constexpr double kNumber = 24.0;  // "-1.2345678901234567e-123,"
+  constexpr double kIndex = 11.0;
+  const auto vertices = static_cast<double>(mesh.points.size());
+  const auto tets = static_cast<double>(mesh.tets.size());
+  const double frame = 1000.0 + vertices * 6.0 * kNumber + tets * (5.0 * kIndex + 3.0);
+  return static_cast<double>(frames) * frame +
+         static_cast<double>(rows) * static_cast<double>(columns) * kNumber;
+}
+
+void require_room(const fs::path& folder, double bytes, double most_bytes) {
+  const auto gigabytes = [](double value) { return short_number(value / 1e9) + " GB"; };
+  if (bytes > most_bytes)
+    throw InputError("frames and history would take up to " + gigabytes(bytes) + ", more than " +
+                     gigabytes(most_bytes) + ": ask for fewer frames, or allow more with --max-output-gb");
+  std::error_code error;
+  const fs::space_info space = fs::space(folder, error);
+  if (!error && bytes > static_cast<double>(space.available))
+    throw InputError("frames and history would take up to " + gigabytes(bytes) + ", but " + folder.string() +
+                     " has " + gigabytes(static_cast<double>(space.available)) + " left");
+}
+
+MotionOutput::MotionOutput(fs::path folder, const Scene& scene, const TetMesh& mesh)
+    : folder_(std::move(folder)), mesh_(&mesh) {
+  std::vector<std::string> names{"time_s",  "kinetic_j", "elastic_j",     "load_j",
+                                 "total_j", "volume_m3", "inverted_tets", "largest_speed_m_s"};
+  for (std::size_t k = 0; k < scene.loads.size(); ++k) {
+    if (scene.loads[k].kind != SceneLoad::Kind::kDisplace) continue;
+    tools_.push_back(k);
+    for (const char* axis : {"x", "y", "z"})
+      names.push_back("tool_" + std::to_string(k + 1) + "_f" + axis + "_n");
+  }
+  for (std::size_t k = 0; k < scene.dynamic.probes_m.size(); ++k) {
+    probes_.push_back(nearest_vertex(mesh, scene.dynamic.probes_m[k]));
+    for (const char* axis : {"x", "y", "z"})
+      names.push_back("probe_" + std::to_string(k + 1) + "_u" + axis + "_m");
+  }
+  names.insert(names.end(), {"largest_displacement_m", "rms_displacement_m"});
+  columns_ = names.size();
+  for (const std::string& name : names) history_ += (history_.empty() ? "" : ",") + name;
+  history_ += '\n';
+}
+
+void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& forces,
+                           const dynamics::MotionState& state) {
+  const dynamics::MotionEnergy energy = measure_energy(phase.model, state);
+  const dynamics::VolumeCount volume = count_volume(phase.model, state);
+  double speed = 0.0;
+  for (const Vec3& v : state.velocity_m_s) speed = std::max(speed, length(v));
+  MotionLevel level{state.time_s, 0.0, 0.0};
+  double squares = 0.0;
+  for (const Vec3& u : state.displacement_m) {
+    level.largest_m = std::max(level.largest_m, length(u));
+    squares += length_sq(u);
+  }
+  level.rms_m = std::sqrt(squares / static_cast<double>(state.displacement_m.size()));
+  max_displacement_m_ = std::max(max_displacement_m_, level.largest_m);
+  max_kinetic_j_ = std::max(max_kinetic_j_, energy.kinetic_j);
+  levels_.push_back(level);
+  for (const double value : {state.time_s, energy.kinetic_j, energy.elastic_j, energy.load_j,
+                             energy.total_j(), volume.volume_m3, static_cast<double>(volume.inverted), speed})
+    append_cell(history_, value);
+  if (!tools_.empty()) {
+    const std::vector<Vec3> pushes = forces.group_forces(state);
+    for (const std::size_t tool : tools_) {
+      const auto at = std::find(phase.loads.begin(), phase.loads.end(), tool);
+      append_cells(history_, at == phase.loads.end()
+                                 ? Vec3{}
+                                 : pushes[static_cast<std::size_t>(at - phase.loads.begin()) + 1]);
+    }
+  }
+  for (const Index probe : probes_) append_cells(history_, state.displacement_m[probe]);
+  append_cell(history_, level.largest_m);
+  append_cell(history_, level.rms_m);
+  history_ += '\n';
+}
+
+void MotionOutput::add_frame(const dynamics::MotionState& state) {
+  if (!frame_times_.empty() && frame_times_.back() == state.time_s) return;
+  if (folder_.empty()) {
+    frames_.push_back({state.time_s, state.displacement_m});
+    frame_times_.push_back(state.time_s);
+    return;
+  }
+  write_displacement_vtu(folder_ / frame_name(frame_times_.size()), *mesh_, state.displacement_m);
+  frame_times_.push_back(state.time_s);
+}
+
+std::vector<std::string> MotionOutput::finish() {
+  if (folder_.empty()) return {};
+  std::vector<std::string> files{(folder_ / "history.csv").string()};
+  write_file_atomically(files.back(), history_);
+  if (frame_times_.empty()) return files;
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
+      "<Collection>\n";
+  for (std::size_t k = 0; k < frame_times_.size(); ++k) {
+    text += "<DataSet timestep=\"";
+    append_number(text, frame_times_[k]);
+    text += "\" part=\"0\" file=\"" + frame_name(k) + "\"/>\n";
+  }
+  text += "</Collection>\n</VTKFile>\n";
+  files.push_back((folder_ / "frames.pvd").string());
+  write_file_atomically(files.back(), text);
+  for (std::size_t k = 0; k < frame_times_.size(); ++k) files.push_back((folder_ / frame_name(k)).string());
+  return files;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,49 @@
+// A dynamic scene on its mesh: bodies in motion, phase by phase, and the time step that they take.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/dynamics/motion/motion_model.h"
+#include "core/dynamics/stability/stability.h"
+#include "experiments/contestants/contestant.h"
+#include "experiments/scene_reader/scene.h"
+
+namespace palpate::experiments {
+
+/// A stretch of time in which the same loads are there. Where a load ends, its held vertices are let go.
+struct MotionPhase {
+  dynamics::MotionModel model;
+  std::vector<std::size_t> loads;  ///< of each group but the first: its place in the scene's list of loads
+  std::uint64_t last_step = 0;     ///< steps from the start of the motion to the end of the phase
+};
+
+/// What is to be run.
+struct MotionSetup {
+  std::string method;  ///< "springs.uniform"
+  std::vector<MotionPhase> phases;
+  dynamics::IntegratorOptions integrator;
+  bool is_plain = false;          ///< the plain engine steps it (core/dynamics/spring_engine/plain_engine.h)
+  std::string why_general;        ///< what of it the plain engine cannot take; empty if it can take all
+  bool single_precision = false;  ///< plain engine alone
+  double step_s = 0.0;
+  std::uint64_t steps = 0;
+  dynamics::StableStep stable;  ///< the shortest of the phases' bounds
+  std::string stable_by;        ///< "eigenvalues" or "row_sums"; "none_needed" for the implicit ones
+  nlohmann::json report;        ///< of the model
+  std::vector<std::string> notes;
+};
+
+/// Resolves the regions, builds model, masses, damping and phases, and chooses or checks the time step.
+///
+/// A made step is the predicted bound times `safety`, shortened so that whole steps fill the duration. A
+/// given one over the bound is refused with the bound, unless the scene allows it: then a note says so. The
+/// bound is that of eigenvalues up to 200,000 vertices, of row sums beyond or where the eigenvalues don't
+/// converge.
+///
+/// Requires: a dynamic scene, placed. Throws: InputError, UnavailableError as build_scene_mesh and the model
+/// do.
+MotionSetup build_motion(const Scene& placed, const TetMesh& mesh, const Registry& registry, int threads);
+
+}  // namespace palpate::experiments

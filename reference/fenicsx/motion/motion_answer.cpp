@@ -1,0 +1,85 @@
+#include "reference/fenicsx/motion/motion_answer.h"
+
+#include <chrono>
+
+#include "core/base/error.h"
+#include "core/mesh/refinement.h"
+#include "reference/door/request_options.h"
+#include "reference/fenicsx/motion/frequencies.h"
+#include "reference/fenicsx/motion/newmark.h"
+
+namespace palpate::reference::fenicsx {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::int64_t kMostRefinements = 3;
+
+struct Options {
+  NewmarkOptions newmark;
+  std::int64_t refine = 0;
+};
+
+Options read_options(const Request& request) {
+  if (request.method != "moving_fem.p1" && request.method != "moving_fem.p2")
+    throw InputError("method", 0, "moving_fem.p1 or moving_fem.p2", request.method);
+  json left = request.options;
+  Options options;
+  options.newmark.time_step_s = take_number(left, "time_step_s", 1e-9, 1e6, options.newmark.time_step_s);
+  if (left.contains("solver"))
+    options.newmark.solver = static_cast<SolverChoice>(take_choice(left, "solver", {"auto", "mumps", "cg"}));
+  options.newmark.tolerance_relative =
+      take_number(left, "rtol", 1e-14, 0.1, options.newmark.tolerance_relative);
+  options.refine = take_whole(left, "refine", 0, kMostRefinements, 0);
+  require_all_taken(left);
+  return options;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+Response answer_motion(const Request& request) {
+  const Options options = read_options(request);
+  const MotionTask task = read_motion_task(request);
+  TetMesh mesh = task.mesh;
+  MotionProblem problem = task.problem;
+  for (std::int64_t level = 0; level < options.refine; ++level) {
+    TetMesh refined = refine_uniformly(mesh);
+    problem = refine_motion(problem, mesh, refined);
+    mesh = std::move(refined);
+  }
+  Response response;
+  const auto start = std::chrono::steady_clock::now();
+  ElasticBody body(mesh, problem.body.material, problem.body.strain,
+                   request.method == "moving_fem.p1" ? 1 : 2);
+  const double setup_s = seconds_since(start);
+  const Motion found = find_motion(mesh, problem, body, options.newmark);
+  response.kernel_s = seconds_since(start);
+  response.report = {{"method", request.method},
+                     {"outcome", found.outcome},
+                     {"refine", options.refine},
+                     {"dofs", 3 * body.global_nodes()},
+                     {"integrator", "newmark"},
+                     {"time_step_s", found.time_step_s},
+                     {"steps", found.steps},
+                     {"solver", found.solver},
+                     {"iterations", found.linear_iterations},
+                     {"residual_relative", found.residual_relative},
+                     {"damping_stiffness_s", problem.damping_stiffness_s},
+                     {"damping_mass_per_s", problem.damping_mass_per_s},
+                     {"identify_s", 0.0},
+                     {"assembly_s", setup_s + found.assembly_s},
+                     {"solve_s", found.solve_s}};
+  if (problem.frequencies > 0) {
+    const auto frequencies_start = std::chrono::steady_clock::now();
+    response.report["frequencies_hz"] = find_frequencies(mesh, problem, body, problem.frequencies);
+    response.report["frequencies_s"] = seconds_since(frequencies_start);
+  }
+  if (found.outcome == "completed") write_history(request.output, found.history);
+  return response;
+}
+
+}  // namespace palpate::reference::fenicsx

@@ -1,6 +1,0 @@
-// Adapter of the engine in motion, for the contest stability.
-#include "reference/motion/extreme_run.h"
-
-int main(int argc, char** argv) {
-  return palpate::reference::run_adapter(argc, argv, palpate::reference::run_extreme);
-}

@@ -1,0 +1,326 @@
+"""Charts of a contest of the engine: returns to rest, the organ in its phases, margins, tick times and the largest mesh."""
+
+import json
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import Normalize
+
+from engine.engine import HOLDS, largest_meshes, returns_of
+from shared.chart_style import FAINT, INK, STYLE, file_name, save
+from shared.mesh_file import outer_faces, read_mesh
+from shared.mesh_view import LIGHT, choose_view, inside
+from shared.records import BadRun, figure
+
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5b3a00", "#222222"]
+DASHES = {1: "-", 2: "--"}
+
+
+def read_motion(run, case):
+    """Columns, rows and frames that a case left, or None; what cannot be read is noted."""
+    name = case.record.get("mesh_file")
+    if not isinstance(name, str):
+        return None
+    try:
+        path = inside(run.folder, name)
+        data = json.loads(path.read_text(encoding="utf-8"))
+        rows = np.array(data["rows"], dtype=float)
+        return {"columns": data["columns"], "rows": rows, "frames": data.get("frames", [])} if rows.ndim == 2 else None
+    except (BadRun, OSError, ValueError, KeyError, TypeError) as error:
+        run.notes.append(f"no motion of {case.label} on {case.scene}: {error}")
+        return None
+
+
+def column(motion, name):
+    return motion["rows"][:, motion["columns"].index(name)]
+
+
+def probe_sizes(motion):
+    """Size of the displacement of each probe over time."""
+    numbers = [name.split("_")[1] for name in motion["columns"] if name.startswith("probe_") and name.endswith("_ux_m")]
+    return [np.sqrt(sum(column(motion, f"probe_{number}_u{axis}_m") ** 2 for axis in "xyz")) for number in numbers]
+
+
+def name_of(case):
+    vertices = case.option("vertices")
+    return f"{case.scene}, {vertices:,} vertices" if vertices else case.scene
+
+
+def shade_tools(ax, case):
+    """Where a tool holds the organ."""
+    spans = []
+    start = 0.0
+    for each in returns_of(case):
+        spans.append((start, figure(each, "released_s")))
+        start = figure(each, "end_s") or start
+    for low, high in spans:
+        if high is not None:
+            ax.axvspan(low, high, color="#dddddd", alpha=0.6, linewidth=0)
+
+
+def draw_returns(run, cases, folder):
+    """The points that the tools pushed, over time: as they are, and on a logarithmic axis."""
+    motions = [(case, motion) for case in cases if (motion := read_motion(run, case)) is not None]
+    if not motions:
+        return []
+    fig, grid = plt.subplots(2, 1, figsize=(7.4, 6.0), sharex=True)
+    shade_tools(grid[0], motions[0][0])
+    shade_tools(grid[1], motions[0][0])
+    for (case, motion), color in zip(motions, COLORS):
+        time = column(motion, "time_s")
+        for number, size in enumerate(probe_sizes(motion)):
+            for ax in grid:
+                ax.plot(time, 1000 * np.maximum(size, 1e-12), "-" if number == 0 else ":", color=color, linewidth=1.3,
+                        label=name_of(case) if number == 0 else None)
+    grid[0].set_title("The two points that are pushed (second one dotted); grey: a tool holds the organ", loc="left", color=INK)
+    grid[1].set_yscale("log")
+    grid[1].set_ylim(bottom=1e-6)
+    grid[1].set_xlabel("simulated time in s")
+    for ax in grid:
+        ax.set_ylabel("displacement in mm")
+        ax.grid(axis="both")
+    grid[0].legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.tight_layout()
+    return save(fig, folder, "returns")
+
+
+def choose_pictures(case, frames):
+    """(title, frame): the first frame, then of each palpation the last one held, one let go and the last one. None stands for another
+    side of the moment at which the tool lets go; a title says when its frame is, not when it was wanted."""
+    frames = sorted(frames, key=lambda each: each["time_s"])
+    found = [("undeformed" if frame["time_s"] == 0 else "first frame", frame) for frame in frames[:1]]
+    before = 0.0
+    for number, each in enumerate(returns_of(case), start=1):
+        released, end = figure(each, "released_s"), figure(each, "end_s")
+        if released is None or end is None:
+            continue
+        rounding = 1e-9 * end
+        held = [frame for frame in frames if before + rounding < frame["time_s"] <= released + rounding]
+        free = [frame for frame in frames if released + rounding < frame["time_s"] <= end + rounding]
+        found += [(f"palpation {number}, held", frame) for frame in held[-1:]]
+        wanted = released + 0.2 * (end - released)
+        nearest = min(range(len(free)), key=lambda k: abs(free[k]["time_s"] - wanted), default=None)
+        for k in sorted({nearest, len(free) - 1} if free else ()):
+            found.append((f"let go, {free[k]['time_s'] - released:.3g} s", free[k]))
+        before = end
+    return [(f"{title}\n{frame['time_s']:.4g} s", frame) for title, frame in found]
+
+
+def draw_body(ax, points, faces, view, size, norm):
+    corners = (points[faces] - view.centre) @ view.frame.T
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    front = (normals[:, 2] > 0) & (lengths > 0)
+    order = np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")
+    brightness = 0.55 + 0.45 * np.clip(normals[front] @ (LIGHT / np.linalg.norm(LIGHT)) / lengths[front], 0.0, 1.0)
+    colors = plt.get_cmap("viridis")(norm(size[faces].mean(axis=1)[front][order]))
+    colors[:, :3] *= brightness[order][:, None]
+    ax.add_collection(PolyCollection(corners[front][order][:, :, :2], facecolors=colors, edgecolors=(0, 0, 0, 0.3), linewidths=0.15,
+                                     rasterized=True))
+    margin = 0.06 * (view.high - view.low).max()
+    ax.set_xlim(view.low[0] - margin, view.high[0] + margin)
+    ax.set_ylim(view.low[1] - margin, view.high[1] + margin)
+    ax.set_aspect("equal")
+    ax.axis("off")
+
+
+def problem_of(case):
+    """The folder of the case's mesh, below problems/."""
+    vertices = case.option("vertices")
+    return f"{case.scene}/vertices={vertices}" if vertices else case.scene
+
+
+def draw_phases(run, case, folder):
+    """The organ in its phases, as the thesis's figures 4.6-4.14 have it; colours show how far each part is from rest."""
+    motion = read_motion(run, case)
+    if motion is None or not motion["frames"]:
+        return []
+    try:
+        mesh = read_mesh(inside(run.folder, f"problems/{problem_of(case)}/in.mesh"))
+    except BadRun as error:
+        run.notes.append(f"no pictures of {case.scene}: {error}")
+        return []
+    faces, _ = outer_faces(mesh.tets)
+    view = choose_view(mesh)
+    pictures = []
+    for title, frame in choose_pictures(case, motion["frames"]):
+        field = np.array(frame["displacement_m"], dtype=float).reshape(-1, 3)
+        if len(field) == len(mesh.points):
+            pictures.append((title, field))
+    if not pictures:
+        return []
+    most = max((np.linalg.norm(field, axis=1).max() for _, field in pictures), default=0.0)
+    norm = Normalize(0.0, 1000 * most if most > 0 else 1.0)
+    fig, grid = plt.subplots(1, len(pictures), figsize=(1.8 * len(pictures) + 0.9, 1.9), squeeze=False, layout="constrained")
+    for ax, (title, field) in zip(grid.flat, pictures):
+        draw_body(ax, mesh.points + field, faces, view, 1000 * np.linalg.norm(field, axis=1), norm)
+        ax.set_title(title, fontsize=8, color=INK)
+    fig.colorbar(ScalarMappable(norm, "viridis"), ax=list(grid.flat), label="from rest in mm")
+    fig.suptitle(name_of(case), x=0.02, ha="left", fontweight="bold", color=INK)
+    return save(fig, folder, file_name("phases", case.scene, case.label if case.option("vertices") else ""))
+
+
+def draw_margins(cases, folder):
+    """Margin of the step over the size of the mesh."""
+    curves = {}
+    for case in cases:
+        margin = case.number("stability_margin")
+        if margin is not None and case.vertices:
+            curves.setdefault((case.scene, case.label), []).append((case.vertices, margin))
+    curves = {key: sorted(points) for key, points in curves.items() if len(points) > 1}
+    if not curves:
+        return []
+    fig, ax = plt.subplots(figsize=(5.6, 3.6))
+    for ((scene, label), points), color in zip(curves.items(), COLORS):
+        ax.plot([x for x, _ in points], [y for _, y in points], "o-", color=color, linewidth=1.4, label=f"{scene}, {label}")
+    ax.axhline(1.0, color=INK, linewidth=0.8)
+    ax.annotate("below: unstable", (0.01, 1.0), xycoords=("axes fraction", "data"), xytext=(0, -10), textcoords="offset points", fontsize=8,
+                color=FAINT)
+    ax.set_xscale("log")
+    ax.set_ylim(bottom=0)
+    ax.set_xlabel("vertices")
+    ax.set_ylabel("longest stable step / step")
+    ax.grid(axis="both")
+    ax.legend(fontsize=8)
+    fig.tight_layout()
+    return save(fig, folder, "margins")
+
+
+def setting_of(case):
+    return case.label, str(case.option("precision")), case.option("engine_threads")
+
+
+def setting_text(setting):
+    label, precision, threads = setting
+    return f"{label}, {precision}, {threads} thread{'s' if threads != 1 else ''}"
+
+
+def curves_of_ticks(cases, name):
+    """{(label, precision, threads): sorted (vertices, value)}."""
+    curves = {}
+    for case in cases:
+        value = case.number(name)
+        if value is not None and case.vertices:
+            curves.setdefault(setting_of(case), []).append((case.vertices, value))
+    return {key: sorted(points) for key, points in curves.items()}
+
+
+def draw_budget(cases, folder):
+    """Median, 99.9th percentile and worst tick over the size of the mesh."""
+    fig, grid = plt.subplots(1, 3, figsize=(10.2, 3.8), sharey=True)
+    deadline = next((value for case in cases if (value := figure(case.record, "report", "tick_s")) is not None), None)
+    for ax, (title, name) in zip(grid, [("median", "tick_p50_s"), ("99.9% of the ticks", "tick_p99_9_s"), ("worst", "tick_worst_s")]):
+        for (setting, points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
+            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
+                    markersize=4, label=setting_text(setting))
+        if deadline is not None:
+            ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        ax.set_title(title, loc="left", color=INK)
+        ax.set_xlabel("vertices")
+        ax.grid(axis="both")
+    grid[0].set_ylabel("time of a tick in ms")
+    grid[0].legend(fontsize=8)
+    fig.tight_layout()
+    return save(fig, folder, "budget")
+
+
+def draw_distribution(cases, folder):
+    """How many ticks took longer than a time: both axes logarithmic."""
+    chosen = [case for case in cases if isinstance(case.told("buckets"), list)]
+    settings = sorted({setting_of(case) for case in chosen})
+    if not settings:
+        return []
+    fig, grid = plt.subplots(1, len(settings), figsize=(max(4.6, 3.4 * len(settings)), 3.8), sharey=True, squeeze=False)
+    for ax, setting in zip(grid.flat, settings):
+        own = [case for case in chosen if setting_of(case) == setting]
+        for number, case in enumerate(own):
+            counts = np.array(case.told("buckets"), dtype=float)
+            longer = counts[::-1].cumsum()[::-1] / counts.sum()
+            starts = 1000 * np.array(case.told("bucket_ends_s"), dtype=float) / 10 ** (1 / 20)
+            ax.step(starts, longer, where="pre", color=plt.get_cmap("viridis")(0.9 * number / max(1, len(own) - 1)), linewidth=1.3,
+                    label=f"{case.vertices:,.0f}")
+            deadline = figure(case.record, "report", "tick_s")
+            if deadline is not None:
+                ax.axvline(1000 * deadline, color=INK, linewidth=0.8)
+        ax.set_xscale("log")
+        ax.set_yscale("log")
+        ax.set_title(setting_text(setting), loc="left", color=INK)
+        ax.set_xlabel("time of a tick in ms")
+        ax.grid(axis="both")
+    grid[0][0].set_ylabel("share of ticks that take longer")
+    grid[0][-1].legend(fontsize=7, title="vertices", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.tight_layout()
+    return save(fig, folder, "tick_times")
+
+
+def draw_largest(cases, folder):
+    """The largest mesh that holds the deadline, setting by setting; what holds on none is zero."""
+    largest = largest_meshes(cases)
+    fig, ax = plt.subplots(figsize=(max(5.0, 1.5 * len(largest) + 1.5), 3.6))
+    width = 0.8 / len(HOLDS)
+    for number, (how, _) in enumerate(HOLDS):
+        heights = [row[how] or 0 for row in largest.values()]
+        places = [place + (number - (len(HOLDS) - 1) / 2) * width for place in range(len(heights))]
+        ax.bar(places, heights, width, color=COLORS[number], label=how)
+        for place, height in zip(places, heights):
+            ax.annotate(f"{height:,.0f}" if height else "none", (place, height), xytext=(0, 2), textcoords="offset points", ha="center",
+                        fontsize=6.5, color=FAINT, rotation=90 if len(largest) > 3 else 0)
+    ax.set_xticks(range(len(largest)), [f"{label}, {precision}\n{threads} thread{'s' if threads != 1 else ''}"
+                                        for _, label, precision, threads in largest], fontsize=8)
+    ax.set_ylabel("vertices")
+    ax.margins(y=0.2)
+    ax.grid(axis="y")
+    ax.set_title("The largest mesh whose ticks are in time", loc="left", color=INK)
+    ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    fig.tight_layout()
+    return save(fig, folder, "largest")
+
+
+def draw_force(cases, folder):
+    """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
+    names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
+    points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
+                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None}, key=str)
+    scenes = sorted({point[0] for point in points})
+    if len(points) < 2:
+        return []
+    fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
+    for scene, color in zip(scenes, COLORS):
+        chosen = sorted(point[1:] for point in points if point[0] == scene)
+        size, own, other, error, change = (np.array(values) for values in zip(*chosen))
+        suffix = f", {scene}" if len(scenes) > 1 else ""
+        grid[0].plot(size, own, "o-", color=color, linewidth=1.3, markersize=4, label=f"engine{suffix}")
+        grid[0].plot(size, other, "s--", color=color, linewidth=1.3, markersize=4, label=f"finite elements{suffix}")
+        grid[1].plot(size, 100 * error, "o-", color=color, linewidth=1.3, markersize=4)
+        grid[1].plot(size, 500 * change, "v:", color=color, linewidth=1.0, markersize=4)
+    grid[0].set_ylabel("force of the pad in N")
+    grid[0].set_ylim(bottom=0)
+    grid[0].legend(fontsize=7)
+    grid[1].set_ylabel("difference in %")
+    grid[1].set_title("dotted: 5 x the finite elements' change", loc="left", fontsize=8, color=INK)
+    grid[1].set_ylim(bottom=0)
+    for ax in grid:
+        ax.set_xscale("log")
+        ax.set_xlabel("vertices")
+        ax.grid(axis="both")
+    fig.tight_layout()
+    return save(fig, folder, "force")
+
+
+def draw_charts(run, found, folder):
+    """Draws all that there is; returns the names of the files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    drawn = []
+    with plt.rc_context(STYLE):
+        drawn += draw_returns(run, found.replays, folder)
+        for case in found.replays:
+            drawn += draw_phases(run, case, folder)
+        drawn += draw_margins(found.rests, folder)
+        if found.ticks:
+            drawn += draw_budget(found.ticks, folder) + draw_distribution(found.ticks, folder)
+            drawn += draw_largest(found.ticks, folder) + draw_force(found.ticks, folder)
+    return drawn

@@ -1,0 +1,44 @@
+"""How meshes are looked at in pictures: one point of view for all panels of a figure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shared.records import BadRun
+
+LIGHT = np.array([-0.35, 0.45, 0.82])  # in the view's frame: x right, y up, z to the eye
+
+
+@dataclass
+class View:
+    """Where the cut goes, and how the picture is seen; the same for all panels of a figure."""
+
+    centre: np.ndarray
+    normal: np.ndarray  # of the cutting plane; what lies on its side is taken away
+    frame: np.ndarray  # rows: right, up, to the eye
+    low: np.ndarray
+    high: np.ndarray
+
+
+def choose_view(mesh):
+    """Cuts the input in the middle, across its shortest axis, and looks at the cut a little from the side."""
+    centre = (mesh.points.max(axis=0) + mesh.points.min(axis=0)) / 2
+    _, _, axes = np.linalg.svd(mesh.points - mesh.points.mean(axis=0), full_matrices=False)
+    axes = np.array([axis * np.sign(axis[np.argmax(np.abs(axis))]) for axis in axes])  # the sign of an axis is arbitrary
+    longest, middle, normal = axes
+    normal = np.cross(longest, middle)
+    eye = normal + 0.35 * middle + 0.3 * longest
+    eye /= np.linalg.norm(eye)
+    right = longest - eye * longest.dot(eye)
+    right /= np.linalg.norm(right)
+    frame = np.array([right, np.cross(eye, right), eye])
+    flat = (mesh.points - centre) @ frame.T
+    return View(centre, normal, frame, flat[:, :2].min(axis=0), flat[:, :2].max(axis=0))
+
+
+def inside(folder, name):
+    """A path in the run folder. Throws BadRun for one that leads out of it."""
+    path = (folder / name).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise BadRun(f"{name} lies outside the run folder")
+    return path

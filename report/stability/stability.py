@@ -1,0 +1,201 @@
+"""A contest of extremes: how long a step each integrator was to keep, how long it kept, and how bodies end beyond."""
+
+from dataclasses import dataclass, field
+
+from shared.records import figure, median
+from shared.tables import pad_columns, write_atomically, write_csv
+
+SHORT = {"steady": "steady", "oscillating": "moves", "energy_growing": "grows", "diverged": "diverged", "inverted": "inverted",
+         "non_finite": "no number", "too_slow": "too slow", "growing_slowly": "grows slowly"}
+WORST_FIRST = ["too_slow", "non_finite", "diverged", "energy_growing", "growing_slowly", "inverted", "oscillating", "steady"]
+NO_ANSWER = "no answer"
+AGREEMENT = 0.02
+
+
+@dataclass
+class Case:
+    """One body, integrator and setting."""
+
+    mesh: str
+    label: str
+    extreme: str
+    sweep: dict  # without the extreme's name
+    options: dict
+    report: dict
+    outcome: str
+    ending: str  # as judged; NO_ANSWER where there is none
+    note: str
+    seconds: object
+    runs: list = field(default_factory=list)
+
+    @property
+    def setting(self):
+        return ", ".join(f"{name} {number_text(value)}" for name, value in self.sweep.items())
+
+    @property
+    def measures(self):
+        return self.options.get("task", "measure") == "measure"
+
+    @property
+    def is_large(self):
+        return self.options.get("regime") == "large"
+
+    def number(self, name):
+        return figure(self.report, name)
+
+
+def number_text(value):
+    return f"{value:g}" if isinstance(value, (int, float)) and not isinstance(value, bool) else str(value)
+
+
+def as_number(value):
+    """A sweep's value, which the plan may have as text ("1e+6"); None where it is no number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return None
+
+
+def read_cases(run):
+    """The first record of each case, in the order of the file."""
+    cases, seen = [], set()
+    for group in run.groups:
+        for record in group.records:
+            if record.get("warmup") or record.get("case") in seen:
+                continue
+            seen.add(record.get("case"))
+            sweep = dict(record.get("sweep") or {})
+            extreme = str(sweep.pop("extreme", ""))
+            report = record.get("report") if isinstance(record.get("report"), dict) else {}
+            judge = record.get("judge") if isinstance(record.get("judge"), dict) else {}
+            ending = judge.get("ending") if judge.get("ending") in SHORT else NO_ANSWER
+            note = record.get("message") or "; ".join(record.get("violations") or [])
+            runs = [entry for entry in report.get("runs") or [] if isinstance(entry, dict)]
+            cases.append(Case(group.mesh, group.label, extreme, sweep, record.get("options") or {}, report,
+                              str(record.get("outcome")), ending, note, figure(record, "kernel_s"), runs))
+    return cases
+
+
+def worst(endings):
+    """The one that stands first in WORST_FIRST."""
+    return min(endings, key=lambda ending: WORST_FIRST.index(ending) if ending in WORST_FIRST else -1)
+
+
+def run_text(entry):
+    """"diverged 9": the ending, and the step of it where it came before the end."""
+    ending = entry.get("outcome")
+    text = SHORT.get(ending, str(ending))
+    return f"{text} {entry.get('steps')}" if ending in ("diverged", "non_finite", "too_slow") else text
+
+
+def agreement_rows(cases):
+    """Per integrator: cases of small motions with both steps, their ratio, its worst, and the row sums' share."""
+    rows = []
+    for label in dict.fromkeys(case.label for case in cases):
+        own = [case for case in cases if case.label == label and case.measures and not case.is_large]
+        ratios = [(case.number("measured_over_predicted"), case) for case in own if case.number("measured_over_predicted") is not None]
+        shares = [case.number("row_sum_step_s") / case.number("measured_step_s") for case in own
+                  if case.number("measured_step_s") and case.number("row_sum_step_s")]
+        if not own:
+            continue
+        worst_ratio, where = max(ratios, key=lambda pair: abs(pair[0] - 1), default=(None, None))
+        within = sum(abs(ratio - 1) <= AGREEMENT for ratio, _ in ratios)
+        rows.append([label, len(own), len(ratios), within, median([ratio for ratio, _ in ratios]), worst_ratio,
+                     f"{where.mesh}, {where.extreme} {where.setting}".strip() if where else "",
+                     min(shares, default=None), max(shares, default=None)])
+    return rows
+
+
+AGREEMENT_HEADER = ["integrator", "cases", "compared", "within 2%", "median ratio", "worst ratio", "where", "row sums least", "row sums most"]
+
+
+def agreement_text(rows):
+    lines = [AGREEMENT_HEADER]
+    lines += [[row[0], *map(str, row[1:4]), *("" if value is None else f"{value:.4f}" for value in row[4:6]), row[6],
+               *("" if value is None else f"{value:.3f}" for value in row[7:])] for row in rows]
+    return pad_columns(lines)
+
+
+def failure_cell(case):
+    if not case.runs:
+        return SHORT.get(case.ending, NO_ANSWER)
+    if not case.measures:
+        return run_text(case.runs[0])
+    return " / ".join(run_text(entry) for entry in case.runs[1:])
+
+
+def failure_rows(cases):
+    """One row a mesh, extreme and setting, with one cell an integrator."""
+    labels = list(dict.fromkeys(case.label for case in cases))
+    rows = {}
+    for case in cases:
+        rows.setdefault((case.extreme, case.mesh, case.setting), {})[case.label] = failure_cell(case)
+    return labels, [[*key, *(cells.get(label, "") for label in labels)] for key, cells in rows.items()]
+
+
+def plain_label(label):
+    return label.removeprefix("motion.")
+
+
+def failure_text(cases):
+    labels, rows = failure_rows(cases)
+    lines = [["extreme", "mesh", "setting", *map(plain_label, labels)]]
+    last = None
+    for row in rows:
+        lines.append(["" if row[0] == last else row[0], *row[1:]])
+        last = row[0]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
+    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
+
+
+def endings_text(cases):
+    """How often each integrator ended how, over all runs beyond the measured step and all single runs."""
+    labels = list(dict.fromkeys(case.label for case in cases))
+    lines = [["integrator", "runs", *(SHORT[ending] for ending in reversed(WORST_FIRST)), NO_ANSWER]]
+    for label in labels:
+        own = [case for case in cases if case.label == label]
+        endings = [entry.get("outcome") for case in own for entry in (case.runs[1:] if case.measures else case.runs)]
+        endings += ["too_slow" if case.ending == "too_slow" else NO_ANSWER for case in own if not case.runs]
+        lines.append([plain_label(label), str(len(endings)), *(str(endings.count(ending)) for ending in reversed(WORST_FIRST)),
+                      str(endings.count(NO_ANSWER))])
+    return pad_columns(lines)
+
+
+def trouble_lines(cases):
+    return [f"{case.mesh}/{case.label}/{case.extreme} {case.setting}: {case.outcome}: {case.note}" for case in cases
+            if case.outcome != "accepted"]
+
+
+def summary_text(cases):
+    parts = [f"Extremes: {len(cases)} cases, {sum(case.outcome == 'accepted' for case in cases)} accepted",
+             "Longest stable step of small motions, measured over predicted; row sums over measured:\n" + agreement_text(agreement_rows(cases)),
+             "How runs ended (of measurements those at 1.02, 2 and 10 times the measured step):\n" + endings_text(cases)]
+    trouble = trouble_lines(cases)
+    if trouble:
+        parts.append("Not accepted:\n" + "\n".join(trouble[:40]) + (f"\n... and {len(trouble) - 40} more" if len(trouble) > 40 else ""))
+    return "\n\n".join(parts)
+
+
+CASE_FIGURES = ["predicted_step_s", "predicted_at_most_s", "predicted_at_start_s", "row_sum_step_s", "measured_step_s",
+                "measured_stable_s", "measured_unstable_s", "measured_over_predicted", "trials", "trial_steps", "vertices", "springs",
+                "min_dihedral_deg", "mass_ratio", "volume_ratio"]
+RUN_FIGURES = ["step_over_predicted", "step_s", "outcome", "steps", "time_s", "vertex", "energy_start_j", "energy_most_j",
+               "kinetic_end_j", "drift_over_size", "inverted_start", "inverted_end", "growth_per_step", "steps_unsolved"]
+
+
+def write_tables(cases, folder):
+    """Writes stability.csv (a row a case), runs.csv (a row a run), failures.csv and stability.txt; returns their names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    key = ["mesh", "integrator", "extreme", "setting"]
+    keys = lambda case: [case.mesh, plain_label(case.label), case.extreme, case.setting]
+    write_csv(folder / "stability.csv", [*key, *CASE_FIGURES, "ending", "outcome", "kernel_s", "note"],
+              [[*keys(case), *(case.report.get(name) for name in CASE_FIGURES), case.ending, case.outcome, case.seconds, case.note]
+               for case in cases])
+    write_csv(folder / "runs.csv", [*key, *RUN_FIGURES], [[*keys(case), *(entry.get(name) for name in RUN_FIGURES)]
+                                                          for case in cases for entry in case.runs])
+    labels, rows = failure_rows(cases)
+    write_csv(folder / "failures.csv", ["extreme", "mesh", "setting", *map(plain_label, labels)], rows)
+    legend = ("Of measurements: how the body ends at 1.02, 2 and 10 times the measured step; of runs: how it ended. The number is\n"
+              "the step at which it did. vertex and time of each: runs.csv.")
+    write_atomically(folder / "stability.txt", summary_text(cases) + f"\n\n{legend}\n\n" + failure_text(cases) + "\n")
+    return {"stability.csv", "runs.csv", "failures.csv", "stability.txt"}

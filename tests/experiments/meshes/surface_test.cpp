@@ -1,0 +1,228 @@
+// The user's surfaces: what is filled, and what is refused and where.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/io/off.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/mesh/topology.h"
+#include "experiments/meshes/mesh_fill.h"
+#include "experiments/meshes/mesh_source.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace {
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+/// The refusal of a surface, or "" if it is filled.
+std::string refusal(const std::filesystem::path& path, const MeshSize& size = {}) {
+  try {
+    mesh_surface(path, size);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string refusal_of(const SurfaceMesh& surface) {
+  const test::ScratchFolder folder;
+  const auto path = folder.path() / "surface.off";
+  write_off(path, surface);
+  std::string message = refusal(path);
+  EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  return message;
+}
+
+SurfaceMesh moved(SurfaceMesh surface, double scale, const Vec3& by) {
+  for (Vec3& p : surface.points) p = scale * p + by;
+  return surface;
+}
+
+SurfaceMesh turned(SurfaceMesh surface) {
+  for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);
+  return surface;
+}
+
+SurfaceMesh united(SurfaceMesh a, const SurfaceMesh& b) {
+  const auto offset = static_cast<Index>(a.points.size());
+  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
+  for (const Triangle& t : b.triangles) a.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  return a;
+}
+
+std::string ascii_stl(const SurfaceMesh& s) {
+  std::string text = "solid a\n";
+  for (const Triangle& t : s.triangles) {
+    text += "facet normal 0 0 0\nouter loop\n";
+    for (const Index v : t) {
+      const Vec3& p = s.points[v];
+      text += "vertex " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+    }
+    text += "endloop\nendfacet\n";
+  }
+  return text + "endsolid a\n";
+}
+
+std::string binary_stl(const SurfaceMesh& s) {
+  std::string bytes(80, ' ');
+  const auto append = [&](const auto& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  append(static_cast<std::uint32_t>(s.triangles.size()));
+  for (const Triangle& t : s.triangles) {
+    bytes.append(12, '\0');
+    for (const Index v : t) {
+      const Vec3& p = s.points[v];
+      for (const double c : {p.x, p.y, p.z}) append(static_cast<float>(c));
+    }
+    bytes.append(2, '\0');
+  }
+  return bytes;
+}
+
+std::string indexed(const SurfaceMesh& s, const std::string& header, const std::string& vertex,
+                    const std::string& face, Index first) {
+  std::string text = header;
+  for (const Vec3& p : s.points) {
+    text += vertex + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+  }
+  for (const Triangle& t : s.triangles) {
+    text += face + std::to_string(t[0] + first) + " " + std::to_string(t[1] + first) + " " +
+            std::to_string(t[2] + first) + "\n";
+  }
+  return text;
+}
+
+TEST(Surface, EveryFormatIsFilledWithItsSkinKept) {
+  const test::ScratchFolder folder;
+  const SurfaceMesh ball = build_geodesic_sphere(3);
+  const std::string counts = std::to_string(ball.points.size());
+  const std::string ply = "ply\nformat ascii 1.0\nelement vertex " + counts +
+                          "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
+                          std::to_string(ball.triangles.size()) +
+                          "\nproperty list uchar int vertex_indices\nend_header\n";
+  write_text(folder.path() / "a.stl", ascii_stl(ball));
+  write_text(folder.path() / "b.stl", binary_stl(ball));
+  write_text(folder.path() / "c.obj", indexed(ball, "", "v ", "f ", 1));
+  write_text(folder.path() / "d.ply", indexed(ball, ply, "", "3 ", 0));
+  write_off(folder.path() / "e.off", ball);
+  for (const char* name : {"a.stl", "b.stl", "c.obj", "d.ply", "e.off"}) {
+    const MadeMesh made = mesh_surface(folder.path() / name, {.vertices = {}, .edge_length = 0.3});
+    EXPECT_EQ(build_boundary(made.mesh).size(), ball.triangles.size()) << name;
+    EXPECT_NEAR(total_volume(made.mesh), enclosed_volume(ball), 1e-5) << name;  // six digits in the files
+  }
+}
+
+TEST(Surface, AVertexCountAdaptsTheInteriorAndTheSkinOnlyIfItMust) {
+  const test::ScratchFolder folder;
+  const SurfaceMesh ball = build_geodesic_sphere(6);
+  write_off(folder.path() / "ball.off", ball);
+  const MadeMesh fine = mesh_surface(folder.path() / "ball.off", {.vertices = 1000, .edge_length = {}});
+  EXPECT_NEAR(static_cast<double>(fine.mesh.points.size()), 1000.0, 10.0);
+  EXPECT_EQ(build_boundary(fine.mesh).size(), ball.triangles.size());
+  const MadeMesh coarse = mesh_surface(folder.path() / "ball.off", {.vertices = 300, .edge_length = {}});
+  EXPECT_NEAR(static_cast<double>(coarse.mesh.points.size()), 300.0, 3.0);
+  EXPECT_LT(build_boundary(coarse.mesh).size(), ball.triangles.size());
+  ASSERT_FALSE(coarse.notes.empty());
+  EXPECT_NE(coarse.notes[0].find("remeshed"), std::string::npos);
+}
+
+TEST(Surface, SeparatePiecesAreFilled) {
+  const SurfaceMesh ball = build_geodesic_sphere(2);
+  EXPECT_EQ(refusal_of(united(ball, moved(ball, 1.0, {3, 0, 0}))), "");
+}
+
+TEST(Surface, AnOpenOneIsRefused) {
+  SurfaceMesh surface = build_geodesic_sphere(2);
+  surface.triangles.pop_back();
+  const std::string message = refusal_of(surface);
+  EXPECT_NE(message.find("3 border edges (open), one at ("), std::string::npos) << message;
+}
+
+TEST(Surface, ANonManifoldEdgeIsRefused) {
+  // Two tetrahedra back to back along one edge.
+  const SurfaceMesh surface{
+      {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}},
+      {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}, {0, 1, 4}, {0, 5, 1}, {0, 4, 5}, {1, 5, 4}}};
+  const std::string message = refusal_of(surface);
+  EXPECT_NE(message.find("1 edges with more than two triangles (non-manifold), one at (0, 0, 0) - (0, 0, 1)"),
+            std::string::npos)
+      << message;
+}
+
+TEST(Surface, ANonManifoldVertexIsRefused) {
+  const SurfaceMesh cone{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                         {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  const std::string message = refusal_of(united(cone, turned(moved(cone, -1.0, {}))));
+  EXPECT_NE(message.find("1 vertices where separate sheets touch (non-manifold), one at (0, 0, 0)"),
+            std::string::npos)
+      << message;
+}
+
+TEST(Surface, ASelfIntersectingOneIsRefused) {
+  const SurfaceMesh ball = build_geodesic_sphere(2);
+  const std::string message = refusal_of(united(ball, moved(ball, 1.0, {1, 0.1, 0.2})));
+  EXPECT_NE(message.find("pairs of triangles that intersect, one at ("), std::string::npos) << message;
+}
+
+TEST(Surface, AnInsideOutOneIsRefused) {
+  const std::string message = refusal_of(turned(build_geodesic_sphere(2)));
+  EXPECT_NE(message.find("inside out"), std::string::npos) << message;
+}
+
+TEST(Surface, OneFlippedTriangleIsRefused) {
+  SurfaceMesh surface = build_geodesic_sphere(2);
+  std::swap(surface.triangles[7][0], surface.triangles[7][1]);
+  const std::string message = refusal_of(surface);
+  EXPECT_NE(message.find("3 edges where two neighbours turn against each other"), std::string::npos)
+      << message;
+}
+
+TEST(Surface, WronglyNestedPiecesAreRefused) {
+  const SurfaceMesh ball = build_geodesic_sphere(2);
+  const std::string message = refusal_of(united(ball, moved(ball, 0.3, {})));
+  EXPECT_NE(message.find("nested in each other the wrong way round"), std::string::npos) << message;
+}
+
+TEST(Surface, BrokenFilesAreRefused) {
+  const test::ScratchFolder folder;
+  const SurfaceMesh ball = build_geodesic_sphere(2);
+  const std::string ascii = ascii_stl(ball);
+  const std::string binary = binary_stl(ball);
+  const auto refused = [&](const std::string& name, const std::string& bytes) {
+    write_text(folder.path() / name, bytes);
+    return refusal(folder.path() / name);
+  };
+  EXPECT_NE(refused("empty.stl", "").find("an empty file"), std::string::npos);
+  EXPECT_NE(refused("garbage.stl", std::string("\x01\x02\x7f garbage \xff", 13)), "");
+  EXPECT_NE(refused("garbage.off", std::string("\x01\x02\x7f garbage \xff", 13)), "");
+  EXPECT_NE(refused("garbage.ply", std::string("\x01\x02\x7f garbage \xff", 13)), "");
+  EXPECT_NE(refused("garbage.obj", std::string("\x01\x02\x7f garbage \xff", 13)), "");
+  EXPECT_NE(refused("short.stl", binary.substr(0, binary.size() - 70)), "");
+  EXPECT_NE(refused("cut.stl", ascii.substr(0, ascii.size() / 2)).find("truncated"), std::string::npos);
+  EXPECT_NE(refused("claims.off", "OFF\n4000000000 4000000000 0\n0 0 0\n"), "");
+  EXPECT_NE(
+      refused("nan.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 nan 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n"),
+      "");
+  EXPECT_NE(refused("quads.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").find("4 corners"),
+            std::string::npos);
+  EXPECT_NE(refused("a.txt", "x").find(".stl, .off, .obj or .ply"), std::string::npos);
+  EXPECT_NE(refusal(folder.path() / "missing.stl"), "");
+}
+
+// gmsh returns without tets when two sheets cross: that must never pass for a mesh.
+TEST(Gmsh, AFailureIsDetected) {
+  const SurfaceMesh ball = build_geodesic_sphere(3);
+  EXPECT_THROW(fill_surface(united(ball, moved(ball, 1.0, {1, 0.1, 0.2})), 0.2), UnavailableError);
+}
+
+}  // namespace
+}  // namespace palpate::experiments
