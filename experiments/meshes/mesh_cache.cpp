@@ -6,6 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/mesh/io/medit.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/meshes/mesh_tools.h"

@@ -45,6 +45,14 @@ expect() { # TITLE CONDITION...
   fi
 }
 
+mkdir -p "$repo/experiments/commands/help"
+printf 'all of it\n' >"$repo/experiments/commands/help/palpate.txt"
+printf 'how to run\n' >"$repo/experiments/commands/help/run.txt"
+run --help
+expect "help is there without a build" test "$out" = 'all of it' -a ! -e "$repo/build"
+run run a.yaml -h
+expect "a command's help too" test "$out" = 'how to run' -a ! -e "$repo/build"
+
 write_program 1
 run quality "a b" ''
 expect "arguments are handed over as they are" test "$out" = '[quality][a b][]'
@@ -83,6 +91,24 @@ mv "$repo" "$work/moved"
 repo=$work/moved
 run quality
 expect "a moved folder builds anew" test "$code" = 0
+
+# A plan takes the programs that its methods name, and no others.
+mkdir -p "$repo"/reference/{one,two}
+for name in one two; do
+  printf 'program: %s_program\npackages: []\nmethods:\n  - name: %s.fuse\n' "$name" "$name" >"$repo/reference/$name/contestant.yaml"
+  printf 'add_executable(%s_program experiments/main.cpp)\n' "$name" >>"$repo/CMakeLists.txt"
+done
+printf 'add_dependencies(programs one_program two_program)\n' >>"$repo/CMakeLists.txt"
+printf 'contestants:\n  - {method: one.fuse}  # not two.fuse\n  - one.fuse_more\n' >"$work/plan.yaml"
+run run "$work/plan.yaml"
+expect "a plan's program is built" test -x "$repo/build/release/bin/one_program"
+expect "another one is not" test ! -e "$repo/build/release/bin/two_program"
+run run "$work/plan.yaml"
+expect "nothing is built twice for a plan" test ! -s "$work/err"
+run quality
+expect "other commands take everything" test -x "$repo/build/release/bin/two_program"
+run run "$work/plan.yaml"
+expect "what has everything has the plan's" test ! -s "$work/err"
 
 PALPATE_PRESET=fast run quality
 expect "an unknown preset is bad usage" test "$code" = 2

@@ -34,6 +34,7 @@ FOLDERS = ("core", "reference", "experiments", "tests")
 HELD = "tests/house/held.txt"
 RECORDED = ("headers", "tidy")
 KEY_LENGTH = 20
+PRECOMPILED_ALONE = ("-Winvalid-pch", "-Wno-stringop-overflow", "-Wno-array-bounds")
 # Left out of tests: what costs half of the time there and asks about paths through a program. They are run, with sanitizers too
 # (preset debug); style, names and modernize stay.
 OF_PROGRAMS = "-clang-analyzer-*,-bugprone-*,-performance-unnecessary-value-param"
@@ -78,10 +79,32 @@ def text_with_headers(root, name):
     return "\0".join([own, *sorted(texts.values())]).encode()
 
 
+def without_precompiled(words):
+    """A command without the compiler's own precompiled header and the options for its sake: no other tool reads it, nothing depends on it."""
+    kept, is_file = [], False
+    for word, following in zip(words, [*words[1:], ""]):
+        if is_file or word in PRECOMPILED_ALONE:
+            is_file = False
+        elif word == "-include" and following.endswith("/cmake_pch.hxx"):
+            is_file = True
+        else:
+            kept.append(word)
+    return kept
+
+
 def read_commands(build):
     """The compile command of each source, as a list of words, by its absolute path."""
     entries = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    return {entry["file"]: shlex.split(entry["command"]) for entry in entries}
+    return {entry["file"]: without_precompiled(shlex.split(entry["command"])) for entry in entries}
+
+
+def write_commands(build, commands):
+    """The same commands for clang-tidy; returns their folder."""
+    folder = build / "checked" / "commands"
+    folder.mkdir(parents=True, exist_ok=True)
+    entries = [{"directory": str(build), "file": file, "arguments": words} for file, words in commands.items()]
+    (folder / "compile_commands.json").write_text(json.dumps(entries), encoding="utf-8")
+    return folder
 
 
 def flags_near(root, commands, header):
@@ -117,6 +140,8 @@ class Check:
         self.settings = b""
         if kind != "format":
             self.commands = read_commands(build)
+        if kind == "tidy":
+            self.commands_folder = write_commands(build, self.commands)
         if kind != "headers":
             self.tool = find_tool("clang-" + kind)
             self.settings = (root / f".clang-{kind}").read_bytes()
@@ -135,12 +160,13 @@ class Check:
         text = text_with_headers(self.root, name)
         left_out = [checks for header, checks in LEFT_OUT.items() if b"#include " + header in text]
         checks = ["--checks=" + ",".join(left_out)] if left_out else []
-        return [self.tool, "--quiet", *checks, "-p", str(self.build), str(self.root / name)]
+        return [self.tool, "--quiet", *checks, "-p", str(self.commands_folder), str(self.root / name)]
 
     def key(self, name, words):
         """What the outcome depends on, the same in every checkout and in every folder: paths and a compiler's cache count for nothing."""
         build_words = self.commands.get(str(self.root / name), []) if self.kind == "tidy" else []
         own_paths = {str(self.root / name), "ccache", *output_of(build_words)}
+        words = [str(self.build) if self.kind == "tidy" and word == str(self.commands_folder) else word for word in words]
         command = "\0".join(word for word in [*words, *build_words] if word not in own_paths)
         digest = hashlib.sha256(self.settings)
         digest.update(command.replace(str(self.build), "BUILD").replace(str(self.root), "ROOT").encode())

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
@@ -44,6 +46,27 @@ TEST(CommandLine, HelpAndVersion) {
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.out.rfind("palpate ", 0), 0U);
   EXPECT_EQ(help.out.find('\033'), std::string::npos);
+}
+
+/// The launcher prints these files in the program's place, so that help needs no build.
+TEST(CommandLine, HelpIsWhatTheLauncherKeeps) {
+  const std::filesystem::path folder = std::filesystem::path(source_folder()) / "experiments/commands/help";
+  const std::string all = run_program({"--help"}).out;
+  std::istringstream lines(all.substr(all.find("Commands:\n")));
+  std::vector<std::string> names{"palpate"};
+  std::string line;
+  std::getline(lines, line);
+  for (std::string name; std::getline(lines, line) && std::istringstream(line) >> name;)
+    names.push_back(name);
+  ASSERT_GT(names.size(), 10U);
+  for (const std::string& name : names) {
+    std::vector<std::string> words{"--help"};
+    if (name != "palpate") words.insert(words.begin(), name);
+    std::ostringstream kept;
+    kept << std::ifstream(folder / (name + ".txt")).rdbuf();
+    EXPECT_EQ(run_program(words).out, kept.str())
+        << "palpate " << name << " --help > experiments/commands/help/" << name << ".txt";
+  }
 }
 
 TEST(CommandLine, UsageErrors) {

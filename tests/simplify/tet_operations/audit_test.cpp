@@ -18,6 +18,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/fusion/hierarchical.h"
 #include "core/simplify/fusion/outcome.h"
 #include "core/simplify/surface/surface.h"
 #include "core/simplify/tet_operations/flips.h"
