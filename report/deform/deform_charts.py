@@ -21,6 +21,7 @@ COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a
 MARKS = ["o", "s", "^", "D", "v", "P", "<", "X", ">", "h", "p", "*"]
 SIZES = {"*": 1.6, "P": 1.15, "X": 1.15, "p": 1.15, "h": 1.1, "D": 0.9}  # of marks that look smaller or larger than others
 SHADE = "#ececec"
+DEFORMATION = "displacement_deformation"
 NAMES = ["error_bars", "error_time", "convergence", "simplified_error"]
 
 
@@ -68,9 +69,9 @@ def set_percent_axis(axis):
     axis.set_minor_formatter(NullFormatter())
 
 
-def percent_range(sections):
+def percent_range(sections, measure=MAIN):
     """Limits of an axis of errors that holds all figures, or None without any."""
-    values = [100 * row.values[MAIN] for section in sections for row in section.rows if row.values[MAIN]]
+    values = [100 * row.values[measure] for section in sections for row in section.rows if row.values[measure]]
     if not values:
         return None
     return min(values) / 1.6, min(max(values), 1e4) * 1.5
@@ -99,30 +100,36 @@ def hollow_handle():
 # --- Errors by method and scene -----------------------------------------------------------------------------------------
 
 
-def draw_row(ax, row, y, style):
+def bar_measure(sections):
+    """What the bars show: the error of the deformation, or, in runs of before it was judged, the L2 error."""
+    is_judged = any(row.values.get(DEFORMATION) for section in sections for row in section.rows)
+    return DEFORMATION if is_judged else MAIN
+
+
+def draw_row(ax, row, y, style, measure):
     """A figure with the reference's error as its whisker; hollow if marked."""
     color, _ = style
-    value, own = 100 * row.values[MAIN], row.own_errors.get(MAIN)
+    value, own = 100 * row.values[measure], row.own_errors.get(measure)
     if own is not None:
         spread = 100 * own
         ax.plot([max(value - spread, value / 50), value + spread], [y, y], color=color, linewidth=1.6, alpha=0.6,
                 solid_capstyle="butt", zorder=3)
-    draw_mark(ax, value, y, style, 6.5, row.is_coarse(MAIN))
+    draw_mark(ax, value, y, style, 6.5, row.is_coarse(measure))
 
 
-def draw_error_panel(ax, section, labels, styles, limits):
-    owns = [row.own_errors.get(MAIN) for row in section.rows if row.own_errors.get(MAIN) is not None]
+def draw_error_panel(ax, section, labels, styles, limits, measure):
+    owns = [row.own_errors.get(measure) for row in section.rows if row.own_errors.get(measure) is not None]
     if owns:
         ax.axvspan(limits[0] / 10, MARGIN * 100 * max(owns), color=SHADE, linewidth=0, zorder=0)
     if section.finite_elements:
-        ax.axvline(100 * section.finite_elements.values[MAIN], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+        ax.axvline(100 * section.finite_elements.values[measure], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
     for y, label in enumerate(labels):
         row = section.find(label)
         if row is None:
             continue
-        if row.values[MAIN]:
-            draw_row(ax, row, y, styles[label])
-        text = percent_text(row.values[MAIN]) if row.is_judged else "failed"
+        if row.values[measure]:
+            draw_row(ax, row, y, styles[label], measure)
+        text = percent_text(row.values[measure]) if row.is_judged else "failed"
         ax.annotate(text, (1.015, y), xycoords=("axes fraction", "data"), fontsize=7.5, va="center", color=INK if row.is_judged else FAINT)
     ax.set_xscale("log")
     ax.set_xlim(*limits)
@@ -131,33 +138,35 @@ def draw_error_panel(ax, section, labels, styles, limits):
     ax.set_yticks(range(len(labels)), labels)
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="both")
-    ax.set_title(section.problem.scene, loc="left", fontweight="bold")
+    ax.set_title(section.problem.scene, loc="left", fontweight="bold", fontsize=9.5 if len(section.problem.scene) < 26 else 7.5)
 
 
 def draw_error_bars(sections, styles, folder):
     """One figure for each Poisson ratio and size: a panel a scene, a line a label."""
     drawn = []
     for setting, own in by_setting(plain(sections)):
-        limits = percent_range(own)
+        measure = bar_measure(own)
+        limits = percent_range(own, measure)
         if limits is None:
             continue
         labels = labels_of(own)
-        columns = min(4, len(own)) if len(own) != 5 else 3
+        columns = 3 if len(own) in (5, 6, 9) else min(4, len(own))
         rows = -(-len(own) // columns)
         height = rows * (0.21 * len(labels) + 0.75) + 1.1
         fig, grid = plt.subplots(rows, columns, figsize=(2.75 * columns + 1.5, height), sharey=True, squeeze=False)
         for ax, section in zip(grid.flat, own):
-            draw_error_panel(ax, section, labels, styles, limits)
+            draw_error_panel(ax, section, labels, styles, limits, measure)
         for ax in list(grid.flat)[len(own):]:
             ax.set_visible(False)
         for ax in list(grid.flat)[max(0, len(own) - columns):len(own)]:
-            ax.set_xlabel("relative L2 error, %")
+            ax.set_xlabel("error of the deformation, %" if measure == DEFORMATION else "relative L2 error, %")
         handles = [plt.Line2D([], [], color=FAINT, linewidth=1.6, label="whisker: the reference's own error"), hollow_handle(),
                    Patch(color=SHADE, label=f"below {MARGIN:g} x the reference's error")]
         if any(section.finite_elements for section in own):
             handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label="linear finite elements, same mesh"))
         heading = setting_text(setting)
-        finish(fig, f"Displacement error by method and scene{f': {heading}' if heading else ''}", handles, height, w_pad=2.2)
+        what = "Error of the deformation" if measure == DEFORMATION else "Displacement error"
+        finish(fig, f"{what} by method and scene{f': {heading}' if heading else ''}", handles, height, w_pad=2.2)
         drawn += save(fig, folder, file_name("error_bars", heading))
     return drawn
 

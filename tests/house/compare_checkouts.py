@@ -16,9 +16,9 @@ import tempfile
 PLANS = ("ci", "ci_peers", "ci_deform", "ci_motion", "ci_stability", "ci_haptics")
 # What differs from run to run on one machine.
 VOLATILE = {
-    "kernel_s", "wall_s", "user_s", "peak_rss_bytes", "identify_s", "solve_s", "assemble_s", "factor_s", "setup_s", "measure_s", "run_s",
-    "real_time_factor", "tick_real_time_factor", "tick_p50_s", "tick_p90_s", "tick_p99_s", "tick_p99_9_s", "tick_worst_s", "ticks_missed",
-    "tick_mean_s", "tick_histogram", "searched", "started_at", "commit", "dirty", "load", "from_cache", "threads_s", "decay_s", "held_s",
+    "finished_at", "kernel_s", "wall_s", "user_s", "peak_rss_bytes", "identify_s", "solve_s", "assembly_s", "factor_s", "frequencies_s",
+    "setup_s", "seconds", "stable_step_kernel_s", "real_time_factor", "tick_real_time_factor", "tick_mean_s", "tick_p50_s", "tick_p99_s", "tick_p99_9_s",
+    "tick_worst_s", "ticks_missed", "buckets", "bucket_ends_s", "from_cache",
 }
 
 
