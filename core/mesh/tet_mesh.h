@@ -11,7 +11,7 @@ namespace palpate {
 ///
 /// Shape:  points has one entry a vertex, in the mesh's own length unit; tets holds indices into points.
 /// A mesh is valid when every tet is positively oriented, every face has one or two tets and every vertex
-/// link is a sphere or a disc; the struct itself does not enforce that (see core/judge/validity.h).
+/// link is a sphere or a disc; the struct itself does not enforce that (see core/judge/mesh/judge.h).
 struct TetMesh {
   std::vector<Vec3> points;
   std::vector<Tet> tets;

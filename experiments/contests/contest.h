@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
@@ -72,6 +73,9 @@ ContestantTask start_task(const std::string& method, const std::filesystem::path
 struct ContestKind {
   std::string name;
   std::vector<std::string> keys;    ///< of its plans, beside those of every plan
+  std::vector<std::string> needed;  ///< those of them without which there is no plan
+  /// Keys of every plan that it does not take, each with the reason.
+  std::vector<std::pair<std::string, std::string>> refused;
   std::vector<std::string> charts;  ///< that its plans may name, where "charts" is one of its keys
   /// Reads what the contest has of its own, subjects and contestants among it. The plan's file, name, contest
   /// and run are read. Throws: InputError with file and line.

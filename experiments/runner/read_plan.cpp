@@ -9,10 +9,6 @@
 namespace palpate::experiments {
 namespace {
 
-/// The keys of every plan.
-const std::vector<std::string> kKeys{"schema", "question", "contest", "contestants",
-                                     "sweep",  "run",      "measure", "accept"};
-
 RunSettings read_run(const YamlValue& value) {
   const YamlFields fields = value.fields(
       {"repeats", "warmup", "threads", "timeout_s", "memory_mib", "judge_timeout_s", "judge_memory_mib"});
@@ -59,17 +55,6 @@ std::string plan_name(const std::filesystem::path& path) {
   return name.empty() ? "plan" : name;
 }
 
-/// The keys of all contests, each once.
-std::vector<std::string> all_keys() {
-  std::vector<std::string> keys = kKeys;
-  for (const ContestKind* kind : list_contests()) {
-    for (const std::string& key : kind->keys) {
-      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    }
-  }
-  return keys;
-}
-
 bool has_key(const ContestKind& kind, const std::string& key) {
   return std::find(kind.keys.begin(), kind.keys.end(), key) != kind.keys.end();
 }
@@ -85,8 +70,11 @@ const ContestKind& known_contest(const YamlValue& name) {
   name.fail_expected(known);
 }
 
-/// Refuses keys that belong to other contests alone.
+/// Refuses keys that belong to other contests alone, and those that this one does not take.
 void refuse_keys_of_others(const YamlFields& fields, const ContestKind& own) {
+  for (const auto& [key, why] : own.refused) {
+    if (const auto extra = fields.find(key)) extra->fail(why);
+  }
   for (const ContestKind* kind : list_contests()) {
     for (const std::string& key : kind->keys) {
       const auto extra = fields.find(key);
@@ -112,7 +100,7 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields(all_keys());
+  const YamlFields fields = root.fields(list_plan_keys());
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;

@@ -271,6 +271,8 @@ class DeformContest : public Contest {
 const ContestKind& deform_contest() {
   static const ContestKind kind{"deform",
                                 {"scenes", "reference", "simplify", "scene_sets", "targets", "charts"},
+                                {"scenes", "reference"},
+                                {},
                                 {"error_bars", "error_time", "convergence", "simplified_error"},
                                 read_deform_plan,
                                 cross_cases,

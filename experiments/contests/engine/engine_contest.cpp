@@ -207,6 +207,8 @@ class EngineContest : public Contest {
 const ContestKind& engine_contest() {
   static const ContestKind kind{"engine",
                                 {"scenes", "reference"},
+                                {"scenes"},
+                                {},
                                 {},
                                 read_engine_plan,
                                 cross_cases,

@@ -160,6 +160,8 @@ class MotionContest : public Contest {
 const ContestKind& motion_contest() {
   static const ContestKind kind{"motion",
                                 {"scenes", "reference", "charts"},
+                                {"scenes", "reference"},
+                                {},
                                 {"motion_errors", "motion_histories"},
                                 read_motion_plan,
                                 cross_cases,

@@ -136,6 +136,8 @@ class SimplifyContest : public Contest {
 const ContestKind& simplify_contest() {
   static const ContestKind kind{"simplify",
                                 {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
+                                {"meshes"},
+                                {},
                                 {"histograms", "overview", "timing", "quality_time", "scaling", "cut_away"},
                                 read_simplify_plan,
                                 cross_cases,

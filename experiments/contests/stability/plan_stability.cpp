@@ -109,7 +109,6 @@ std::vector<PlanExtreme> read_extremes(const YamlValue& value, const Plan& plan,
 }  // namespace
 
 void read_stability_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
-  if (const auto sweep = fields.find("sweep")) sweep->fail("the contest stability sweeps in its extremes");
   plan.meshes = read_meshes(fields.need("meshes"), plan.file.parent_path());
   plan.subjects = names_of(plan.meshes);
   if (const auto simplify = fields.find("simplify"))

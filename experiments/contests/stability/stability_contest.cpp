@@ -182,6 +182,8 @@ class StabilityContest : public Contest {
 const ContestKind& stability_contest() {
   static const ContestKind kind{"stability",
                                 {"meshes", "simplify", "extremes"},
+                                {"meshes", "extremes"},
+                                {{"sweep", "the contest stability sweeps in its extremes"}},
                                 {},
                                 read_stability_plan,
                                 build_stability_cases,

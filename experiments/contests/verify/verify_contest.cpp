@@ -193,6 +193,9 @@ class VerifyContest : public Contest {
 const ContestKind& verify_contest() {
   static const ContestKind kind{"verify",
                                 {"cases"},
+                                {"cases"},
+                                {{"sweep", "the contest verify sweeps the cells of its cases"},
+                                 {"accept", "the contest verify has its bounds in \"expect\""}},
                                 {},
                                 read_verify_plan,
                                 build_verify_cases,

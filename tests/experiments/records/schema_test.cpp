@@ -1,11 +1,13 @@
 // Plans, descriptions and records against experiments/schema, by Debian's python3-jsonschema.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
 #include "experiments/records/record_file.h"
+#include "experiments/runner/contest_table.h"
 #include "experiments/text/yaml_value.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
@@ -54,6 +56,20 @@ TEST(Schema, PlansOfTheProject) {
   json broken = plans;
   broken[0]["contestnts"] = 1;
   EXPECT_NE(validate("plan.schema.json", broken), "");
+}
+
+/// The contests' table has the keys; the schema repeats it, for editors and other programs.
+TEST(Schema, PlanKeysAreThoseOfTheContests) {
+  const json schema = json::parse(
+      test::bytes_of(fs::path(experiments::source_folder()) / "experiments/schema/plan.schema.json"));
+  EXPECT_EQ(schema.at("oneOf"), describe_plan_keys()) << "\"oneOf\" of plan.schema.json is to be\n"
+                                                      << describe_plan_keys().dump();
+  for (const std::string& key : list_plan_keys()) EXPECT_TRUE(schema.at("properties").contains(key)) << key;
+  EXPECT_EQ(schema.at("properties").size(), list_plan_keys().size());
+  for (const ContestKind* kind : list_contests()) {
+    const json& known = schema.at("properties").at("contest").at("enum");
+    EXPECT_NE(std::find(known.begin(), known.end(), kind->name), known.end()) << kind->name;
+  }
 }
 
 TEST(Schema, TrainingPlansOfTheProject) {

@@ -75,6 +75,8 @@ class ExtraContest : public Contest {
 const ContestKind& extra_contest() {
   static const ContestKind kind{"extra",
                                 {"meshes", "at_least"},
+                                {"meshes"},
+                                {},
                                 {},
                                 read_extra_plan,
                                 cross_cases,
