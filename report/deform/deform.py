@@ -15,7 +15,6 @@ MARGIN = 5.0
 PROBLEM_AXES = ("poisson_ratio", "vertices")
 SIMPLIFY_AXES = ("simplify", "tets_removed_ratio")
 NO_SIMPLIFIER = "none"
-FINITE_ELEMENTS = "fem.p1"  # what a user would take instead: stands beside each figure
 BEST, BEST_OTHER, COARSE = "*", "+", "~"
 
 # The errors: name in the records, title, and where the reference record has its own error in that figure.
@@ -61,6 +60,7 @@ class Row:
     vertices: object
     note: str = ""
     has_reference: bool = True
+    is_reference_kind: bool = False  # its method is one of those that the reference's belongs to: fem.p1 beside fem.p2
     marks: dict = field(default_factory=dict)
     spans: dict = field(default_factory=dict)  # of a figure whose answers differ: between what its median lies
 
@@ -68,9 +68,6 @@ class Row:
     def is_judged(self):
         return self.values[MAIN] is not None
 
-    @property
-    def is_finite_elements(self):
-        return self.method.startswith("fem.")
 
     def is_coarse(self, name):
         """Whether the reference cannot tell this figure: no estimate of its error, or not five times better."""
@@ -87,6 +84,7 @@ class Section:
     ratio: object
     reference: object  # its record, or None
     rows: list
+    beside: object = None  # label of what a user would take instead, or None
 
     def find(self, label):
         return next((row for row in self.rows if row.label == label), None)
@@ -97,9 +95,9 @@ class Section:
         return all(row.has_reference for row in self.rows)
 
     @property
-    def finite_elements(self):
-        """The row of linear finite elements on the same mesh, or None."""
-        return next((row for row in self.rows if row.method == FINITE_ELEMENTS and row.is_judged), None)
+    def peer(self):
+        """The row that stands beside the others' figures, the plan's `beside`, or None."""
+        return next((row for row in self.rows if row.label == self.beside and row.is_judged), None)
 
     @property
     def title(self):
@@ -158,24 +156,30 @@ def note_of(group):
     return first_reason(group) or "not run"
 
 
-def read_row(group, references):
+def kind_of(method):
+    """What a method's name begins with: "fem" of "fem.p2"."""
+    return str(method).split(".", maxsplit=1)[0]
+
+
+def read_row(group, references, reference_method):
     record = group.records[0]
     problem, sweep = problem_of(record), sweep_of(record)
     reference = references.get(problem)
     own_errors = own_errors_of(reference, (group.cases() or [record])[0])
     spans = {name: span_of(group.figures("judge", name)) for name, _, _ in ERRORS if len(set(group.figures("judge", name))) > 1}
     return Row(group.label, group.contestant, problem, str(sweep.get("simplify", "")), sweep.get("tets_removed_ratio"),
-               values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference), spans=spans)
+               values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference),
+               bool(reference_method) and kind_of(group.contestant) == kind_of(reference_method), spans=spans)
 
 
 def mark_rows(rows):
-    """Marks what the reference cannot tell, the least figure of each column, whoever has it, and the least without finite
-    elements where that is another one."""
+    """Marks what the reference cannot tell, the least figure of each column, whoever has it, and the least without methods
+    of the reference's kind where that is another one."""
     for name in [name for name, _, _ in ERRORS] + ["kernel_s"]:
         judged = [row for row in rows if row.is_judged and row.values[name] is not None]
         for row in rows:
             row.marks[name] = ""
-        for mark, field_ in ((BEST, judged), (BEST_OTHER, [row for row in judged if not row.is_finite_elements])):
+        for mark, field_ in ((BEST, judged), (BEST_OTHER, [row for row in judged if not row.is_reference_kind])):
             winners = [row for row in field_ if row.values[name] == min(row.values[name] for row in field_)] if len(rows) > 1 else []
             if not any(row.marks[name] for row in winners):
                 for row in winners:
@@ -188,11 +192,13 @@ def mark_rows(rows):
 def read_sections(run):
     """All sections: scenes in the order of the plan, then Poisson ratio, vertices and simplifier as they come."""
     references = {problem_of(record): record for record in run.references}
+    reference_method = (run.plan_data.get("reference") or {}).get("method")
+    beside = run.plan_data.get("beside")
     sections = {}
     for group in run.groups:
-        row = read_row(group, references)
+        row = read_row(group, references, reference_method)
         key = (row.problem, row.simplify, row.ratio)
-        sections.setdefault(key, Section(*key, references.get(row.problem), [])).rows.append(row)
+        sections.setdefault(key, Section(*key, references.get(row.problem), [], beside)).rows.append(row)
     for section in sections.values():
         mark_rows(section.rows)
     return list(sections.values())

@@ -26,11 +26,11 @@ NAMES = ["error_bars", "error_time", "convergence", "simplified_error"]
 
 
 def read_styles(sections):
-    """Colour and mark of each label, the same in every chart; finite elements are black and grey squares."""
+    """Colour and mark of each label, the same in every chart; methods of the reference's kind are black and grey squares."""
     styles, place, greys = {}, 0, 0
-    methods = {row.label: row.method for section in sections for row in section.rows}
-    for label, method in methods.items():
-        if method.startswith("fem."):
+    kinds = {row.label: row.is_reference_kind for section in sections for row in section.rows}
+    for label, is_reference_kind in kinds.items():
+        if is_reference_kind:
             styles[label] = ((INK, "#9a9a9a")[greys % 2], "s")
             greys += 1
             continue
@@ -121,8 +121,8 @@ def draw_error_panel(ax, section, labels, styles, limits, measure):
     owns = [row.own_errors.get(measure) for row in section.rows if row.own_errors.get(measure) is not None]
     if owns:
         ax.axvspan(limits[0] / 10, MARGIN * 100 * max(owns), color=SHADE, linewidth=0, zorder=0)
-    if section.finite_elements:
-        ax.axvline(100 * section.finite_elements.values[measure], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+    if section.peer:
+        ax.axvline(100 * section.peer.values[measure], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
     for y, label in enumerate(labels):
         row = section.find(label)
         if row is None:
@@ -162,8 +162,8 @@ def draw_error_bars(sections, styles, folder):
             ax.set_xlabel("error of the deformation, %" if measure == DEFORMATION else "relative L2 error, %")
         handles = [plt.Line2D([], [], color=FAINT, linewidth=1.6, label="whisker: the reference's own error"), hollow_handle(),
                    Patch(color=SHADE, label=f"below {MARGIN:g} x the reference's error")]
-        if any(section.finite_elements for section in own):
-            handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label="linear finite elements, same mesh"))
+        if any(section.peer for section in own):
+            handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label=f"{own[0].beside}, same mesh"))
         heading = setting_text(setting)
         what = "Error of the deformation" if measure == DEFORMATION else "Displacement error"
         finish(fig, f"{what} by method and scene{f': {heading}' if heading else ''}", handles, height, w_pad=2.2)

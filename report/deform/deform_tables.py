@@ -23,8 +23,8 @@ def reference_text(section):
 
 
 def factor_of(row, section):
-    """The row's L2 error over that of linear finite elements on the same mesh."""
-    other = section.finite_elements
+    """The row's L2 error over that of the plan's `beside` on the same mesh."""
+    other = section.peer
     if other is None or not row.is_judged or not other.values[MAIN]:
         return None
     return row.values[MAIN] / other.values[MAIN]
@@ -46,8 +46,9 @@ def row_cells(row, section, errors):
 def sections_text(sections):
     """The whole table, problem by problem."""
     errors = shown_errors(sections)
+    beside = sections[0].beside if sections else None
     titles = [f"{title} %  " for _, title, _ in errors]
-    lines = [["label", *titles, "x P1", "springs %", *(title + (" " if name == "kernel_s" else "") for name, title in TIMES), "note"]]
+    lines = [["label", *titles, f"x {beside}" if beside else "", "springs %", *(title + (" " if name == "kernel_s" else "") for name, title in TIMES), "note"]]
     for section in sections:
         lines += ["", section.title, f"  {reference_text(section)}"]
         # Without a reference no row has a figure; the line above says why.
@@ -59,10 +60,11 @@ def legend_text(sections):
     marks = "".join(mark for section in sections for row in section.rows for mark in row.marks.values())
     lines = ["Errors in % of the reference, at the vertices of the scene's own mesh. deform: L2 after the best rigid motion is taken off error and",
              "reference. energy: in the norm of the strains, of the vertices alone; whole: with what happens between them. pad: force of the pads that",
-             "move. x P1: the L2 error over that of linear finite elements (fem.p1) on the same mesh. springs: share of the elastic energy that",
-             "springs hold. Times: median over repeats; kernel holds identify, assembly and solve."]
+             "move. springs: share of the elastic energy that springs hold. Times: median over repeats; kernel holds identify, assembly and solve."]
+    if sections and sections[0].beside:
+        lines.append(f"x {sections[0].beside}: the L2 error over that of {sections[0].beside} on the same mesh.")
     if BEST in marks:
-        lines.append(f"{BEST} least of the column" + (f"; {BEST_OTHER} least without finite elements." if BEST_OTHER in marks else "."))
+        lines.append(f"{BEST} least of the column" + (f"; {BEST_OTHER} least without methods of the reference's kind." if BEST_OTHER in marks else "."))
     if COARSE in marks:
         lines.append(f"{COARSE} the reference is not {MARGIN:g} times better than this figure, or its error is not known: it decides nothing.")
     return "\n".join(lines)
@@ -108,7 +110,7 @@ def set_rows(run, sections):
                 judged = [row for row in rows if row.is_judged]
                 values = [row.values[MAIN] for row in judged]
                 worst = max(judged, key=lambda row: row.values[MAIN], default=None)
-                peers = [section.finite_elements for section in own if section.find(label) and section.find(label).is_judged]
+                peers = [section.peer for section in own if section.find(label) and section.find(label).is_judged]
                 peer_values = [peer.values[MAIN] for peer in peers if peer]
                 found.append({"set": name, "setting": setting, "label": label, "scenes": len(rows), "solved": len(judged),
                               "without_reference": len(every) - len(own),

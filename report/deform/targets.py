@@ -91,7 +91,7 @@ def judge_label(target, label, sections, missing):
         if chosen:
             notes.append(f"{text}: {len(chosen)} of {len(states)}" if len(chosen) > 2 else f"{text}: {'; '.join(chosen)}")
     state = MISSED if MISSED in states else OPEN if OPEN in states or not states else MET
-    peers = [section.finite_elements for section in sections]
+    peers = [section.peer for section in sections]
     return Outcome(target, label, state, rows, peers, "; ".join(notes), measure)
 
 
@@ -140,7 +140,7 @@ def targets_text(outcomes):
         rows.append([outcome.state, str(outcome.target.get("text", "")), TITLES.get(outcome.measure, outcome.measure), outcome.label, percent_text(outcome.target["at_most"]),
                      percent_text(outcome.worst), gap_text(outcome), percent_text(root_mean_square(outcome.values(outcome.rows))),
                      "" if worst is None else worst.problem.name, percent_text(max(p1, default=None)), outcome.note])
-    header = ["target", "what", "error", "best label", "at most %", "worst %", "by", "rms %", "worst on", "P1 worst %", "note"]
+    header = ["target", "what", "error", "best label", "at most %", "worst %", "by", "rms %", "worst on", "beside worst %", "note"]
     states = [outcome.state for outcome in outcomes]
     count = ", ".join(f"{states.count(state)} {state}" for state in (MET, MISSED, OPEN) if state in states)
     return (f"Targets: {count} ({OPEN}: the bound is within the error of the reference or the scatter of the answers, or scenes are missing)\n\n" + align(header, rows))

@@ -45,7 +45,7 @@ class Rows(DeformTest):
         self.assertIn("displacement_l2", rows["a"]["best_without_finite_elements_in"])
         self.assertIn("kernel_s", rows["a"]["best_in"])
         self.assertEqual(rows["b"]["best_in"], "kernel_s")  # as fast as a
-        self.assertIn("+ least without finite elements", out)
+        self.assertIn("+ least without methods of the reference's kind", out)
         self.assertIn("2.00+", self.line_of(out, "a"))
 
     def test_what_the_reference_cannot_tell_is_marked_figure_by_figure(self):

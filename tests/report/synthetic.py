@@ -116,7 +116,8 @@ def write_run(folder, lines, plan=None):
 # --- Displacements --------------------------------------------------------------------------------------------------------
 
 DEFORM = {"question": "Which springs move like the organ?", "contest": "deform",
-          "scenes": ["bar_tension", "kidney_gravity"], "contestants": [{"label": "isotropy"}, {"label": "p1"}]}
+          "scenes": ["bar_tension", "kidney_gravity"], "contestants": [{"label": "isotropy"}, {"label": "p1"}],
+          "reference": {"method": "fem.p2"}, "beside": "p1"}
 
 
 def deform_scene(scene, nu):

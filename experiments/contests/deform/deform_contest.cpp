@@ -269,16 +269,17 @@ class DeformContest : public Contest {
 }  // namespace
 
 const ContestKind& deform_contest() {
-  static const ContestKind kind{"deform",
-                                {"scenes", "reference", "simplify", "scene_sets", "targets", "charts"},
-                                {"scenes", "reference"},
-                                {},
-                                {"error_bars", "error_time", "convergence", "simplified_error"},
-                                read_deform_plan,
-                                cross_cases,
-                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
-                                  return std::make_unique<DeformContest>(setting);
-                                }};
+  static const ContestKind kind{
+      "deform",
+      {"scenes", "reference", "simplify", "scene_sets", "targets", "beside", "charts"},
+      {"scenes", "reference"},
+      {},
+      {"error_bars", "error_time", "convergence", "simplified_error"},
+      read_deform_plan,
+      cross_cases,
+      [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+        return std::make_unique<DeformContest>(setting);
+      }};
   return kind;
 }
 

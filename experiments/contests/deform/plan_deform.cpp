@@ -5,6 +5,7 @@
 #include "experiments/contests/deform/plan_targets.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_reference.h"
+#include "experiments/plan_reader/plan_report.h"
 #include "experiments/plan_reader/plan_scene.h"
 
 namespace palpate::experiments {
@@ -74,6 +75,8 @@ void read_deform_plan(const YamlFields& fields, Plan& plan, const Registry& regi
   plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
   check_vertices_sweep(fields, plan);
   check_targets(fields, plan);
+  if (const auto beside = fields.find("beside"))
+    known_label(*beside, plan.contestants);  // the report reads it
 }
 
 }  // namespace palpate::experiments
