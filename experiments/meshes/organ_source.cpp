@@ -7,7 +7,6 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "experiments/files/file_cache.h"
 #include "experiments/meshes/body_surface.h"
 #include "experiments/meshes/mesh_cache.h"
 #include "experiments/meshes/mesh_fill.h"

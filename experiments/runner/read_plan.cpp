@@ -4,7 +4,6 @@
 
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/runner/contest_table.h"
-#include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 namespace {

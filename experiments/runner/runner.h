@@ -9,7 +9,6 @@
 #include <string>
 
 #include "experiments/contestants/contestant.h"
-#include "experiments/plan_reader/case_list.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/text/terminal.h"
 

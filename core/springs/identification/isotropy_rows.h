@@ -20,7 +20,6 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/spring_network.h"
 #include "core/mesh/tet_mesh.h"
 #include "core/springs/solvers/nonnegative_least_squares.h"
 

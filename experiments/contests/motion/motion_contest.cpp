@@ -3,7 +3,6 @@
 #include <map>
 
 #include "core/base/error.h"
-#include "core/mesh/geometry.h"
 #include "experiments/contests/motion/motion_input.h"
 #include "experiments/contests/motion/plan_motion.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/base/error.h"
 #include "experiments/contests/run_mesh.h"
 #include "experiments/contests/simplify/plan_simplify.h"
 #include "experiments/judging/judge_record.h"

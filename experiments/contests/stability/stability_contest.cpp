@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <map>
 
-#include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/contests/run_mesh.h"
