@@ -12,7 +12,8 @@ const std::vector<std::string> kClockTimes{"kernel_s",   "wall_s",       "user_s
                                            "identify_s", "solve_s",      "tick_p50_s",
                                            "tick_p99_s", "tick_p99_9_s", "tick_worst_s"};
 
-/// At 9 repeats the 95% interval of a median (report/shared/intervals.py) leaves the least and the greatest out.
+/// At 9 repeats the 95% interval of a median (report/shared/intervals.py) leaves the least and the greatest
+/// out.
 constexpr int kLeastTimedRepeats = 9;
 constexpr int kLeastWarmup = 1;
 

@@ -15,8 +15,8 @@ namespace palpate::experiments {
 ///
 /// The best of the labels has to keep every scene (or set) within at_most of `measure`, displacement_l2
 /// unless another one is named; `at` picks values of the sweep, one or a list. The report reads them from the
-/// plan itself (report/deform/targets.py). Requires: plan.scenes, plan.sweep and plan.contestants are read. Throws:
-/// InputError with file and line for an unknown scene, set, label, axis or value (with the nearest).
+/// plan itself (report/deform/targets.py). Requires: plan.scenes, plan.sweep and plan.contestants are read.
+/// Throws: InputError with file and line for an unknown scene, set, label, axis or value (with the nearest).
 void check_targets(const YamlFields& fields, const Plan& plan);
 
 }  // namespace palpate::experiments
