@@ -191,7 +191,11 @@ int test(bool full, const std::vector<std::string>& extra) {
                                      "--no-tests=error",
                                      "--parallel",
                                      std::to_string(std::max(1U, std::thread::hardware_concurrency()))};
-  if (full) ::setenv("PALPATE_FULL", "1", 1);
+  if (full) {
+    ::setenv("PALPATE_FULL", "1", 1);
+  } else {
+    arguments.insert(arguments.end(), {"--label-exclude", "full"});
+  }
   arguments.insert(arguments.end(), extra.begin(), extra.end());
   std::vector<char*> pointers;
   pointers.reserve(arguments.size() + 1);
