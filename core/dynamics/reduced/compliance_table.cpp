@@ -1,0 +1,228 @@
+#include "core/dynamics/reduced/compliance_table.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <chrono>
+#include <cstring>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/dynamics/reduced/rigid_frame.h"
+#include "core/dynamics/reduced/skin_space.h"
+#include "core/mesh/rigid_motion.h"
+
+namespace palpate::dynamics {
+namespace {
+
+using Matrix = Eigen::MatrixXd;
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMostBytes = 4.0 * 1024.0 * 1024.0 * 1024.0;
+constexpr Eigen::Index kBlock = 48;  ///< right sides that are solved at once
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Eigen::Index whole(std::size_t number) {
+  return static_cast<Eigen::Index>(number);
+}
+
+void check_options(const ComplianceOptions& options) {
+  if (options.element_order != 1 && options.element_order != 2)
+    throw InputError("elements", 0, "of order 1 or 2", std::to_string(options.element_order));
+  if (options.refine < 0 || options.refine > 1)
+    throw InputError("refine", 0, "0 or 1", std::to_string(options.refine));
+  if (options.reaction_order < 1 || options.reaction_order > options.element_order)
+    throw InputError("reactions", 0, "no higher order than the elements",
+                     std::to_string(options.reaction_order));
+}
+
+void require_one_body(const TetMesh& mesh) {
+  const std::vector<std::uint8_t> nothing(mesh.points.size(), 0);
+  const std::size_t motions = find_free_motions(mesh, nothing).size();
+  if (motions != 6) throw InputError("mesh", 0, "one connected body", std::to_string(motions / 6) + " parts");
+}
+
+/// The body that floats free, with what balances its loads.
+class FreeBody {
+ public:
+  FreeBody(const TetMesh& mesh, const ElementSpace& space, double poisson_ratio, const RigidFrame& frame,
+           const FactorMaker& make_factor, ComplianceSetup& setup) {
+    const auto start = Clock::now();
+    const ElementMatrices body = build_element_matrices(mesh, space, {1.0, poisson_ratio, 1.0});
+    const std::size_t n = space.nodes();
+    rigid_.resize(whole(3 * n), 6);
+    weighted_.resize(whole(3 * n), 6);
+    std::vector<Vec3> motion(n);
+    std::vector<Vec3> product(n);
+    for (std::size_t k = 0; k < 6; ++k) {
+      for (std::size_t v = 0; v < n; ++v) motion[v] = frame.motion(k, space.points[v]);
+      multiply_mass(body, motion, product);
+      std::memcpy(rigid_.col(whole(k)).data(), motion.data(), n * sizeof(Vec3));
+      std::memcpy(weighted_.col(whole(k)).data(), product.data(), n * sizeof(Vec3));
+    }
+    inverse_ = (rigid_.transpose() * weighted_).inverse();
+    std::vector<std::uint8_t> held = pin_statically(mesh, frame);
+    held.resize(n, 0);
+    free_ = number_free(held);
+    const LowerHalf lower = lower_half(body.stiffness, free_);
+    setup.assembly_s += seconds_since(start);
+    const auto factoring = Clock::now();
+    factor_ = make_factor(lower);
+    setup.factor_s += seconds_since(factoring);
+    setup.unknowns = free_.count;
+    setup.factor_entries = factor_->entries();
+  }
+
+  /// K^+ times loads, one a column: balanced, solved, freed of rigid motion.
+  void solve(Matrix& loads) const {
+    loads -= weighted_ * (inverse_ * (rigid_.transpose() * loads));
+    Matrix inner(whole(free_.count), loads.cols());
+    for (Eigen::Index c = 0; c < loads.cols(); ++c) {
+      for (std::size_t i = 0; i < free_.number.size(); ++i) {
+        if (free_.number[i] != kNoIndex) inner(free_.number[i], c) = loads(whole(i), c);
+      }
+    }
+    factor_->solve({inner.data(), static_cast<std::size_t>(inner.size())});
+    for (Eigen::Index c = 0; c < loads.cols(); ++c) {
+      for (std::size_t i = 0; i < free_.number.size(); ++i)
+        loads(whole(i), c) = free_.number[i] == kNoIndex ? 0.0 : inner(free_.number[i], c);
+    }
+    loads -= rigid_ * (inverse_ * (weighted_.transpose() * loads));
+  }
+
+ private:
+  Matrix rigid_;
+  Matrix weighted_;  ///< M R, for density 1
+  Eigen::Matrix<double, 6, 6> inverse_;
+  FreeNumbers free_;
+  std::unique_ptr<SymmetricFactor> factor_;
+};
+
+/// Each row's numbers, three a node, times the inverse of the mass: by rows.
+void divide_rows_by_mass(const Eigen::LLT<Matrix>& mass, std::vector<double>& rows, std::size_t columns) {
+  const Eigen::Index n = whole(columns / 3);
+  Matrix three(n, 3);
+  for (std::size_t r = 0; r < rows.size() / columns; ++r) {
+    Eigen::Map<RowMatrix> row(rows.data() + r * columns, n, 3);
+    three = row;
+    mass.solveInPlace(three);
+    row = three;
+  }
+}
+
+void make_symmetric(std::vector<double>& square, std::size_t n) {
+  Eigen::Map<RowMatrix> all(square.data(), whole(n), whole(n));
+  const RowMatrix mean = 0.5 * (all + all.transpose());
+  all = mean;
+}
+
+void transpose(std::vector<double>& square, std::size_t n) {
+  Eigen::Map<RowMatrix> all(square.data(), whole(n), whole(n));
+  const RowMatrix other = all.transpose();
+  all = other;
+}
+
+/// Solves for all tractions; what comes out is B^T K^+ B and the rows of K^+ B at the mesh's vertices.
+void solve_columns(const FreeBody& body, std::size_t nodes, const SkinCoupling& skin,
+                   ComplianceTable& table) {
+  const std::size_t columns = 3 * skin.coupling.size();
+  table.skin.assign(columns * columns, 0.0);
+  table.field.assign(3 * table.order.size() * columns, 0.0);
+  for (std::size_t first = 0; first < columns; first += static_cast<std::size_t>(kBlock)) {
+    const std::size_t last = std::min(columns, first + static_cast<std::size_t>(kBlock));
+    Matrix block = Matrix::Zero(whole(3 * nodes), whole(last - first));
+    for (std::size_t c = first; c < last; ++c) {
+      for (const NodeWeight& entry : skin.coupling[c / 3])
+        block(whole(3 * std::size_t{entry.node} + c % 3), whole(c - first)) = entry.weight;
+    }
+    body.solve(block);
+    for (std::size_t c = first; c < last; ++c) {
+      const double* u = block.col(whole(c - first)).data();
+      for (std::size_t k = 0; k < skin.coupling.size(); ++k) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          double sum = 0.0;
+          for (const NodeWeight& entry : skin.coupling[k]) sum += entry.weight * u[3 * entry.node + i];
+          table.skin[(3 * k + i) * columns + c] = sum;
+        }
+      }
+      for (std::size_t row = 0; row < table.order.size(); ++row) {
+        for (std::size_t i = 0; i < 3; ++i)
+          table.field[(3 * row + i) * columns + c] = u[3 * std::size_t{table.order[row]} + i];
+      }
+    }
+  }
+}
+
+void order_vertices(const TetMesh& mesh, ComplianceTable& table) {
+  table.order = table.nodes.vertices;
+  std::vector<std::uint8_t> on_skin(mesh.points.size(), 0);
+  for (const Index v : table.order) on_skin[v] = 1;
+  for (std::size_t v = 0; v < on_skin.size(); ++v) {
+    if (on_skin[v] == 0) table.order.push_back(static_cast<Index>(v));
+  }
+}
+
+}  // namespace
+
+std::uint64_t hash_body(const TetMesh& mesh) {
+  std::uint64_t hash = 1469598103934665603ULL;
+  const auto add = [&](const void* data, std::size_t bytes) {
+    const auto* at = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ at[i]) * 1099511628211ULL;
+  };
+  add(mesh.points.data(), mesh.points.size() * sizeof(Vec3));
+  add(mesh.tets.data(), mesh.tets.size() * sizeof(Tet));
+  return hash;
+}
+
+ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOptions& options,
+                                       const FactorMaker& make_factor, ComplianceSetup& setup) {
+  const auto start = Clock::now();
+  check_options(options);
+  require_one_body(mesh);
+  ComplianceTable table;
+  table.options = options;
+  table.body = hash_body(mesh);
+  const ElementSpace coarse = build_element_space(mesh, options.reaction_order);
+  const SkinPlaces skin = number_skin(mesh, coarse);
+  table.nodes = skin.nodes;
+  order_vertices(mesh, table);
+  const std::size_t columns = 3 * table.nodes.size();
+  const double bytes = 8.0 * static_cast<double>(columns) *
+                       (static_cast<double>(columns) + 3.0 * static_cast<double>(mesh.points.size()));
+  if (bytes > kMostBytes)
+    throw InputError("mesh", 0, "a table of at most 4 GiB in double precision",
+                     std::to_string(bytes / (kMostBytes / 4.0)) + " GiB");
+  const TetMesh fine_mesh = options.refine == 1 ? refine_uniformly(mesh) : mesh;
+  const ElementSpace fine = build_element_space(fine_mesh, options.element_order);
+  const SkinCoupling coupling = couple_skin(mesh, coarse, fine_mesh, fine, skin);
+  setup.assembly_s += seconds_since(start);
+  const FreeBody body(fine_mesh, fine, options.poisson_ratio, build_rigid_frame(mesh), make_factor, setup);
+  const auto solving = Clock::now();
+  solve_columns(body, fine.nodes(), coupling, table);
+  const Eigen::LLT<Matrix> mass(
+      Eigen::Map<const RowMatrix>(coupling.mass.data(), whole(columns / 3), whole(columns / 3)));
+  divide_rows_by_mass(mass, table.field, columns);
+  divide_rows_by_mass(mass, table.skin, columns);
+  transpose(table.skin, columns);
+  divide_rows_by_mass(mass, table.skin, columns);
+  make_symmetric(table.skin, columns);
+  setup.solve_s += seconds_since(solving);
+  return table;
+}
+
+ComplianceTable to_single(const ComplianceTable& table) {
+  ComplianceTable out;
+  out.options = table.options;
+  out.body = table.body;
+  out.nodes = table.nodes;
+  out.order = table.order;
+  out.skin_single.assign(table.skin.begin(), table.skin.end());
+  out.field_single.assign(table.field.begin(), table.field.end());
+  return out;
+}
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,162 @@
+#include "reference/reduced/compliance_run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/dynamics/reduced/compliance_answer.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/request_options.h"
+#include "reference/reduced/factor.h"
+#include "reference/reduced/table_file.h"
+
+namespace palpate::reference {
+namespace {
+
+using dynamics::ComplianceTable;
+using dynamics::HeldBody;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kTimings = 51;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Options {
+  dynamics::ComplianceOptions table;
+  bool single = true;
+  std::string factor;
+  std::string read;    ///< a table to read instead of making one
+  bool write = false;  ///< beside the displacement
+};
+
+Options take_options(const Request& request) {
+  if (request.method != "reduced.compliance")
+    throw InputError("method", 0, "reduced.compliance", request.method);
+  json left = request.options;
+  const auto choice = [&](const char* key, const std::vector<std::string>& choices) {
+    return left.contains(key) ? take_choice(left, key, choices) : std::size_t{0};
+  };
+  Options options;
+  options.table.element_order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
+  options.table.refine = static_cast<int>(take_whole(left, "refine", 0, 1, 0));
+  options.table.reaction_order = choice("reactions", {"linear", "quadratic"}) == 0 ? 1 : 2;
+  options.single = choice("precision", {"single", "double"}) == 0;
+  const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
+  options.factor = factors[choice("factor", factors)];
+  options.read = take_option<std::string>(left, "table", &json::is_string, "the path of a table", "");
+  options.write = take_option<bool>(left, "write_table", &json::is_boolean, "true or false", false);
+  require_all_taken(left);
+  return options;
+}
+
+/// The table, made or read, with what that took in the report.
+ComplianceTable obtain_table(const Options& options, const DeformTask& task, Response& response) {
+  json& report = response.report;
+  const auto start = Clock::now();
+  if (!options.read.empty()) {
+    ComplianceTable table = read_table(options.read);
+    const auto& made = table.options;
+    if (made.element_order != options.table.element_order || made.refine != options.table.refine ||
+        made.reaction_order != options.table.reaction_order || table.is_single() != options.single)
+      throw InputError(options.read, 0, "a table of the elements, reactions and precision that are asked for",
+                       "another");
+    report["read_s"] = seconds_since(start);
+    report["identify_s"] = 0.0;
+    return table;
+  }
+  dynamics::ComplianceOptions wanted = options.table;
+  wanted.poisson_ratio = task.problem.material.poisson_ratio;
+  dynamics::ComplianceSetup setup;
+  ComplianceTable table = build_compliance_table(task.mesh, wanted, choose_factor(options.factor), setup);
+  if (options.single) table = to_single(table);
+  report["identify_s"] = seconds_since(start);
+  report["unknowns"] = setup.unknowns;
+  report["factor_entries"] = setup.factor_entries;
+  report["assembly_s"] = setup.assembly_s;
+  report["factor_s"] = setup.factor_s;
+  report["columns_s"] = setup.solve_s;
+  return table;
+}
+
+/// The median time of one call.
+template <typename Work>
+double median_time(const Work& work) {
+  std::array<double, kTimings> times{};
+  for (double& time : times) {
+    const auto start = Clock::now();
+    work();
+    time = seconds_since(start);
+  }
+  std::nth_element(times.begin(), times.begin() + kTimings / 2, times.end());
+  return times[kTimings / 2];
+}
+
+json to_json(const std::vector<Vec3>& forces) {
+  json list = json::array();
+  for (const Vec3& f : forces) list.push_back({f.x, f.y, f.z});
+  return list;
+}
+
+/// What an answer costs once the holding is factored; outside the kernel.
+void time_answers(const HeldBody& held, const BoundaryProblem& problem, json& report) {
+  const auto load = held.prepare(problem);
+  report["react_s"] = median_time([&] { held.react(*load); });
+  report["move_skin_s"] = median_time([&] { held.move_skin(*load); });
+  report["move_inside_s"] = median_time([&] { held.move_inside(*load); });
+  report["answer_s"] = median_time([&] {
+    held.react(*load);
+    held.move_skin(*load);
+  });
+}
+
+}  // namespace
+
+Response run_compliance(const Request& request) {
+  const Options options = take_options(request);
+  const DeformTask task = read_deform_task(request);
+  if (task.problem.strain == StrainSize::kLarge)
+    throw InputError("strain", 0, "small: reduced.compliance is linear", "large");
+  Response response;
+  response.report = {{"method", request.method}};
+  json& report = response.report;
+
+  const auto start = Clock::now();
+  ComplianceTable table = obtain_table(options, task, response);
+  const auto holding = Clock::now();
+  const HeldBody held(table, task.mesh, task.problem);
+  report["prepare_s"] = seconds_since(holding);
+  const auto solving = Clock::now();
+  const dynamics::ComplianceAnswer answer = held.solve(task.problem);
+  report["solve_s"] = seconds_since(solving);
+  response.kernel_s = seconds_since(start);
+
+  time_answers(held, task.problem, report);
+  report["outcome"] = "converged";
+  report["energy_j"] = answer.energy_j;
+  report["potential_j"] = answer.potential_j;
+  report["iterations"] = 1;
+  report["residual_relative"] = answer.residual_relative;
+  report["support_forces_n"] = to_json(answer.support_forces_n);
+  report["factor"] = options.factor == "auto" ? best_factor_name() : options.factor;
+  report["precision"] = table.is_single() ? "single" : "double";
+  report["skin_nodes"] = table.nodes.size();
+  report["touched_components"] = held.touched();
+  report["skin_table_bytes"] = table.skin_bytes();
+  report["field_table_bytes"] = table.field_bytes();
+  if (options.write) {
+    const std::filesystem::path path = request.output.string() + ".compliance";
+    write_table(path, table);
+    report["table_file"] = path.string();
+    report["table_format"] = "palpate/compliance_table/1";
+  }
+  write_displacement(request.output, answer.displacement_m);
+  return response;
+}
+
+}  // namespace palpate::reference
