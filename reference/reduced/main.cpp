@@ -1,7 +1,11 @@
-// Adapter of reduced.compliance and reduced.modal.
+// Adapter of reduced.compliance and reduced.modal, at rest and in motion.
 #include "reference/reduced/compliance_run.h"
+#include "reference/reduced/modal_run.h"
 
 int main(int argc, char** argv) {
   using namespace palpate::reference;
-  return run_adapter(argc, argv, [](const Request& request) { return run_compliance(request); });
+  return run_adapter(argc, argv, [](const Request& request) {
+    if (request.contest == "motion") return run_modal_motion(request);
+    return request.method == "reduced.modal" ? run_modal_at_rest(request) : run_compliance(request);
+  });
 }

@@ -1,6 +1,7 @@
 #include "core/dynamics/reduced/compliance_table.h"
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <chrono>
 #include <cstring>
@@ -101,17 +102,45 @@ class FreeBody {
   std::unique_ptr<SymmetricFactor> factor_;
 };
 
-/// Each row's numbers, three a node, times the inverse of the mass: by rows.
-void divide_rows_by_mass(const Eigen::LLT<Matrix>& mass, std::vector<double>& rows, std::size_t columns) {
-  const Eigen::Index n = whole(columns / 3);
-  Matrix three(n, 3);
-  for (std::size_t r = 0; r < rows.size() / columns; ++r) {
-    Eigen::Map<RowMatrix> row(rows.data() + r * columns, n, 3);
-    three = row;
-    mass.solveInPlace(three);
-    row = three;
+/// The mass of the tractions' shape functions, to divide by; one number a node, for each of three components.
+class TractionMass {
+ public:
+  explicit TractionMass(const std::vector<std::vector<NodeWeight>>& columns) {
+    if (columns.empty()) return;
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      for (const NodeWeight& entry : columns[c])
+        entries.emplace_back(static_cast<int>(entry.node), static_cast<int>(c), entry.weight);
+    }
+    Eigen::SparseMatrix<double> mass(whole(columns.size()), whole(columns.size()));
+    mass.setFromTriplets(entries.begin(), entries.end());
+    factor_.compute(mass);
+    require(factor_.info() == Eigen::Success, "the mass of the skin is positive definite");
+    size_ = columns.size();
   }
-}
+
+  /// Each row of 3 n numbers times the inverse.
+  void divide_rows(std::vector<double>& rows) const {
+    if (size_ == 0) return;
+    constexpr std::size_t kRows = 32;
+    const std::size_t width = 3 * size_;
+    const std::size_t height = rows.size() / width;
+    for (std::size_t first = 0; first < height; first += kRows) {
+      const std::size_t count = std::min(kRows, height - first);
+      RowMatrix all(whole(size_), whole(3 * count));
+      const auto row = [&](std::size_t r) {
+        return Eigen::Map<RowMatrix>(rows.data() + (first + r) * width, whole(size_), 3);
+      };
+      for (std::size_t r = 0; r < count; ++r) all.middleCols(whole(3 * r), 3) = row(r);
+      const RowMatrix solved = factor_.solve(all);
+      for (std::size_t r = 0; r < count; ++r) row(r) = solved.middleCols(whole(3 * r), 3);
+    }
+  }
+
+ private:
+  std::size_t size_ = 0;
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
+};
 
 void make_symmetric(std::vector<double>& square, std::size_t n) {
   Eigen::Map<RowMatrix> all(square.data(), whole(n), whole(n));
@@ -139,18 +168,21 @@ void solve_columns(const FreeBody& body, std::size_t nodes, const SkinCoupling& 
         block(whole(3 * std::size_t{entry.node} + c % 3), whole(c - first)) = entry.weight;
     }
     body.solve(block);
-    for (std::size_t c = first; c < last; ++c) {
-      const double* u = block.col(whole(c - first)).data();
-      for (std::size_t k = 0; k < skin.coupling.size(); ++k) {
-        for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < skin.coupling.size(); ++k) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t c = first; c < last; ++c) {
           double sum = 0.0;
-          for (const NodeWeight& entry : skin.coupling[k]) sum += entry.weight * u[3 * entry.node + i];
+          for (const NodeWeight& entry : skin.coupling[k])
+            sum += entry.weight * block(whole(3 * std::size_t{entry.node} + i), whole(c - first));
           table.skin[(3 * k + i) * columns + c] = sum;
         }
       }
-      for (std::size_t row = 0; row < table.order.size(); ++row) {
-        for (std::size_t i = 0; i < 3; ++i)
-          table.field[(3 * row + i) * columns + c] = u[3 * std::size_t{table.order[row]} + i];
+    }
+    for (std::size_t row = 0; row < table.order.size(); ++row) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t c = first; c < last; ++c)
+          table.field[(3 * row + i) * columns + c] =
+              block(whole(3 * std::size_t{table.order[row]} + i), whole(c - first));
       }
     }
   }
@@ -203,12 +235,11 @@ ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOpti
   const FreeBody body(fine_mesh, fine, options.poisson_ratio, build_rigid_frame(mesh), make_factor, setup);
   const auto solving = Clock::now();
   solve_columns(body, fine.nodes(), coupling, table);
-  const Eigen::LLT<Matrix> mass(
-      Eigen::Map<const RowMatrix>(coupling.mass.data(), whole(columns / 3), whole(columns / 3)));
-  divide_rows_by_mass(mass, table.field, columns);
-  divide_rows_by_mass(mass, table.skin, columns);
+  const TractionMass mass(coupling.mass);
+  mass.divide_rows(table.field);
+  mass.divide_rows(table.skin);
   transpose(table.skin, columns);
-  divide_rows_by_mass(mass, table.skin, columns);
+  mass.divide_rows(table.skin);
   make_symmetric(table.skin, columns);
   setup.solve_s += seconds_since(solving);
   return table;

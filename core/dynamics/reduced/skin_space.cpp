@@ -46,6 +46,24 @@ double area_of(const TetMesh& mesh, const Triangle& face) {
                             mesh.points[face[2]] - mesh.points[face[0]]));
 }
 
+std::vector<std::vector<NodeWeight>> to_columns(const std::vector<std::map<Index, double>>& maps) {
+  std::vector<std::vector<NodeWeight>> columns;
+  for (const std::map<Index, double>& map : maps) {
+    std::vector<NodeWeight>& column = columns.emplace_back();
+    for (const auto& [node, weight] : map) column.push_back({node, weight});
+  }
+  return columns;
+}
+
+SkinCoupling nodal_coupling(const SkinPlaces& skin) {
+  SkinCoupling out;
+  out.coupling.resize(skin.nodes.size());
+  for (std::size_t node = 0; node < skin.place.size(); ++node) {
+    if (skin.place[node] != kNoIndex) out.coupling[skin.place[node]] = {{static_cast<Index>(node), 1.0}};
+  }
+  return out;
+}
+
 }  // namespace
 
 SkinPlaces number_skin(const TetMesh& mesh, const ElementSpace& space) {
@@ -74,6 +92,7 @@ SkinCoupling couple_skin(const TetMesh& mesh, const ElementSpace& coarse, const 
   require(coarse.order <= fine.order, "tractions of no higher order than the elements");
   const std::size_t n = skin.nodes.size();
   const std::size_t vertices = mesh.points.size();
+  if (coarse.order == fine.order && fine_mesh.points.size() == vertices) return nodal_coupling(skin);
   const std::vector<Triangle> faces = build_boundary(mesh);
   const bool is_refined = fine_mesh.points.size() > vertices;
   const EdgeNumbers edges = build_edge_numbers(mesh);
@@ -83,8 +102,7 @@ SkinCoupling couple_skin(const TetMesh& mesh, const ElementSpace& coarse, const 
   const std::size_t fine_count = fine.nodes_per_face();
   const std::size_t coarse_count = coarse.nodes_per_face();
   std::vector<std::map<Index, double>> columns(n);
-  SkinCoupling out;
-  out.mass.assign(n * n, 0.0);
+  std::vector<std::map<Index, double>> mass(n);
   for (std::size_t f = 0; f < fine_faces.size(); ++f) {
     const Triangle& face = faces[f / per_face];
     const std::array<Index, 6> nodes = face_nodes(fine, fine_faces[f]);
@@ -106,15 +124,11 @@ SkinCoupling couple_skin(const TetMesh& mesh, const ElementSpace& coarse, const 
       for (std::size_t i = 0; i < fine_count; ++i) {
         columns[column][nodes[i]] += coupled[i];
         for (std::size_t d = 0; d < coarse_count; ++d)
-          out.mass[column * n + skin.place[coarse_nodes[d]]] += coupled[i] * shapes[i][d];
+          mass[column][skin.place[coarse_nodes[d]]] += coupled[i] * shapes[i][d];
       }
     }
   }
-  for (const std::map<Index, double>& column : columns) {
-    std::vector<NodeWeight>& entries = out.coupling.emplace_back();
-    for (const auto& [node, weight] : column) entries.push_back({node, weight});
-  }
-  return out;
+  return {to_columns(columns), to_columns(mass)};
 }
 
 }  // namespace palpate::dynamics

@@ -34,10 +34,12 @@ struct NodeWeight {
 /// The coupling of tractions and elements.
 ///
 /// Shape:  coupling has one column a node of the skin: the integrals of psi times each element shape function
-///         that is not zero there; mass is their Gram matrix, dense, by rows.
+///         that is not zero there; mass the columns of their Gram matrix. Where the tractions are those of
+///         the elements themselves, a force on a node is the node's own: the columns are unit vectors and
+///         mass is empty.
 struct SkinCoupling {
   std::vector<std::vector<NodeWeight>> coupling;
-  std::vector<double> mass;
+  std::vector<std::vector<NodeWeight>> mass;
 };
 
 /// `coarse` is the space of the tractions on `mesh`, `fine` that of the elements on `fine_mesh`, which is

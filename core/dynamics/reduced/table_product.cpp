@@ -34,10 +34,11 @@ void multiply_field(const ComplianceTable& table, std::size_t first, std::size_t
 
 void multiply_skin(const ComplianceTable& table, std::span<const double> x, std::span<double> y) {
   require(x.size() == 3 * table.nodes.size() && y.size() == x.size(), "sizes of a table's product");
-  if (table.is_single()) {
-    multiply_rows(table.skin_single, 0, x.size(), x, y);
-  } else {
-    multiply_rows(table.skin, 0, x.size(), x, y);
+  for (std::size_t row = 0; row < x.size(); ++row) {
+    double sum = 0.0;
+    for (std::size_t column = 0; column < x.size(); ++column)
+      sum += skin_entry(table, row, column) * x[column];
+    y[row] = sum;
   }
 }
 

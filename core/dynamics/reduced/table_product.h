@@ -1,4 +1,4 @@
-// Products with the rows of a table, in the precision that it is stored in.
+// Products with the rows of a table.
 #pragma once
 
 #include <span>
@@ -7,11 +7,11 @@
 
 namespace palpate::dynamics {
 
-/// y = rows [first, last) of the field's table times x.
+/// y = rows [first, last) of the field's table times x, summed in the precision that it is stored in.
 void multiply_field(const ComplianceTable& table, std::size_t first, std::size_t last,
                     std::span<const double> x, std::span<double> y);
 
-/// y = the skin's table times x.
+/// y = the skin's table times x, summed in double precision.
 void multiply_skin(const ComplianceTable& table, std::span<const double> x, std::span<double> y);
 
 /// One entry of the skin's table.

@@ -1,0 +1,246 @@
+#include "reference/reduced/modal_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "core/base/error.h"
+#include "core/dynamics/elasticity/loads.h"
+#include "core/dynamics/reduced/modal_phase.h"
+#include "core/mesh/rigid_motion.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/motion_problem.h"
+#include "reference/door/request_options.h"
+#include "reference/reduced/factor.h"
+
+namespace palpate::reference {
+namespace {
+
+using dynamics::BodyForces;
+using dynamics::ModalGroup;
+using dynamics::ModalPhase;
+using nlohmann::json;
+using Clock = std::chrono::steady_clock;
+
+constexpr double kMostSteps = 1e8;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Options {
+  int order = 2;
+  double time_step_s = 1e-3;
+  std::string factor;
+  dynamics::ModalOptions modal;
+};
+
+Options take_options(const Request& request, bool moves) {
+  const std::string name = moves ? "moving_reduced.modal" : "reduced.modal";
+  if (request.method != name) throw InputError("method", 0, name, request.method);
+  json left = request.options;
+  const auto choice = [&](const char* key, const std::vector<std::string>& choices) {
+    return left.contains(key) ? take_choice(left, key, choices) : std::size_t{0};
+  };
+  Options options;
+  options.order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
+  options.modal.modes = static_cast<std::size_t>(take_whole(left, "modes", 1, 1000, 60));
+  options.modal.correction = take_option<bool>(left, "correction", &json::is_boolean, "true or false", true);
+  if (moves) options.time_step_s = take_number(left, "time_step_s", 1e-9, 1e6, options.time_step_s);
+  const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
+  options.factor = factors[choice("factor", factors)];
+  require_all_taken(left);
+  return options;
+}
+
+void refuse_large(StrainSize strain, const std::string& method) {
+  if (strain == StrainSize::kLarge) throw InputError("strain", 0, "small: " + method + " is linear", "large");
+}
+
+/// Takes a body through its phases.
+class ModalMotion {
+ public:
+  ModalMotion(const MotionTask& task, const Options& options)
+      : task_(task),
+        options_(options),
+        space_(dynamics::build_element_space(task.mesh, options.order)),
+        body_(build_element_matrices(task.mesh, space_, task.problem.body.material)),
+        history_{history_columns(task.problem), {}} {
+    double steps = 0.0;
+    for (const LoadPhase& phase : find_phases(task.problem)) steps += steps_of(phase);
+    if (!(steps <= kMostSteps))
+      throw InputError("time_step_s", 0, "at most 1e8 steps", std::to_string(steps));
+    stride_ = static_cast<std::uint64_t>(
+        std::ceil(steps / static_cast<double>(task.problem.samples) * (1.0 - 1e-12)));
+  }
+
+  void run() {
+    dynamics::NodeState state{std::vector<Vec3>(space_.nodes()), std::vector<Vec3>(space_.nodes())};
+    const std::vector<LoadPhase> phases = find_phases(task_.problem);
+    for (std::size_t k = 0; k < phases.size(); ++k) {
+      const auto setting_up = Clock::now();
+      ModalPhase moving = build_phase(phases[k]);
+      setup_s_ += seconds_since(setting_up);
+      left_out_ = std::max(left_out_, moving.start(state, phases[k].from_s));
+      if (k == 0) add_row(moving, phases[k], phases[k].from_s);
+      step_through(moving, phases[k], k + 1 == phases.size());
+      state = moving.state();
+      frequencies_ = moving.frequencies_hz();
+    }
+  }
+
+  void report(Response& response) const {
+    json& out = response.report;
+    out["outcome"] = is_finite_ ? "completed" : "diverged";
+    out["steps"] = steps_;
+    out["time_step_s"] = longest_step_s_;
+    out["identify_s"] = setup_s_;
+    out["solve_s"] = stepping_s_;
+    out["us_per_step"] = steps_ > 0 ? 1e6 * stepping_s_ / static_cast<double>(steps_) : 0.0;
+    out["unknowns"] = 3 * space_.nodes();
+    out["left_out_at_phases"] = left_out_;
+    out["mode_bytes"] = 8 * 3 * space_.nodes() * options_.modal.modes;
+    if (task_.problem.frequencies > 0)
+      out["frequencies_hz"] =
+          std::vector<double>(frequencies_.begin(),
+                              frequencies_.begin() + static_cast<std::ptrdiff_t>(task_.problem.frequencies));
+  }
+
+  double kernel_s() const { return setup_s_ + stepping_s_; }
+  bool is_finite() const { return is_finite_; }
+  const MotionHistory& history() const { return history_; }
+
+ private:
+  double steps_of(const LoadPhase& phase) const {
+    return std::ceil((phase.to_s - phase.from_s) / options_.time_step_s * (1.0 - 1e-12));
+  }
+
+  ModalPhase build_phase(const LoadPhase& phase) const {
+    const auto group_of = [&](const BoundaryProblem& part, const dynamics::TimeProfile& profile) {
+      return ModalGroup{build_node_loads(task_.mesh, space_, part, BodyForces::kInclude), profile};
+    };
+    BoundaryProblem all = task_.problem.body;  // what holds in this phase
+    std::vector<ModalGroup> groups{group_of(task_.problem.body, {})};
+    for (const std::size_t k : phase.loads) {
+      const MotionLoad& load = task_.problem.loads[k];
+      groups.push_back(group_of(load.part, load.profile));
+      all.supports.insert(all.supports.end(), load.part.supports.begin(), load.part.supports.end());
+      all.held.insert(all.held.end(), load.part.held.begin(), load.part.held.end());
+    }
+    const auto free = find_free_motions(task_.mesh, resisted_axes(task_.mesh, all));
+    if (!free.empty())
+      throw InputError("problem", 0, "supports or held faces that stop every rigid motion in each phase",
+                       rigid_motion_text(free[0]) + " left free from " + json(phase.from_s).dump() + " s");
+    dynamics::ModalOptions modal = options_.modal;
+    modal.modes = std::max(modal.modes, task_.problem.frequencies);
+    modal.damping_stiffness_s = task_.problem.damping_stiffness_s;
+    modal.damping_mass_per_s = task_.problem.damping_mass_per_s;
+    return {body_, options_.order, std::move(groups), modal, choose_factor(options_.factor)};
+  }
+
+  void step_through(ModalPhase& moving, const LoadPhase& phase, bool is_last) {
+    const auto steps = static_cast<std::uint64_t>(steps_of(phase));
+    const double step_s = (phase.to_s - phase.from_s) / static_cast<double>(steps);
+    longest_step_s_ = std::max(longest_step_s_, step_s);
+    for (std::uint64_t k = 1; k <= steps; ++k) {
+      const double time_s = k == steps ? phase.to_s : phase.from_s + static_cast<double>(k) * step_s;
+      const auto stepping = Clock::now();
+      moving.advance(step_s, time_s);
+      stepping_s_ += seconds_since(stepping);
+      ++steps_;
+      if (steps_ % stride_ == 0 || (is_last && k == steps)) add_row(moving, phase, time_s);
+    }
+  }
+
+  void add_row(const ModalPhase& moving, const LoadPhase& phase, double time_s) {
+    const dynamics::ModalMeasure now = moving.measure();
+    std::vector<double> row{time_s, now.kinetic_j, now.elastic_j, now.load_j,
+                            now.kinetic_j + now.elastic_j + now.load_j};
+    for (std::size_t k = 0; k < task_.problem.loads.size(); ++k) {
+      if (!task_.problem.loads[k].is_tool()) continue;
+      const auto at = std::find(phase.loads.begin(), phase.loads.end(), k);
+      const Vec3 push = at == phase.loads.end()
+                            ? Vec3{}
+                            : now.group_force_n[static_cast<std::size_t>(at - phase.loads.begin()) + 1];
+      row.insert(row.end(), {push.x, push.y, push.z});
+    }
+    for (const Index probe : task_.problem.probes) {
+      const Vec3 u = moving.displacement_of(probe);
+      row.insert(row.end(), {u.x, u.y, u.z});
+    }
+    for (const double number : row) is_finite_ = is_finite_ && std::isfinite(number);
+    history_.rows.push_back(std::move(row));
+  }
+
+  const MotionTask& task_;
+  const Options& options_;
+  dynamics::ElementSpace space_;
+  dynamics::ElementMatrices body_;
+  MotionHistory history_;
+  std::uint64_t stride_ = 1;
+  std::uint64_t steps_ = 0;
+  double longest_step_s_ = 0.0;
+  double setup_s_ = 0.0;
+  double stepping_s_ = 0.0;
+  double left_out_ = 0.0;
+  bool is_finite_ = true;
+  std::vector<double> frequencies_;
+};
+
+}  // namespace
+
+Response run_modal_at_rest(const Request& request) {
+  const Options options = take_options(request, false);
+  const DeformTask task = read_deform_task(request);
+  refuse_large(task.problem.strain, request.method);
+  dynamics::require_no_rigid_motion(task.mesh, dynamics::build_loads(task.mesh, task.problem));
+  Response response;
+  const auto start = Clock::now();
+  const dynamics::ElementSpace space = dynamics::build_element_space(task.mesh, options.order);
+  const dynamics::ElementMatrices body = build_element_matrices(task.mesh, space, task.problem.material);
+  std::vector<ModalGroup> groups{
+      {build_node_loads(task.mesh, space, task.problem, BodyForces::kInclude), {}}};
+  ModalPhase modal(body, options.order, std::move(groups), options.modal, choose_factor(options.factor));
+  const double setup_s = seconds_since(start);
+  const auto solving = Clock::now();
+  modal.rest();
+  std::vector<Vec3> u = modal.state().displacement_m;
+  response.kernel_s = seconds_since(start);
+  const double solve_s = seconds_since(solving);
+  const dynamics::ModalMeasure at_rest = modal.measure();
+  u.resize(task.mesh.points.size() + space.edges.edges.size());
+  response.report = {{"method", request.method},
+                     {"outcome", "converged"},
+                     {"energy_j", at_rest.elastic_j},
+                     {"potential_j", at_rest.elastic_j + at_rest.load_j},
+                     {"identify_s", setup_s},
+                     {"solve_s", solve_s},
+                     {"iterations", 1},
+                     {"residual_relative", 0.0},
+                     {"modes", options.modal.modes},
+                     {"unknowns", 3 * space.nodes()}};
+  write_displacement(request.output, u);
+  return response;
+}
+
+Response run_modal_motion(const Request& request) {
+  const Options options = take_options(request, true);
+  const MotionTask task = read_motion_task(request);
+  refuse_large(task.problem.body.strain, request.method);
+  Response response;
+  response.report = {{"method", request.method},
+                     {"integrator", "exponential"},
+                     {"modes", options.modal.modes},
+                     {"vertices", task.mesh.points.size()}};
+  ModalMotion motion(task, options);
+  const auto start = Clock::now();
+  motion.run();
+  response.kernel_s = std::min(motion.kernel_s(), seconds_since(start));
+  motion.report(response);
+  if (motion.is_finite()) write_history(request.output, motion.history());
+  return response;
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,318 @@
+// reduced.compliance and reduced.modal as the runner starts them: against FEniCSx, and what they refuse.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "core/base/error.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/mesh/topology.h"
+#include "experiments/contestants/contestant_run.h"
+#include "reference/closed_form/structured_mesh.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
+#include "reference/door/motion_problem.h"
+#include "reference/reduced/table_file.h"
+#include "tests/support/contestant_starter.h"
+#include "tests/support/rod.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::reference {
+namespace {
+
+using dynamics::ComplianceTable;
+using experiments::ContestantAnswer;
+using nlohmann::json;
+using testing::HasSubstr;
+
+/// A cube on an elastic foot that is pressed by a pad, pulled by its weight, and held at one side.
+BoundaryProblem loaded_cube(const TetMesh& mesh) {
+  BoundaryProblem problem;
+  problem.material = {1e4, 0.3, 1000.0};
+  problem.gravity_m_s2 = {0.0, 1.0, -9.81};
+  const auto add = [](FacePatch& patch, const Triangle& face, double weight) {
+    patch.faces.push_back(face);
+    patch.weight.push_back(weight);
+  };
+  problem.supports = {{{}, 1e6, {}}, {{}, 2e6, {0.0, 0.0, -0.01}}};
+  problem.tractions = {{{}, {10.0, 0.0, -50.0}, 20.0}};
+  problem.held = {{{}, {false, true, true}, {0.0, 0.01, 0.0}}};
+  for (const Triangle& face : build_boundary(mesh)) {
+    const Vec3 middle = (1.0 / 3.0) * (mesh.points[face[0]] + mesh.points[face[1]] + mesh.points[face[2]]);
+    if (middle.z < 1e-9) add(problem.supports[0].patch, face, middle.x);
+    if (middle.z > 1.0 - 1e-9) {
+      add(middle.x < 0.5 ? problem.supports[1].patch : problem.tractions[0].patch, face, 0.5);
+    } else if (middle.x < 1e-9) {
+      problem.held[0].faces.push_back(face);
+    }
+  }
+  return problem;
+}
+
+class Reduced : public testing::Test {
+ protected:
+  ContestantAnswer ask(const std::string& method, const json& options) {
+    return starter_.run(method, mesh_, problem_to_json(problem_), options);
+  }
+
+  std::vector<Vec3> displacement(const ContestantAnswer& answer) {
+    EXPECT_EQ(answer.outcome, "ok") << answer.message;
+    if (answer.outcome != "ok") return {};
+    std::vector<Vec3> rows = read_displacement(answer.output, mesh_.points.size(), build_edges(mesh_).size());
+    rows.resize(mesh_.points.size());
+    return rows;
+  }
+
+  static double difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    EXPECT_EQ(a.size(), b.size());
+    double most = 0.0;
+    double size = 1e-300;
+    for (std::size_t v = 0; v < std::min(a.size(), b.size()); ++v) {
+      most = std::max(most, length(a[v] - b[v]));
+      size = std::max(size, length(a[v]));
+    }
+    return most / size;
+  }
+
+  test::ContestantStarter starter_;
+  test::ScratchFolder scratch_;
+  TetMesh mesh_ = build_kuhn_cube(3, 0.25, 6);
+  BoundaryProblem problem_ = loaded_cube(mesh_);
+};
+
+TEST_F(Reduced, ComplianceAgreesWithFenicsx) {
+  for (const std::string order : {"p1", "p2"}) {
+    const ContestantAnswer elements = ask("fem." + order, {{"rtol", 1e-13}});
+    const ContestantAnswer table =
+        ask("reduced.compliance", {{"elements", order},
+                                   {"reactions", order == "p1" ? "linear" : "quadratic"},
+                                   {"precision", "double"}});
+    EXPECT_LT(difference(displacement(elements), displacement(table)), 1e-6) << order;
+    const double energy = elements.report.at("energy_j").get<double>();
+    EXPECT_NEAR(table.report.at("energy_j").get<double>(), energy, 1e-6 * energy);
+    for (std::size_t s = 0; s < 2; ++s) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double force = elements.report.at("support_forces_n")[s][axis].get<double>();
+        EXPECT_NEAR(table.report.at("support_forces_n")[s][axis].get<double>(), force, 1e-5);
+      }
+    }
+    EXPECT_GT(table.report.at("skin_table_bytes").get<double>(), 0.0);
+  }
+}
+
+TEST_F(Reduced, LinearReactionsInSinglePrecisionAreNearQuadraticElements) {
+  const std::vector<Vec3> elements = displacement(ask("fem.p2", {}));
+  const double off = difference(elements, displacement(ask("reduced.compliance", json::object())));
+  EXPECT_LT(off, 0.1);
+  EXPECT_GT(off, 1e-6);
+}
+
+TEST_F(Reduced, ModalAtRestAgreesWithFenicsx) {
+  const std::vector<Vec3> elements = displacement(ask("fem.p2", {{"rtol", 1e-13}}));
+  EXPECT_LT(difference(elements, displacement(ask("reduced.modal", {{"modes", 5}}))), 1e-6);
+  EXPECT_GT(difference(elements, displacement(ask("reduced.modal", {{"modes", 5}, {"correction", false}}))),
+            1e-3);
+}
+
+TEST_F(Reduced, TheSameRequestGivesTheSameBytesOnOneThreadAndTwo) {
+  for (const char* method : {"reduced.compliance", "reduced.modal"}) {
+    std::vector<std::string> bytes;
+    for (const char* threads : {"1", "2"}) {
+      setenv("OMP_NUM_THREADS", threads, 1);
+      bytes.push_back(read_text_file(ask(method, json::object()).output, 1U << 20U));
+    }
+    unsetenv("OMP_NUM_THREADS");
+    EXPECT_EQ(bytes[0], bytes[1]);
+  }
+}
+
+TEST_F(Reduced, ATableIsWrittenReadBackToTheBitAndAnswersTheSame) {
+  const json small{{"elements", "p1"}};
+  json writing = small;
+  writing["write_table"] = true;
+  const ContestantAnswer made = ask("reduced.compliance", writing);
+  const std::vector<Vec3> first = displacement(made);
+  const std::filesystem::path file = made.report.at("table_file").get<std::string>();
+  EXPECT_EQ(made.report.at("table_format"), "palpate/compliance_table/1");
+  const ComplianceTable table = read_table(file);
+  const auto copy = scratch_ / "copy";
+  write_table(copy, table);
+  EXPECT_EQ(read_text_file(file, 1U << 28U), read_text_file(copy, 1U << 28U));
+  json reading = small;
+  reading["table"] = copy.string();
+  const ContestantAnswer again = ask("reduced.compliance", reading);
+  EXPECT_EQ(displacement(again), first);
+  EXPECT_EQ(again.report.at("identify_s"), 0.0);
+
+  // Another body, or another kind of table: refused.
+  mesh_.points[0].x -= 0.01;
+  const ContestantAnswer other = ask("reduced.compliance", reading);
+  EXPECT_EQ(other.outcome, "bad_input");
+  EXPECT_THAT(other.message, HasSubstr("another mesh"));
+  mesh_.points[0].x += 0.01;
+  reading["elements"] = "p2";
+  EXPECT_EQ(ask("reduced.compliance", reading).outcome, "bad_input");
+}
+
+TEST_F(Reduced, ABrokenTableIsRefused) {
+  const ContestantAnswer made = ask("reduced.compliance", {{"elements", "p1"}, {"write_table", true}});
+  ASSERT_EQ(made.outcome, "ok") << made.message;
+  const std::string good = read_text_file(made.report.at("table_file").get<std::string>(), 1U << 28U);
+  const auto refused = [&](std::string bytes) {
+    const auto path = scratch_ / "broken";
+    std::ofstream(path, std::ios::binary) << bytes;
+    EXPECT_THROW(read_table(path), InputError);
+  };
+  refused("");
+  refused("palpate/compliance_table/2" + good.substr(good.find('\n')));
+  refused(good.substr(0, good.size() - 1));
+  refused(good + "x");
+  std::string nan = good;
+  for (std::size_t k = 1; k <= 4; ++k) nan[nan.size() - k] = static_cast<char>(0xff);
+  refused(nan);
+  std::string many = good;
+  many.replace(many.find("skin_vertices ") + 14, 1, "9");
+  refused(many);
+  EXPECT_NO_THROW(read_table(made.report.at("table_file").get<std::string>()));
+}
+
+TEST_F(Reduced, SaysWhatItCannotDo) {
+  problem_.strain = StrainSize::kLarge;
+  for (const char* method : {"reduced.compliance", "reduced.modal"}) {
+    const ContestantAnswer answer = ask(method, json::object());
+    EXPECT_EQ(answer.outcome, "bad_input");
+    EXPECT_THAT(answer.message, HasSubstr("linear"));
+  }
+  problem_ = loaded_cube(mesh_);
+  EXPECT_EQ(ask("reduced.compliance", {{"elements", "p1"}, {"reactions", "quadratic"}}).outcome, "bad_input");
+  EXPECT_EQ(ask("reduced.compliance", {{"colour", "red"}}).outcome, "bad_input");
+  problem_.supports.clear();
+  problem_.held.clear();
+  const ContestantAnswer free = ask("reduced.modal", json::object());
+  EXPECT_EQ(free.outcome, "bad_input");
+  EXPECT_THAT(free.message, HasSubstr("left free"));
+}
+
+/// A rod in motion through the door.
+class MovingModes : public testing::Test {
+ protected:
+  MotionHistory move(const std::string& method, const test::Rod& rod, const json& options) {
+    const ContestantAnswer answer = starter_.run(method, rod.mesh, motion_to_json(rod.problem), options);
+    EXPECT_EQ(answer.outcome, "ok") << answer.message;
+    if (answer.outcome != "ok") return {};
+    report_ = answer.report;
+    return read_history(answer.output, rod.problem);
+  }
+
+  static std::vector<double> column(const MotionHistory& history, const std::string& name) {
+    const auto at = std::find(history.columns.begin(), history.columns.end(), name);
+    EXPECT_NE(at, history.columns.end()) << name;
+    std::vector<double> numbers;
+    if (at == history.columns.end()) return numbers;
+    for (const auto& row : history.rows)
+      numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
+    return numbers;
+  }
+
+  test::ContestantStarter starter_;
+  json report_;
+};
+
+TEST_F(MovingModes, FrequenciesOfARodHeldAtOneEnd) {
+  test::Rod rod(8);
+  rod.hold_left();
+  rod.problem.frequencies = 2;
+  rod.problem.duration_s = 1e-3;
+  move("moving_reduced.modal", rod, {{"modes", 5}});
+  const double exact = rod.wave_speed_m_s() / (4.0 * test::Rod::kLengthM);
+  EXPECT_NEAR(report_.at("frequencies_hz")[0].get<double>(), exact, 1e-4 * exact);
+  EXPECT_NEAR(report_.at("frequencies_hz")[1].get<double>(), 3.0 * exact, 3e-3 * exact);
+}
+
+TEST_F(MovingModes, FollowsNewmarkOfTheSameElementsThroughAPadThatComesAndGoes) {
+  test::Rod rod(6);
+  rod.hold_left();
+  rod.problem.damping_mass_per_s = 4.0;
+  rod.problem.damping_stiffness_s = 1e-3;
+  rod.problem.duration_s = 0.4;
+  rod.problem.samples = 200;
+  MotionLoad pad = rod.pad(3.0 * rod.modulus_pa() / test::Rod::kLengthM, -1e-3);
+  pad.profile = {{0.0, 0.1}, {0.0, 1.0}, true};
+  pad.until_s = 0.2;
+  rod.problem.loads = {pad};
+  const MotionHistory newmark = move("moving_fem.p2", rod, {{"time_step_s", 1e-4}});
+  const MotionHistory modes = move("moving_reduced.modal", rod, {{"time_step_s", 1e-3}, {"modes", 25}});
+  ASSERT_GT(modes.rows.size(), 100U);
+  for (const char* name : {"probe_1_ux_m", "tool_1_fx_n", "total_j"}) {
+    const std::vector<double> times = column(newmark, "time_s");
+    const std::vector<double> truth = column(newmark, name);
+    const std::vector<double> at = column(modes, "time_s");
+    const std::vector<double> found = column(modes, name);
+    double size = 0.0;
+    for (const double value : truth) size = std::max(size, std::fabs(value));
+    std::size_t compared = 0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      for (std::size_t n = 0; n < times.size(); ++n) {
+        if (std::fabs(times[n] - at[k]) > 1e-9) continue;
+        EXPECT_NEAR(found[k], truth[n], 0.01 * size) << name << " at " << at[k];
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 50U);
+  }
+}
+
+TEST_F(MovingModes, ToolForceEndsAtTheStaticReactionAndAHeldEndFollowsItsProfile) {
+  test::Rod rod(6);
+  rod.hold_left();
+  rod.problem.damping_mass_per_s = 60.0;
+  rod.problem.duration_s = 1.0;
+  const double per_area = rod.modulus_pa() / test::Rod::kLengthM;
+  MotionLoad pad = rod.pad(3.0 * per_area, -1e-3);
+  pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
+  rod.problem.loads = {pad};
+  const double expected = 0.75 * per_area * -1e-3 * test::Rod::kAreaM2;
+  EXPECT_NEAR(column(move("moving_reduced.modal", rod, {{"modes", 4}}), "tool_1_fx_n").back(), expected,
+              1e-6 * std::fabs(expected));
+  // The end held hard and moved: the reaction of the whole rod, and the end where it was put.
+  MotionLoad hold = rod.empty_load();
+  hold.part.held.push_back({rod.right(), {true, false, false}, {-1e-3, 0, 0}});
+  hold.profile = pad.profile;
+  rod.problem.loads = {hold};
+  const MotionHistory held = move("moving_reduced.modal", rod, {{"modes", 4}});
+  EXPECT_NEAR(column(held, "tool_1_fx_n").back(), per_area * -1e-3 * test::Rod::kAreaM2, 1e-6);
+  EXPECT_NEAR(column(held, "probe_1_ux_m").back(), -1e-3, 1e-12);
+}
+
+TEST_F(MovingModes, EnergyIsKeptWithoutDamping) {
+  test::Rod rod(6);
+  rod.hold_left();
+  rod.problem.duration_s = 1.0;
+  MotionLoad pull = rod.sine_force(2000.0);
+  pull.profile = {{0.0, 0.1}, {0.0, 1.0}, true};
+  pull.until_s = 0.2;
+  rod.problem.loads = {pull};
+  const MotionHistory history = move("moving_reduced.modal", rod, {{"modes", 10}, {"time_step_s", 2e-3}});
+  const std::vector<double> times = column(history, "time_s");
+  const std::vector<double> total = column(history, "total_j");
+  double first = -1.0;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    if (times[k] < 0.2 + 1e-6) continue;
+    if (first < 0.0) first = total[k];
+    EXPECT_NEAR(total[k], first, 1e-9 * first);
+  }
+  EXPECT_GT(first, 0.0);
+}
+
+TEST_F(MovingModes, RefusesABodyThatIsLeftFreeInAPhase) {
+  test::Rod rod(4);
+  const ContestantAnswer answer =
+      starter_.run("moving_reduced.modal", rod.mesh, motion_to_json(rod.problem), json::object());
+  EXPECT_EQ(answer.outcome, "bad_input");
+  EXPECT_THAT(answer.message, HasSubstr("left free"));
+}
+
+}  // namespace
+}  // namespace palpate::reference
