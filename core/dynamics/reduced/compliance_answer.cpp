@@ -90,6 +90,7 @@ struct HeldBody::State {
   Eigen::LLT<Matrix> system;
   Matrix solved_rigid;  ///< system^-1 R_T
   Eigen::LLT<Matrix6> motions;
+  double stabiliser = 0.0;  ///< m/N
 
   void number_touched() {
     const std::size_t n = skin.nodes.size();
@@ -138,12 +139,16 @@ struct HeldBody::State {
       const Matrix soft = support_inverse.solve(Matrix::Identity(s, s));
       all.topLeftCorner(s, s) += 0.5 * (soft + soft.transpose());
     }
-    system.compute(all);
-    if (system.info() != Eigen::Success || (s > 0 && support_inverse.info() != Eigen::Success))
-      throw UnavailableError("the compliance of what is touched is not positive definite");
     Matrix rigid_touched(whole(touched.size()), 6);
     for (std::size_t t = 0; t < touched.size(); ++t)
       rigid_touched.row(whole(t)) = rigid.row(whole(touched[t]));
+    // Forces that balance a rigid motion's inertia alone deform nothing: where nearly all is touched the
+    // block may be singular for them. What their resultant must be is known, so its square can be added.
+    stabiliser = touched.empty() ? 0.0 : all.trace() / rigid_touched.squaredNorm();
+    all += stabiliser * rigid_touched * rigid_touched.transpose();
+    system.compute(all);
+    if (system.info() != Eigen::Success || (s > 0 && support_inverse.info() != Eigen::Success))
+      throw UnavailableError("the compliance of what is touched is not positive definite");
     solved_rigid = system.solve(rigid_touched);
     const Matrix6 gram = rigid_touched.transpose() * solved_rigid;
     motions.compute(gram);
@@ -257,8 +262,10 @@ void HeldBody::react(SkinLoad& load) const {
     for (const std::size_t c : load.loaded) sum += skin_entry(*s.table, s.touched[t], c) * load.external_n[c];
     right[whole(t)] -= sum / s.material.young_modulus_pa;
   }
-  const Vector free = s.system.solve(right);
   Vector6 missing = Eigen::Map<const Vector6>(load.resultant.data());
+  for (std::size_t t = 0; t < s.touched.size(); ++t)
+    right[whole(t)] -= s.stabiliser * s.rigid.row(whole(s.touched[t])).dot(missing);
+  const Vector free = s.system.solve(right);
   for (std::size_t t = 0; t < s.touched.size(); ++t)
     missing += s.rigid.row(whole(s.touched[t])).transpose() * free[whole(t)];
   const Vector6 rigid = s.motions.solve(missing);

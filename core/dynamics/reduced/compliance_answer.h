@@ -33,7 +33,8 @@ struct ComplianceAnswer {
 ///   (A_TT / E + W^-1 on S) r + R_T a = W^-1 W by on S, by on H,  less A_TL q / E
 ///   R_T^T r = -(R^T q + work of the weight)
 ///
-/// The block is symmetric and positive definite: Cholesky, then six unknowns more.
+/// The block, with a multiple of R_T R_T^T (R_T^T r is known), is symmetric and positive definite: Cholesky,
+/// then six unknowns more.
 class HeldBody {
  public:
   /// `table` and `mesh` must outlive it. What holds the body is taken from `problem`; its loads are not yet.
