@@ -144,6 +144,9 @@ class ModalMotion {
     const auto steps = static_cast<std::uint64_t>(steps_of(phase));
     const double step_s = (phase.to_s - phase.from_s) / static_cast<double>(steps);
     longest_step_s_ = std::max(longest_step_s_, step_s);
+    const auto preparing = Clock::now();
+    moving.prepare(step_s);
+    setup_s_ += seconds_since(preparing);
     for (std::uint64_t k = 1; k <= steps; ++k) {
       const double time_s = k == steps ? phase.to_s : phase.from_s + static_cast<double>(k) * step_s;
       const auto stepping = Clock::now();

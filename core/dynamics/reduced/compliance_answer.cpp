@@ -108,9 +108,8 @@ struct HeldBody::State {
     }
   }
 
-  void factor() {
-    const std::size_t n = skin.nodes.size();
-    rigid.resize(whole(3 * n), 6);
+  void number_rigid_motions() {
+    rigid.resize(whole(3 * skin.nodes.size()), 6);
     for (std::size_t node = 0; node < space.nodes(); ++node) {
       if (skin.place[node] == kNoIndex) continue;
       for (std::size_t k = 0; k < 6; ++k) {
@@ -119,6 +118,11 @@ struct HeldBody::State {
           rigid(whole(3 * std::size_t{skin.place[node]} + i), whole(k)) = component(at, i);
       }
     }
+  }
+
+  /// W between supported components.
+  Matrix support_stiffness() const {
+    const std::size_t n = skin.nodes.size();
     std::vector<std::size_t> place(3 * n, 3 * n);
     for (std::size_t t = 0; t < touched.size(); ++t) place[touched[t]] = t;
     Matrix stiffness = Matrix::Zero(whole(supported), whole(supported));
@@ -128,7 +132,12 @@ struct HeldBody::State {
         if (other < supported) stiffness(whole(s), whole(other)) = entry.weight;
       }
     }
-    support_inverse.compute(stiffness);
+    return stiffness;
+  }
+
+  void factor() {
+    number_rigid_motions();
+    support_inverse.compute(support_stiffness());
     Matrix all(whole(touched.size()), whole(touched.size()));
     for (std::size_t t = 0; t < touched.size(); ++t) {
       for (std::size_t u = 0; u < touched.size(); ++u)
@@ -183,6 +192,42 @@ std::size_t HeldBody::touched() const {
   return state_->touched.size();
 }
 
+namespace {
+
+/// W by, the part of W between supported and held components, and the right side that they make.
+void bring_supports(const HeldBody::State& s, const NodeLoads& loads,
+                    const std::vector<std::uint8_t>& is_held, const std::vector<double>& held_by,
+                    HeldBody::SkinLoad& load) {
+  const FaceMass mass = unit_face_mass(s.space.order);
+  const std::size_t count = s.space.nodes_per_face();
+  for (const ElasticFace& face : loads.faces) {
+    for (std::size_t i = 0; i < count; ++i) {
+      double row = 0.0;
+      for (std::size_t j = 0; j < count; ++j) row += face.coefficient_n_per_m * mass[i][j];
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        load.support_force_n[3 * std::size_t{s.skin.place[face.nodes[i]]} + axis] +=
+            row * component(face.by_m, axis);
+    }
+  }
+  for (std::size_t t = 0; t < s.supported; ++t) {
+    const std::size_t c = s.touched[t];
+    for (const NodeWeight& entry : s.rows[c / 3]) {
+      const std::size_t other = 3 * std::size_t{entry.node} + c % 3;
+      if (is_held[other] != 0) load.support_force_n[c] -= entry.weight * held_by[other];
+    }
+  }
+  const Eigen::Index supported = whole(s.supported);
+  Vector right(whole(s.touched.size()));
+  for (std::size_t t = 0; t < s.touched.size(); ++t) {
+    const std::size_t c = s.touched[t];
+    right[whole(t)] = t < s.supported ? load.support_force_n[c] : held_by[c];
+  }
+  if (supported > 0) right.head(supported) = s.support_inverse.solve(right.head(supported).eval());
+  load.holding_m.assign(right.data(), right.data() + right.size());
+}
+
+}  // namespace
+
 std::unique_ptr<HeldBody::SkinLoad> HeldBody::prepare(const BoundaryProblem& problem) const {
   const State& s = *state_;
   if (!problem.body_force_n_m3.empty())
@@ -217,33 +262,7 @@ std::unique_ptr<HeldBody::SkinLoad> HeldBody::prepare(const BoundaryProblem& pro
       }
     }
   }
-  // W by, and the part of W between supported and held components.
-  const FaceMass mass = unit_face_mass(s.space.order);
-  const std::size_t count = s.space.nodes_per_face();
-  for (const ElasticFace& face : loads.faces) {
-    for (std::size_t i = 0; i < count; ++i) {
-      double row = 0.0;
-      for (std::size_t j = 0; j < count; ++j) row += face.coefficient_n_per_m * mass[i][j];
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        load->support_force_n[3 * std::size_t{s.skin.place[face.nodes[i]]} + axis] +=
-            row * component(face.by_m, axis);
-    }
-  }
-  for (std::size_t t = 0; t < s.supported; ++t) {
-    const std::size_t c = s.touched[t];
-    for (const NodeWeight& entry : s.rows[c / 3]) {
-      const std::size_t other = 3 * std::size_t{entry.node} + c % 3;
-      if (is_held[other] != 0) load->support_force_n[c] -= entry.weight * held_by[other];
-    }
-  }
-  const Eigen::Index supported = whole(s.supported);
-  Vector right(whole(s.touched.size()));
-  for (std::size_t t = 0; t < s.touched.size(); ++t) {
-    const std::size_t c = s.touched[t];
-    right[whole(t)] = t < s.supported ? load->support_force_n[c] : held_by[c];
-  }
-  if (supported > 0) right.head(supported) = s.support_inverse.solve(right.head(supported).eval());
-  load->holding_m.assign(right.data(), right.data() + right.size());
+  bring_supports(s, loads, is_held, held_by, *load);
   load->weight = work_of_weight(*s.mesh, s.frame, s.material.density_kg_m3 * problem.gravity_m_s2);
   load->resultant = load->weight;
   for (const std::size_t c : load->loaded) {
@@ -276,6 +295,28 @@ void HeldBody::react(SkinLoad& load) const {
 }
 
 namespace {
+
+/// The forces of the supports, of each and on each node; returns their energy.
+double measure_supports(const HeldBody::State& s, const HeldBody::SkinLoad& load, ComplianceAnswer& out,
+                        std::vector<Vec3>& pull) {
+  const NodeLoads loads = build_node_loads(*s.mesh, s.space, load.problem, BodyForces::kLeaveOut);
+  const FaceMass mass = unit_face_mass(s.space.order);
+  out.support_forces_n.assign(load.problem.supports.size(), Vec3{});
+  double support_energy = 0.0;
+  for (const ElasticFace& face : loads.faces) {
+    for (std::size_t i = 0; i < s.space.nodes_per_face(); ++i) {
+      const Index a = s.skin.place[face.nodes[i]];
+      Vec3 sum;
+      for (std::size_t j = 0; j < s.space.nodes_per_face(); ++j)
+        sum = sum +
+              (face.coefficient_n_per_m * mass[i][j]) * (face.by_m - out.skin_m[s.skin.place[face.nodes[j]]]);
+      out.support_forces_n[face.support] = out.support_forces_n[face.support] + sum;
+      pull[a] = pull[a] + sum;
+      support_energy += 0.5 * dot(sum, face.by_m - out.skin_m[a]);
+    }
+  }
+  return support_energy;
+}
 
 /// Rows [first, last) of vertices: elastic part and rigid motion.
 void move_rows(const ComplianceTable& table, const RigidFrame& frame, const TetMesh& mesh, double young_pa,
@@ -331,23 +372,8 @@ ComplianceAnswer HeldBody::finish(const SkinLoad& load) const {
     out.skin_force_n.push_back({load.force_n[3 * k], load.force_n[3 * k + 1], load.force_n[3 * k + 2]});
     out.skin_m.push_back({skin[3 * k], skin[3 * k + 1], skin[3 * k + 2]});
   }
-  const NodeLoads loads = build_node_loads(*s.mesh, s.space, load.problem, BodyForces::kLeaveOut);
-  const FaceMass mass = unit_face_mass(s.space.order);
-  out.support_forces_n.assign(load.problem.supports.size(), Vec3{});
   std::vector<Vec3> pull(n);
-  double support_energy = 0.0;
-  for (const ElasticFace& face : loads.faces) {
-    for (std::size_t i = 0; i < s.space.nodes_per_face(); ++i) {
-      const Index a = s.skin.place[face.nodes[i]];
-      Vec3 sum;
-      for (std::size_t j = 0; j < s.space.nodes_per_face(); ++j)
-        sum = sum +
-              (face.coefficient_n_per_m * mass[i][j]) * (face.by_m - out.skin_m[s.skin.place[face.nodes[j]]]);
-      out.support_forces_n[face.support] = out.support_forces_n[face.support] + sum;
-      pull[a] = pull[a] + sum;
-      support_energy += 0.5 * dot(sum, face.by_m - out.skin_m[a]);
-    }
-  }
+  const double support_energy = measure_supports(s, load, out, pull);
   double off = 0.0;
   double size = 0.0;
   for (std::size_t t = 0; t < s.supported; ++t) {

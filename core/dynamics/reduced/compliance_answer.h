@@ -2,6 +2,7 @@
 // system.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
@@ -66,8 +67,9 @@ class HeldBody {
   ComplianceAnswer solve(const BoundaryProblem& problem) const;
   ComplianceAnswer finish(const SkinLoad& load) const;
 
- private:
   struct State;
+
+ private:
   std::unique_ptr<State> state_;
 };
 

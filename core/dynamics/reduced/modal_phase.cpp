@@ -284,12 +284,16 @@ void ModalPhase::rest() {
   }
 }
 
-void ModalPhase::advance(double step_s, double time_s) {
+void ModalPhase::prepare(double step_s) {
   Parts& p = *parts_;
-  if (!p.stepper || p.step_s != step_s) {
-    p.stepper.emplace(p.system, step_s);
-    p.step_s = step_s;
-  }
+  if (p.stepper && p.step_s == step_s) return;
+  p.stepper.emplace(p.system, step_s);
+  p.step_s = step_s;
+}
+
+void ModalPhase::advance(double step_s, double time_s) {
+  prepare(step_s);
+  Parts& p = *parts_;
   const std::vector<double> from = p.shares(p.time_s);
   p.time_s = time_s;
   p.stepper->advance(p.eta, p.rate, from, p.shares(time_s));

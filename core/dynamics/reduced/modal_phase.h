@@ -64,7 +64,9 @@ class ModalPhase {
   double start(const NodeState& state, double time_s);
   /// At rest under the shares of the present time.
   void rest();
-  /// One step of `step_s` to `time_s`; the exponential is made anew where the step has changed.
+  /// Makes the exponential of a step; advance() does so too where the step has changed.
+  void prepare(double step_s);
+  /// One step of `step_s` to `time_s`.
   void advance(double step_s, double time_s);
 
   ModalMeasure measure() const;
