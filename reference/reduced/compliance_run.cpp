@@ -46,6 +46,7 @@ Options take_options(const Request& request) {
   options.table.element_order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.table.refine = static_cast<int>(take_whole(left, "refine", 0, 1, 0));
   options.table.reaction_order = choice("reactions", {"linear", "quadratic"}) == 0 ? 1 : 2;
+  options.table.midpoints = take_option<bool>(left, "midpoints", &json::is_boolean, "true or false", false);
   options.single = choice("precision", {"single", "double"}) == 0;
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
   options.factor = factors[choice("factor", factors)];
@@ -63,8 +64,10 @@ ComplianceTable obtain_table(const Options& options, const DeformTask& task, Res
     ComplianceTable table = read_table(options.read);
     const auto& made = table.options;
     if (made.element_order != options.table.element_order || made.refine != options.table.refine ||
-        made.reaction_order != options.table.reaction_order || table.is_single() != options.single)
-      throw InputError(options.read, 0, "a table of the elements, reactions and precision that are asked for",
+        made.reaction_order != options.table.reaction_order || made.midpoints != options.table.midpoints ||
+        table.is_single() != options.single)
+      throw InputError(options.read, 0,
+                       "a table of the elements, reactions, precision and midpoints that are asked for",
                        "another");
     report["read_s"] = seconds_since(start);
     report["identify_s"] = 0.0;

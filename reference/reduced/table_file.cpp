@@ -129,7 +129,8 @@ void write_table(const std::filesystem::path& path, const ComplianceTable& table
   line("reactions", table.options.reaction_order);
   line("poisson_ratio", table.options.poisson_ratio);
   out += table.is_single() ? "\nprecision single" : "\nprecision double";
-  line("vertices", table.order.size());
+  line("midpoints", table.options.midpoints ? 1 : 0);
+  line("rows", table.order.size());
   line("skin_vertices", table.nodes.vertices.size());
   line("skin_edges", table.nodes.edges.size());
   out += "\nend\n";
@@ -152,10 +153,11 @@ ComplianceTable read_table(const std::filesystem::path& path) {
   table.options.refine = header.number<int>("refine", 0, 1);
   table.options.reaction_order = header.number<int>("reactions", 1, 2);
   table.options.poisson_ratio = header.number<double>("poisson_ratio", -1.0, 0.5);
+  table.options.midpoints = header.number<int>("midpoints", 0, 1) == 1;
   const std::string precision = header.word("precision");
   if (precision != "single" && precision != "double")
     throw InputError(where, 0, "precision single or double", precision);
-  const auto vertices = header.number<std::size_t>("vertices", 4, kMostVertices);
+  const auto vertices = header.number<std::size_t>("rows", 4, kMostVertices);
   const auto skin = header.number<std::size_t>("skin_vertices", 4, vertices);
   const auto edges = header.number<std::size_t>("skin_edges", 0, kMostVertices);
   Bytes bytes(text, header.size(), where);

@@ -81,6 +81,7 @@ struct HeldBody::State {
   ElementSpace space;
   SkinPlaces skin;
   RigidFrame frame;
+  std::vector<Vec3> points;  ///< of the rows of field, by their numbers
   NodeLoads holding;
   SupportRows rows;
   std::vector<std::size_t> touched;  ///< components of the skin: the supported ones first
@@ -179,6 +180,8 @@ HeldBody::HeldBody(const ComplianceTable& table, const TetMesh& mesh, const Boun
   require(s.skin.nodes.vertices == table.nodes.vertices && s.skin.nodes.edges == table.nodes.edges,
           "a table with the skin of its mesh");
   s.frame = build_rigid_frame(mesh);
+  s.points = table.options.midpoints ? build_element_space(mesh, 2).points : mesh.points;
+  require(table.order.size() == s.points.size(), "a table with a row for each point");
   s.holding = build_node_loads(mesh, s.space, problem, BodyForces::kLeaveOut);
   s.rows = support_rows(s.holding, s.skin, s.space.order);
   s.number_touched();
@@ -319,12 +322,12 @@ double measure_supports(const HeldBody::State& s, const HeldBody::SkinLoad& load
 }
 
 /// Rows [first, last) of vertices: elastic part and rigid motion.
-void move_rows(const ComplianceTable& table, const RigidFrame& frame, const TetMesh& mesh, double young_pa,
-               std::size_t first, std::size_t last, HeldBody::SkinLoad& load) {
+void move_rows(const ComplianceTable& table, const RigidFrame& frame, const std::vector<Vec3>& points,
+               double young_pa, std::size_t first, std::size_t last, HeldBody::SkinLoad& load) {
   const std::span<double> rows(load.displacement_m.data() + 3 * first, 3 * (last - first));
   multiply_field(table, 3 * first, 3 * last, load.force_n, rows);
   for (std::size_t row = first; row < last; ++row) {
-    const Vec3 rigid = frame.at(load.rigid, mesh.points[table.order[row]]);
+    const Vec3 rigid = frame.at(load.rigid, points[table.order[row]]);
     double* u = load.displacement_m.data() + 3 * row;
     u[0] = u[0] / young_pa + rigid.x;
     u[1] = u[1] / young_pa + rigid.y;
@@ -336,12 +339,13 @@ void move_rows(const ComplianceTable& table, const RigidFrame& frame, const TetM
 
 void HeldBody::move_skin(SkinLoad& load) const {
   const State& s = *state_;
-  move_rows(*s.table, s.frame, *s.mesh, s.material.young_modulus_pa, 0, s.table->nodes.vertices.size(), load);
+  move_rows(*s.table, s.frame, s.points, s.material.young_modulus_pa, 0, s.table->nodes.vertices.size(),
+            load);
 }
 
 void HeldBody::move_inside(SkinLoad& load) const {
   const State& s = *state_;
-  move_rows(*s.table, s.frame, *s.mesh, s.material.young_modulus_pa, s.table->nodes.vertices.size(),
+  move_rows(*s.table, s.frame, s.points, s.material.young_modulus_pa, s.table->nodes.vertices.size(),
             s.table->order.size(), load);
 }
 

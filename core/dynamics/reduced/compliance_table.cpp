@@ -11,6 +11,7 @@
 #include "core/dynamics/reduced/rigid_frame.h"
 #include "core/dynamics/reduced/skin_space.h"
 #include "core/mesh/rigid_motion.h"
+#include "core/mesh/topology.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -38,6 +39,8 @@ void check_options(const ComplianceOptions& options) {
   if (options.reaction_order < 1 || options.reaction_order > options.element_order)
     throw InputError("reactions", 0, "no higher order than the elements",
                      std::to_string(options.reaction_order));
+  if (options.midpoints && options.element_order == 1 && options.refine == 0)
+    throw InputError("midpoints", 0, "elements that have nodes there: p2, or refined ones", "p1");
 }
 
 void require_one_body(const TetMesh& mesh) {
@@ -195,6 +198,11 @@ void order_vertices(const TetMesh& mesh, ComplianceTable& table) {
   for (std::size_t v = 0; v < on_skin.size(); ++v) {
     if (on_skin[v] == 0) table.order.push_back(static_cast<Index>(v));
   }
+  if (!table.options.midpoints) return;
+  // The same numbers as nodes of quadratic elements, or as vertices of the refined mesh.
+  const std::size_t nodes = mesh.points.size() + build_edges(mesh).size();
+  for (std::size_t node = mesh.points.size(); node < nodes; ++node)
+    table.order.push_back(static_cast<Index>(node));
 }
 
 }  // namespace
@@ -224,7 +232,7 @@ ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOpti
   order_vertices(mesh, table);
   const std::size_t columns = 3 * table.nodes.size();
   const double bytes = 8.0 * static_cast<double>(columns) *
-                       (static_cast<double>(columns) + 3.0 * static_cast<double>(mesh.points.size()));
+                       (static_cast<double>(columns) + 3.0 * static_cast<double>(table.order.size()));
   if (bytes > kMostBytes)
     throw InputError("mesh", 0, "a table of at most 4 GiB in double precision",
                      std::to_string(bytes / (kMostBytes / 4.0)) + " GiB");

@@ -16,6 +16,7 @@ struct ComplianceOptions {
   int refine = 0;          ///< 0 or 1: elements on the mesh, or on its uniform refinement
   int reaction_order = 1;  ///< tractions on the mesh's faces are continuous and linear (1) or quadratic (2)
   double poisson_ratio = 0.25;
+  bool midpoints = false;  ///< rows of field for the midpoints of the mesh's edges too
 };
 
 /// The compliance of the body that floats free, for Young's modulus 1 Pa.
@@ -37,7 +38,9 @@ struct ComplianceTable {
   ComplianceOptions options;
   std::uint64_t body = 0;  ///< hash_body() of the mesh
   SkinNodes nodes;
-  std::vector<Index> order;  ///< the mesh's vertices in the order of the rows of field
+  /// The mesh's vertices in the order of the rows of field: those of the skin, the others, then midpoints,
+  /// if they were asked for: that of edge i of build_edges is V + i.
+  std::vector<Index> order;
   std::vector<double> skin;
   std::vector<double> field;
   std::vector<float> skin_single;
