@@ -189,7 +189,6 @@ HeldBody::HeldBody(const ComplianceTable& table, const TetMesh& mesh, const Boun
 }
 
 HeldBody::~HeldBody() = default;
-HeldBody::HeldBody(HeldBody&&) noexcept = default;
 
 std::size_t HeldBody::touched() const {
   return state_->touched.size();
@@ -362,8 +361,7 @@ ComplianceAnswer HeldBody::finish(const SkinLoad& load) const {
   multiply_skin(*s.table, load.force_n, elastic);
   std::vector<double> skin(3 * n);
   double work = 0.0;
-  for (std::size_t k = 0; k < 6; ++k) work += load.weight[k] * load.rigid[k];
-  // The weight does no work in the elastic part: R^T M u = 0 there.
+  for (std::size_t k = 0; k < 6; ++k) work += load.weight[k] * load.rigid[k];  // R^T M u = 0 but for R a
   for (std::size_t c = 0; c < 3 * n; ++c) {
     const double own = elastic[c] / s.material.young_modulus_pa;
     double rigid = 0.0;

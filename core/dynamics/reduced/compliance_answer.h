@@ -44,7 +44,6 @@ class HeldBody {
   ///         rigid motion is left free, or the problem is wrong.
   HeldBody(const ComplianceTable& table, const TetMesh& mesh, const BoundaryProblem& problem);
   ~HeldBody();
-  HeldBody(HeldBody&&) noexcept;
 
   /// Touched components, supports and held faces together.
   std::size_t touched() const;
