@@ -52,6 +52,7 @@ Request parse_request(const std::filesystem::path& path) {
   const ContestFiles files = contest_files(request.contest);
   if (*files.output_key != 0) request.output = field<std::string>(object, files.output_key, where);
   if (files.has_problem) request.problem = field<std::string>(object, "problem_in", where);
+  if (object.contains("folder_out")) request.folder = field<std::string>(object, "folder_out", where);
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
   request.threads = object.value("threads", 1);

@@ -27,6 +27,7 @@ struct Request {
   std::filesystem::path input;    ///< "mesh_in" (or "surface_in" for meshers)
   std::filesystem::path output;   ///< "mesh_out", or what the contest has in its place
   std::filesystem::path problem;  ///< "problem_in", where the contest has one
+  std::filesystem::path folder;   ///< "folder_out": for what is written as it comes; mostly there is none
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;

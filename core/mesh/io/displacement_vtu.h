@@ -6,7 +6,7 @@
 
 #include "core/mesh/tet_mesh.h"
 
-namespace palpate::experiments {
+namespace palpate {
 
 /// Writes an ASCII VTK unstructured grid (.vtu): the rest shape's points in m, its tets, and the displacement
 /// of each vertex as point data "displacement_m" (ParaView's Warp By Vector shows the deformed shape). Shape:
@@ -14,4 +14,4 @@ namespace palpate::experiments {
 void write_displacement_vtu(const std::filesystem::path& path, const TetMesh& mesh,
                             std::span<const Vec3> displacement_m);
 
-}  // namespace palpate::experiments
+}  // namespace palpate

@@ -1,6 +1,6 @@
-#include "experiments/simulation/model_file.h"
+#include "reference/engine/model_file.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
@@ -56,4 +56,4 @@ json model_to_json(const TetMesh& mesh, const dynamics::MotionModel& model) {
   return out;
 }
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

@@ -1,4 +1,4 @@
-#include "experiments/simulation/simulate_motion.h"
+#include "reference/engine/motion_replay.h"
 
 #include <algorithm>
 #include <array>
@@ -7,12 +7,9 @@
 #include <cstdio>
 #include <optional>
 
-#include "core/base/atomic_file.h"
 #include "core/dynamics/time_loop/plain_run.h"
-#include "experiments/scene_reader/scene_problem.h"
-#include "experiments/text/terminal.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 namespace {
 
 using dynamics::MotionOutcome;
@@ -28,18 +25,6 @@ class Stopwatch {
 
  private:
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// How often rows and frames are taken, in steps.
-struct Strides {
-  std::uint64_t row = 1;
-  std::uint64_t frame = 0;  ///< 0: none
-
-  Strides(const SceneDynamic& wanted, std::uint64_t steps)
-      : row(std::max<std::uint64_t>(1, (steps + wanted.samples - 1) / wanted.samples)) {
-    if (wanted.frames > 0) frame = std::max<std::uint64_t>(1, steps / wanted.frames);
-    if (frame > 0) row = std::min(row, frame);
-  }
 };
 
 void merge(const MotionReport& phase, MotionReport& all) {
@@ -73,9 +58,9 @@ json energy_json(const dynamics::MotionEnergy& energy) {
 /// Runs the phases one after the other.
 class MotionRunner {
  public:
-  MotionRunner(const MotionSetup& setup, const SceneDynamic& wanted, MotionOutput& output,
+  MotionRunner(const MovingBody& body, const MotionSetup& setup, MotionOutput& output,
                const MotionStops& stops)
-      : setup_(setup), output_(output), strides_(wanted, setup.steps), stops_(stops) {}
+      : setup_(setup), output_(output), strides_(body, setup.steps), stops_(stops) {}
 
   void run() {
     state_ = start_at_rest(setup_.phases.front().model);
@@ -197,18 +182,23 @@ class MotionRunner {
 
 }  // namespace
 
-json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetup& setup,
+Strides::Strides(const MovingBody& body, std::uint64_t steps)
+    : row(std::max<std::uint64_t>(1, (steps + body.motion.samples - 1) / body.motion.samples)) {
+  const std::uint64_t frames = body.stepping.frames;
+  if (frames > 0) frame = std::max<std::uint64_t>(1, steps / frames);
+  if (frame > 0) row = std::min(row, frame);
+}
+
+json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionSetup& setup,
                       const MotionStops& stops, MotionOutput& output) {
-  MotionRunner runner(setup, placed.dynamic, output, stops);
+  MotionRunner runner(body, setup, output, stops);
   runner.run();
   json summary = runner.report();
-  summary["schema"] = "palpate/motion/1";
   summary["method"] = setup.method;
   summary["integrator"] = dynamics::integrator_name(setup.integrator.kind);
   summary["engine"] = setup.is_plain ? "plain" : "general";
   summary["precision"] = setup.single_precision ? "single" : "double";
   summary["why_general"] = setup.why_general.empty() ? json(nullptr) : json(setup.why_general);
-  summary["preset"] = placed.dynamic.preset.empty() ? json(nullptr) : json(placed.dynamic.preset);
   summary["time_step_s"] = setup.step_s;
   summary["stable_step_s"] = number_or_null(setup.stable.step_s);
   summary["stable_by"] = setup.stable_by;
@@ -223,27 +213,4 @@ json run_motion_setup(const Scene& placed, const TetMesh& mesh, const MotionSetu
   return summary;
 }
 
-json simulate_motion(const Scene& scene, const SimulateMotionOptions& options) {
-  const Stopwatch whole;
-  const MadeMesh made = build_scene_mesh(scene.mesh);
-  for (const std::string& note : made.notes) print_note(note);
-  const Scene placed = place_scene(scene, made.mesh);
-  const MotionSetup setup = build_motion(placed, made.mesh, load_registry(), options.threads);
-  for (const std::string& note : setup.notes) print_note(note);
-  MotionOutput output(options.out, placed, made.mesh);
-  const Strides strides(placed.dynamic, setup.steps);
-  const std::uint64_t frames = strides.frame == 0 ? 0 : setup.steps / strides.frame + 2;
-  require_room(options.out,
-               estimate_output_bytes(made.mesh, frames, setup.steps / strides.row + 2 + setup.phases.size(),
-                                     output.columns()),
-               options.most_output_bytes);
-  remove_earlier_results(options.out);
-  json summary = run_motion_setup(
-      placed, made.mesh, setup, {options.stops.timeout_s - whole.seconds(), options.stops.stop_flag}, output);
-  summary["files"] = output.finish();
-  summary["files"].push_back((options.out / "summary.json").string());
-  write_file_atomically(options.out / "summary.json", summary.dump(2) + "\n");
-  return summary;
-}
-
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

@@ -1,4 +1,4 @@
-#include "experiments/simulation/displacement_file.h"
+#include "core/mesh/io/displacement_vtu.h"
 
 #include <string>
 
@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 
-namespace palpate::experiments {
+namespace palpate {
 namespace {
 
 void append_vectors(std::string& text, std::span<const Vec3> vectors) {
@@ -68,4 +68,4 @@ void write_displacement_vtu(const std::filesystem::path& path, const TetMesh& me
   write_file_atomically(path, text);
 }
 
-}  // namespace palpate::experiments
+}  // namespace palpate

@@ -1,4 +1,4 @@
-// What a run of a dynamic scene writes: frames for ParaView and a history.
+// What a run of a moving body writes: frames for ParaView and a history.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,10 @@
 
 #include "core/dynamics/motion/motion_forces.h"
 #include "core/mesh/tet_mesh.h"
-#include "experiments/simulation/motion_setup.h"
+#include "reference/door/motion_problem.h"
+#include "reference/engine/motion_setup.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 
 /// How much a run may write, in bytes, unless told otherwise.
 inline constexpr double kMostOutputBytes = 2e9;
@@ -23,18 +24,6 @@ double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uin
 /// is left on the disk of `folder`.
 void require_room(const std::filesystem::path& folder, double bytes, double most_bytes);
 
-/// Removes what simulate has written into a folder: history.csv, frames.pvd, frame_00000.vtu and its like,
-/// summary.json, displacement.csv and displacement.vtu. Nothing else. Throws: InputError if one cannot be
-/// removed.
-void remove_earlier_results(const std::filesystem::path& folder);
-
-/// How far a body is from its rest shape at one time.
-struct MotionLevel {
-  double time_s = 0.0;
-  double largest_m = 0.0;
-  double rms_m = 0.0;
-};
-
 /// Displacements at one time, in m, one a vertex.
 struct MotionFrame {
   double time_s = 0.0;
@@ -45,15 +34,16 @@ struct MotionFrame {
 /// Its columns:
 ///
 ///   time_s, kinetic_j, elastic_j, load_j, total_j, volume_m3, inverted_tets, largest_speed_m_s,
-///   tool_K_fx_n, ... the force of load K of the scene (from 1) on the body; 0 while it is not there,
-///   probe_K_ux_m, ... the displacement of the vertex nearest to probe K,
+///   tool_K_fx_n, ... the force of load K (from 1) on the body, of those that are tools; 0 while it is not
+///   there,
+///   probe_K_ux_m, ... the displacement of probe K,
 ///   largest_displacement_m, rms_displacement_m  over all vertices
 ///
 /// An energy that is not finite is left empty. With an empty folder nothing is written: history and frames
 /// are kept in memory.
 class MotionOutput {
  public:
-  MotionOutput(std::filesystem::path folder, const Scene& scene, const TetMesh& mesh);
+  MotionOutput(std::filesystem::path folder, const MotionProblem& problem, const TetMesh& mesh);
 
   /// A row of the history for the state of a phase.
   void add_row(const MotionPhase& phase, dynamics::MotionForces& forces, const dynamics::MotionState& state);
@@ -65,7 +55,6 @@ class MotionOutput {
   std::vector<std::string> finish();
 
   const std::string& history_csv() const { return history_; }
-  const std::vector<MotionLevel>& levels() const { return levels_; }
   /// Of an output in memory.
   const std::vector<MotionFrame>& frames() const { return frames_; }
   std::size_t columns() const { return columns_; }
@@ -75,15 +64,14 @@ class MotionOutput {
  private:
   std::filesystem::path folder_;
   const TetMesh* mesh_;
-  std::vector<std::size_t> tools_;  ///< loads that displace, by their place in the scene
+  std::vector<std::size_t> tools_;  ///< loads that are tools, by their place in the problem
   std::vector<Index> probes_;
   std::size_t columns_ = 0;
   std::string history_;
-  std::vector<MotionLevel> levels_;
   std::vector<MotionFrame> frames_;
   std::vector<double> frame_times_;
   double max_displacement_m_ = 0.0;
   double max_kinetic_j_ = 0.0;
 };
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

@@ -1,4 +1,4 @@
-#include "experiments/simulation/motion_returns.h"
+#include "experiments/contests/engine/motion_returns.h"
 
 #include <algorithm>
 
@@ -17,9 +17,9 @@ std::size_t level_at(std::span<const MotionLevel> levels, double time_s) {
 }
 
 /// When the load after a time comes; the end if none does.
-double next_load(const Scene& scene, double time_s) {
-  double next = scene.dynamic.duration_s;
-  for (const SceneLoad& load : scene.loads) {
+double next_load(const reference::MotionProblem& problem, double time_s) {
+  double next = problem.duration_s;
+  for (const reference::MotionLoad& load : problem.loads) {
     if (load.from_s >= time_s) next = std::min(next, load.from_s);
   }
   return next;
@@ -35,17 +35,18 @@ double time_below(std::span<const MotionLevel> levels, std::size_t first, std::s
 
 }  // namespace
 
-std::vector<MotionReturn> find_returns(const Scene& scene, std::span<const MotionLevel> levels) {
+std::vector<MotionReturn> find_returns(const reference::MotionProblem& problem,
+                                       std::span<const MotionLevel> levels) {
   std::vector<MotionReturn> out;
-  for (std::size_t k = 0; k < scene.loads.size(); ++k) {
-    const SceneLoad& load = scene.loads[k];
-    if (load.kind != SceneLoad::Kind::kDisplace || !load.until_s) continue;
-    if (*load.until_s >= scene.dynamic.duration_s || levels.empty() || levels.back().time_s < *load.until_s)
+  for (std::size_t k = 0; k < problem.loads.size(); ++k) {
+    const reference::MotionLoad& load = problem.loads[k];
+    if (!load.is_tool() || !load.until_s) continue;
+    if (*load.until_s >= problem.duration_s || levels.empty() || levels.back().time_s < *load.until_s)
       continue;
     MotionReturn each;
     each.load = k;
     each.released_s = *load.until_s;
-    each.end_s = next_load(scene, each.released_s);
+    each.end_s = next_load(problem, each.released_s);
     const std::size_t first = level_at(levels, each.released_s);
     const std::size_t last = std::max(first, level_at(levels, each.end_s));
     each.released_m = levels[first].largest_m;

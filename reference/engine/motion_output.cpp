@@ -1,32 +1,17 @@
-#include "experiments/simulation/motion_output.h"
+#include "reference/engine/motion_output.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "experiments/simulation/displacement_file.h"
-#include "experiments/text/terminal.h"
+#include "core/mesh/io/displacement_vtu.h"
+#include "reference/door/result_folder.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 namespace fs = std::filesystem;
 namespace {
-
-std::string frame_name(std::size_t number) {
-  std::string digits = std::to_string(number);
-  if (digits.size() < 5) digits.insert(0, 5 - digits.size(), '0');
-  return "frame_" + digits + ".vtu";
-}
-
-Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
-  const auto nearer = [&](const Vec3& a, const Vec3& b) {
-    return length_sq(a - point) < length_sq(b - point);
-  };
-  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
-                            mesh.points.begin());
-}
 
 void append_cell(std::string& row, double value) {
   if (!row.empty() && row.back() != '\n') row += ',';
@@ -39,31 +24,7 @@ void append_cells(std::string& row, const Vec3& value) {
   append_cell(row, value.z);
 }
 
-/// "frame_00012.vtu": five digits or more.
-bool is_frame_name(const std::string& name) {
-  constexpr std::string_view kHead = "frame_";
-  constexpr std::string_view kTail = ".vtu";
-  if (!name.starts_with(kHead) || !name.ends_with(kTail)) return false;
-  const std::string digits = name.substr(kHead.size(), name.size() - kHead.size() - kTail.size());
-  return digits.size() >= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
-}
-
 }  // namespace
-
-void remove_earlier_results(const fs::path& folder) {
-  std::vector<fs::path> found;
-  for (const char* name :
-       {"history.csv", "frames.pvd", "summary.json", "displacement.csv", "displacement.vtu"})
-    found.push_back(folder / name);
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (is_frame_name(entry.path().filename().string())) found.push_back(entry.path());
-  }
-  for (const fs::path& file : found) {
-    fs::remove(file, error);
-    if (error) throw InputError(file.string(), 0, "a file that can be removed", error.message());
-  }
-}
 
 double estimate_output_bytes(const TetMesh& mesh, std::uint64_t frames, std::uint64_t rows,
                              std::size_t columns) {
@@ -88,18 +49,17 @@ void require_room(const fs::path& folder, double bytes, double most_bytes) {
                      " has " + gigabytes(static_cast<double>(space.available)) + " left");
 }
 
-MotionOutput::MotionOutput(fs::path folder, const Scene& scene, const TetMesh& mesh)
-    : folder_(std::move(folder)), mesh_(&mesh) {
+MotionOutput::MotionOutput(fs::path folder, const MotionProblem& problem, const TetMesh& mesh)
+    : folder_(std::move(folder)), mesh_(&mesh), probes_(problem.probes) {
   std::vector<std::string> names{"time_s",  "kinetic_j", "elastic_j",     "load_j",
                                  "total_j", "volume_m3", "inverted_tets", "largest_speed_m_s"};
-  for (std::size_t k = 0; k < scene.loads.size(); ++k) {
-    if (scene.loads[k].kind != SceneLoad::Kind::kDisplace) continue;
+  for (std::size_t k = 0; k < problem.loads.size(); ++k) {
+    if (!problem.loads[k].is_tool()) continue;
     tools_.push_back(k);
     for (const char* axis : {"x", "y", "z"})
       names.push_back("tool_" + std::to_string(k + 1) + "_f" + axis + "_n");
   }
-  for (std::size_t k = 0; k < scene.dynamic.probes_m.size(); ++k) {
-    probes_.push_back(nearest_vertex(mesh, scene.dynamic.probes_m[k]));
+  for (std::size_t k = 0; k < probes_.size(); ++k) {
     for (const char* axis : {"x", "y", "z"})
       names.push_back("probe_" + std::to_string(k + 1) + "_u" + axis + "_m");
   }
@@ -115,16 +75,15 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
   const dynamics::VolumeCount volume = count_volume(phase.model, state);
   double speed = 0.0;
   for (const Vec3& v : state.velocity_m_s) speed = std::max(speed, length(v));
-  MotionLevel level{state.time_s, 0.0, 0.0};
+  double largest_m = 0.0;
   double squares = 0.0;
   for (const Vec3& u : state.displacement_m) {
-    level.largest_m = std::max(level.largest_m, length(u));
+    largest_m = std::max(largest_m, length(u));
     squares += length_sq(u);
   }
-  level.rms_m = std::sqrt(squares / static_cast<double>(state.displacement_m.size()));
-  max_displacement_m_ = std::max(max_displacement_m_, level.largest_m);
+  const double rms_m = std::sqrt(squares / static_cast<double>(state.displacement_m.size()));
+  max_displacement_m_ = std::max(max_displacement_m_, largest_m);
   max_kinetic_j_ = std::max(max_kinetic_j_, energy.kinetic_j);
-  levels_.push_back(level);
   for (const double value : {state.time_s, energy.kinetic_j, energy.elastic_j, energy.load_j,
                              energy.total_j(), volume.volume_m3, static_cast<double>(volume.inverted), speed})
     append_cell(history_, value);
@@ -138,8 +97,8 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
     }
   }
   for (const Index probe : probes_) append_cells(history_, state.displacement_m[probe]);
-  append_cell(history_, level.largest_m);
-  append_cell(history_, level.rms_m);
+  append_cell(history_, largest_m);
+  append_cell(history_, rms_m);
   history_ += '\n';
 }
 
@@ -174,4 +133,4 @@ std::vector<std::string> MotionOutput::finish() {
   return files;
 }
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

@@ -1,4 +1,4 @@
-#include "reference/springs/model_request.h"
+#include "reference/elastic_models/model_request.h"
 
 #include <chrono>
 #include <limits>

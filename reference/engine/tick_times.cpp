@@ -1,4 +1,4 @@
-#include "experiments/simulation/tick_times.h"
+#include "reference/engine/tick_times.h"
 
 #include <algorithm>
 #include <chrono>
@@ -10,7 +10,7 @@
 #include "core/dynamics/spring_engine/plain_engine.h"
 #include "core/mesh/geometry.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 namespace {
 
 constexpr double kEscapeRatio = 1000.0;
@@ -89,4 +89,4 @@ TickTimes describe_ticks(std::vector<double> seconds, double deadline_s) {
   return out;
 }
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

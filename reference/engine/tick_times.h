@@ -6,7 +6,7 @@
 
 #include "core/dynamics/motion/motion_model.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 
 struct TickOptions {
   double tick_s = 1e-3;
@@ -53,4 +53,4 @@ struct TickTimes {
 /// between two. Requires: at least one time, all above zero.
 TickTimes describe_ticks(std::vector<double> seconds, double deadline_s);
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

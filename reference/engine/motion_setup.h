@@ -1,4 +1,4 @@
-// A dynamic scene on its mesh: bodies in motion, phase by phase, and the time step that they take.
+// A moving body on its mesh: models in motion, phase by phase, and the time step that they take.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,15 +7,14 @@
 
 #include "core/dynamics/motion/motion_model.h"
 #include "core/dynamics/stability/stability.h"
-#include "experiments/contestants/contestant.h"
-#include "experiments/scene_reader/scene.h"
+#include "reference/door/moving_body.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 
 /// A stretch of time in which the same loads are there. Where a load ends, its held vertices are let go.
 struct MotionPhase {
   dynamics::MotionModel model;
-  std::vector<std::size_t> loads;  ///< of each group but the first: its place in the scene's list of loads
+  std::vector<std::size_t> loads;  ///< of each group but the first: its place in the body's list of loads
   std::uint64_t last_step = 0;     ///< steps from the start of the motion to the end of the phase
 };
 
@@ -35,15 +34,22 @@ struct MotionSetup {
   std::vector<std::string> notes;
 };
 
-/// Resolves the regions, builds model, masses, damping and phases, and chooses or checks the time step.
+/// The elastic model that a body asks for. The report and the notes are those of build_requested_model.
+/// Throws: InputError for an option that the model does not take, and as build_requested_model does.
+dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh, Response& response);
+
+/// The body without loads: elastic model, masses and damping.
+dynamics::MotionModel build_free_body(const MovingBody& body, const TetMesh& mesh,
+                                      dynamics::ElasticModel elastic);
+
+/// Builds model, masses, damping and phases, and chooses or checks the time step.
 ///
 /// A made step is the predicted bound times `safety`, shortened so that whole steps fill the duration. A
-/// given one over the bound is refused with the bound, unless the scene allows it: then a note says so. The
+/// given one over the bound is refused with the bound, unless the body allows it: then a note says so. The
 /// bound is that of eigenvalues up to 200,000 vertices, of row sums beyond or where the eigenvalues don't
 /// converge.
 ///
-/// Requires: a dynamic scene, placed. Throws: InputError, UnavailableError as build_scene_mesh and the model
-/// do.
-MotionSetup build_motion(const Scene& placed, const TetMesh& mesh, const Registry& registry, int threads);
+/// Throws: InputError for what cannot be stepped so, UnavailableError as the model does.
+MotionSetup build_motion(const MovingBody& body, const TetMesh& mesh, int threads);
 
-}  // namespace palpate::experiments
+}  // namespace palpate::reference
