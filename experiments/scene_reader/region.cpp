@@ -70,11 +70,6 @@ void read_box(const YamlValue& value, Region& region) {
   if (!ordered) value.fail("box: expected low_m below high_m on every axis");
 }
 
-double longest_side(const BoundingBox& box) {
-  const Vec3 size = box.high - box.low;
-  return std::max({size.x, size.y, size.z});
-}
-
 Vec3 volume_centroid(const TetMesh& mesh) {
   Vec3 sum;
   double volume = 0.0;

@@ -16,9 +16,7 @@ namespace {
 
 /// How far from the centre a vertex may go; at least one metre for a body without size.
 double find_escape(const MotionModel& model, double ratio) {
-  const BoundingBox box = bounding_box(model.elastic.rest);
-  const Vec3 size = box.high - box.low;
-  const double bound = ratio * std::max({size.x, size.y, size.z});
+  const double bound = ratio * longest_side(bounding_box(model.elastic.rest));
   return bound > 0.0 ? bound : ratio;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/mesh/geometry.h"
 #include "experiments/contestants/solution.h"
 #include "experiments/files/output_file.h"
 #include "experiments/scene_reader/scene_problem.h"
@@ -43,14 +44,6 @@ BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const Sce
     part.loads.push_back(*load);
   }
   return resolve_problem(part, mesh);
-}
-
-Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
-  const auto nearer = [&](const Vec3& a, const Vec3& b) {
-    return length_sq(a - point) < length_sq(b - point);
-  };
-  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
-                            mesh.points.begin());
 }
 
 /// One solution of the reference.
@@ -118,7 +111,8 @@ MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh) {
   problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
   problem.duration_s = placed.dynamic.duration_s;
   problem.samples = placed.dynamic.samples;
-  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_vertex(mesh, probe));
+  for (const Vec3& probe : placed.dynamic.probes_m)
+    problem.probes.push_back(nearest_point(mesh.points, probe));
   problem.frequencies = kComparedFrequencies;
   return problem;
 }
