@@ -18,7 +18,7 @@ void append_number(std::string& text, Number value) {
   text.append(digits.data(), end);
 }
 
-/// A number for people: six digits that say something; whole numbers whole.
+/// A number for a person: up to 6 significant digits, whole numbers below 1e15 whole.
 inline std::string short_number(double value) {
   std::array<char, 32> text{};
   const bool whole = value == std::floor(value) && std::fabs(value) < 1e15;

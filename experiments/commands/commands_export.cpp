@@ -9,6 +9,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/springs/identification/identify.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/metre_mesh.h"

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"

@@ -6,6 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"

@@ -26,13 +26,8 @@ void check_schema(const YamlFields& fields, const std::string& schema) {
 }
 
 OptionType read_type(const YamlValue& value) {
-  const std::string type = value.text();
-  if (type == "choice") return OptionType::kChoice;
-  if (type == "number") return OptionType::kNumber;
-  if (type == "integer") return OptionType::kInteger;
-  if (type == "bool") return OptionType::kBool;
-  if (type == "file") return OptionType::kFile;
-  value.fail_expected("choice, number, integer, bool or file");
+  if (const auto type = kOptionTypeNames.find(value.text())) return *type;
+  value.fail_expected(kOptionTypeNames.known());
 }
 
 std::vector<std::string> read_texts(const YamlValue& value) {

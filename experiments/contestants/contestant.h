@@ -9,12 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "core/base/enum_names.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
 
 /// kFile: the path of a file that is there, absolute once it is read; empty: none.
 enum class OptionType { kChoice, kNumber, kInteger, kBool, kFile };
+inline constexpr EnumNames<OptionType, 5> kOptionTypeNames{"an option's type",
+                                                           {"choice", "number", "integer", "bool", "file"}};
 
 /// One option of a method.
 struct OptionSpec {

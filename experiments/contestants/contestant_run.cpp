@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/contestants/input_guard.h"
 #include "experiments/processes/process.h"
 #include "experiments/text/nearest_name.h"

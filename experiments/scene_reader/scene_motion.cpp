@@ -1,7 +1,5 @@
 #include "experiments/scene_reader/scene_motion.h"
 
-#include <algorithm>
-
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "experiments/scene_reader/scene_problem.h"
@@ -18,20 +16,6 @@ BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const Sce
     part.loads.push_back(*load);
   }
   return resolve_problem(part, mesh);
-}
-
-Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
-  const auto nearer = [&](const Vec3& a, const Vec3& b) {
-    return length_sq(a - point) < length_sq(b - point);
-  };
-  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
-                            mesh.points.begin());
-}
-
-double half_longest_side(const TetMesh& mesh) {
-  const BoundingBox box = bounding_box(mesh.points);
-  const Vec3 size = box.high - box.low;
-  return 0.5 * std::max({size.x, size.y, size.z});
 }
 
 /// The scene's own model, without the options that only a static solution has.
@@ -62,7 +46,7 @@ void write_out_preset(const Scene& placed, const TetMesh& mesh, reference::Movin
   body.model.options["volume"] = "thesis";
   body.model.options["volume_force_ratio"] = ThesisTable::kVolumeForceRatio;
   body.model.volume_force_of_n_per_m = ThesisTable::kStiffnessNPerM;
-  body.stepping.speed_limit_m_s = ThesisTable::kSpeedLimit * half_longest_side(mesh);
+  body.stepping.speed_limit_m_s = ThesisTable::kSpeedLimit * 0.5 * longest_side(bounding_box(mesh.points));
 }
 
 }  // namespace
@@ -83,7 +67,7 @@ reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh
   problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
   problem.duration_s = placed.dynamic.duration_s;
   problem.samples = placed.dynamic.samples;
-  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_vertex(mesh, probe));
+  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_point(mesh.points, probe));
   return problem;
 }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/elasticity/volume_models.h"
 #include "core/dynamics/statics/calibration.h"
@@ -146,12 +147,11 @@ class StepClock {
   /// After another step.
   double seconds_left() {
     ++done_;
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - start_;
-    return gone.count() / static_cast<double>(done_) * static_cast<double>(steps_ - done_);
+    return watch_.seconds() / static_cast<double>(done_) * static_cast<double>(steps_ - done_);
   }
 
  private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
   std::size_t steps_;
   std::size_t done_ = 0;
 };

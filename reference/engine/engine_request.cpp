@@ -1,7 +1,6 @@
 #include "reference/engine/engine_request.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -9,7 +8,9 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/stability/slow_rates.h"
+#include "reference/door/json_null.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/door/result_folder.h"
@@ -27,14 +28,6 @@ constexpr double kThesisTickS = 5e-3;  ///< the thesis takes one step at each ti
 constexpr std::size_t kMostSamples = 1000;
 constexpr double kMostSeconds = 1e9;
 constexpr std::int64_t kMostCount = 536'870'912;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-json number_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 
 /// The text of a CSV as columns and rows; an empty cell is null.
 void add_table(const std::string& csv, json& out) {
@@ -107,7 +100,7 @@ void clear_folder(const Request& request, const MovingTask& task, const MotionSe
 
 Response answer_replay(const MovingTask& task, const Request& request, json& left,
                        const volatile std::sig_atomic_t* stop_flag) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   const ReplayOptions options = take_replay_options(left);
   require_all_taken(left);
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
@@ -115,14 +108,14 @@ Response answer_replay(const MovingTask& task, const Request& request, json& lef
   Response response;
   response.notes = setup.notes;
   if (options.setup_only) {
-    response.kernel_s = seconds_since(start);
+    response.kernel_s = clock.seconds();
     response.report = {{"outcome", "set_up"}, {"time_step_s", setup.step_s}, {"steps_planned", setup.steps}};
     return response;
   }
   if (!request.folder.empty()) clear_folder(request, task, setup, output, options.most_output_bytes);
   MotionStops stops;
   stops.stop_flag = stop_flag;
-  if (options.stop_after_s > 0.0) stops.timeout_s = options.stop_after_s - seconds_since(start);
+  if (options.stop_after_s > 0.0) stops.timeout_s = options.stop_after_s - clock.seconds();
   response.report = run_motion_setup(task.body, task.mesh, setup, stops, output);
   response.kernel_s = response.report.at("kernel_s").get<double>();
   response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;
@@ -141,7 +134,7 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
   stepping.allow_unstable = true;
   stepping.engine = EngineChoice::kAuto;
   stepping.single_precision = false;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
   const dynamics::MotionModel& model = setup.phases.front().model;
   Response response;
@@ -156,7 +149,7 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
                      {"damping_max_per_s", number_or_null(setup.stable.damping_max_per_s)},
                      {"vertices", task.mesh.points.size()},
                      {"springs", model.elastic.springs.springs.size()},
-                     {"stable_step_kernel_s", seconds_since(start)},
+                     {"stable_step_kernel_s", clock.seconds()},
                      {"slowest_decay_s", nullptr}};
   json written{{"schema", "palpate/engine/1"},
                {"kind", "rest"},
@@ -171,7 +164,7 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
     for (const std::complex<double>& each : rates.lambda_per_s)
       written["rows"].push_back({each.real(), each.imag()});
   }
-  response.kernel_s = seconds_since(start);
+  response.kernel_s = clock.seconds();
   write_file_atomically(request.output, written.dump() + "\n");
   return response;
 }
@@ -273,11 +266,11 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
 /// The body's model as a file for other simulators.
 Response answer_model(const MovingTask& task, const Request& request, const json& left) {
   require_all_taken(left);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   Response response;
   const dynamics::MotionModel model =
       build_free_body(task.body, task.mesh, build_elastic(task.body, task.mesh, response));
-  response.kernel_s = seconds_since(start);
+  response.kernel_s = clock.seconds();
   response.report["outcome"] = "completed";
   response.report["vertices"] = task.mesh.points.size();
   json written = model_to_json(task.mesh, model);

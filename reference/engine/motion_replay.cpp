@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
+#include "core/base/stopwatch.h"
 #include "core/dynamics/time_loop/plain_run.h"
+#include "reference/door/json_null.h"
 
 namespace palpate::reference {
 namespace {
@@ -16,16 +17,6 @@ using dynamics::MotionOutcome;
 using dynamics::MotionReport;
 using dynamics::MotionState;
 using nlohmann::json;
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void merge(const MotionReport& phase, MotionReport& all) {
   const auto first_inversion = all.first_inversion_s >= 0.0 ? all.first_inversion_s : phase.first_inversion_s;
@@ -42,11 +33,6 @@ void merge(const MotionReport& phase, MotionReport& all) {
   sum.outcome =
       name_end(sum, phase.outcome != MotionOutcome::kDiverged, phase.outcome == MotionOutcome::kStopped);
   all = sum;
-}
-
-/// A number, or null where there is none.
-json number_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
 }
 
 json energy_json(const dynamics::MotionEnergy& energy) {

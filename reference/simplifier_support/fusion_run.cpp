@@ -1,8 +1,8 @@
 #include "reference/simplifier_support/fusion_run.h"
 
 #include <array>
-#include <chrono>
 
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/sizing/keep_text.h"
 
@@ -63,9 +63,9 @@ Response run_fusion(const Request& request,
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const simplify::SimplifyReport report = simplify(file.mesh);
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   if (report.fusions == 0 && report.stop == "limit") {
     response.notes.emplace_back("no tetrahedron can be fused: the mesh is left as it is");

@@ -7,14 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
 
-constexpr std::array<const char*, 8> kNames{"steady",   "oscillating", "energy_growing", "diverged",
-                                            "inverted", "non_finite",  "too_slow",       "growing_slowly"};
+constexpr EnumNames<WatchedOutcome, 8> kNames{"a watched motion's outcome",
+                                              {"steady", "oscillating", "energy_growing", "diverged",
+                                               "inverted", "non_finite", "too_slow", "growing_slowly"}};
 constexpr double kGrowth = 1.1;
 constexpr double kSteady = 1e-6;
 constexpr double kVisible = 1e-3;
@@ -32,9 +34,7 @@ void check(const WatchOptions& options) {
 }
 
 double size_of(const MotionModel& model) {
-  const BoundingBox box = bounding_box(model.elastic.rest);
-  const Vec3 size = box.high - box.low;
-  return std::max({size.x, size.y, size.z});
+  return longest_side(bounding_box(model.elastic.rest));
 }
 
 /// The kinetic energy of a motion that rounding alone explains: a body whose springs are stretched by it.
@@ -248,7 +248,7 @@ class Watch {
 }  // namespace
 
 const char* watched_outcome_name(WatchedOutcome outcome) {
-  return kNames.at(static_cast<std::size_t>(outcome));
+  return kNames.of(outcome);
 }
 
 bool is_unstable(WatchedOutcome outcome) {

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/lanes.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/fusion/fusion.h"
-#include "core/simplify/quality/lane_quad.h"
 
 namespace palpate::simplify {
 namespace {
+
+using LaneQuad = Lanes<float>;
 
 constexpr float kIdealSolidAngleSr = 0.55F;
 

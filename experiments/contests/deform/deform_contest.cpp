@@ -13,15 +13,13 @@
 #include "experiments/contests/pad_force.h"
 #include "experiments/files/output_file.h"
 #include "reference/door/deform_problem.h"
+#include "reference/door/json_null.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-
-json or_null(const std::optional<double>& value) {
-  return value ? json(*value) : json();
-}
+using reference::or_null;
 
 double largest(const std::vector<Vec3>& field) {
   double most = 0.0;

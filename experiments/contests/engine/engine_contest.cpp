@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "core/mesh/geometry.h"
 #include "experiments/contests/engine/engine_judge.h"
 #include "experiments/contests/engine/plan_engine.h"
 #include "experiments/contests/pad_force.h"
@@ -27,7 +28,7 @@ struct EngineInput {
 void add_tool_probes(EngineInput& input) {
   for (const SceneLoad& load : input.placed.loads) {
     if (load.kind == SceneLoad::Kind::kDisplace && load.region.kind == Region::Kind::kSphere)
-      input.body.motion.probes.push_back(nearest_vertex(input.files.mesh, load.region.center));
+      input.body.motion.probes.push_back(nearest_point(input.files.mesh.points, load.region.center));
   }
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/contests/run_mesh.h"

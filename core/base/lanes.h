@@ -1,4 +1,4 @@
-// Four numbers at a time, for the springs' inner loop: SSE2 where there is one, lane by lane elsewhere.
+// Four numbers at a time, for inner loops: SSE2 where there is one, lane by lane elsewhere.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,10 @@
 #include <emmintrin.h>
 #endif
 
-namespace palpate::dynamics {
+namespace palpate {
 
-/// Four lanes, lane by lane. Every operation is IEEE's on each lane, so all forms give the same bits.
+/// Four lanes, lane by lane. Every operation is IEEE's on each lane, so all forms give the same bits. min is
+/// a < b ? a : b, max is a > b ? a : b, so b where a is not a number.
 template <typename Real>
 struct PortableLanes {
   std::array<Real, 4> v;
@@ -47,6 +48,10 @@ struct PortableLanes {
   friend PortableLanes sqrt(const PortableLanes& a) {
     return each(a, a, [](Real x, Real) { return std::sqrt(x); });
   }
+  /// Whether a < b in any lane.
+  friend bool any_less(const PortableLanes& a, const PortableLanes& b) {
+    return a.v[0] < b.v[0] || a.v[1] < b.v[1] || a.v[2] < b.v[2] || a.v[3] < b.v[3];
+  }
   /// (a0 + a2) + a1 of each of four vectors (x, y, z, 0).
   static PortableLanes sums(const PortableLanes& a, const PortableLanes& b, const PortableLanes& c,
                             const PortableLanes& d) {
@@ -70,6 +75,7 @@ struct FloatLanes {
   friend FloatLanes min(FloatLanes a, FloatLanes b) { return {_mm_min_ps(a.v, b.v)}; }
   friend FloatLanes max(FloatLanes a, FloatLanes b) { return {_mm_max_ps(a.v, b.v)}; }
   friend FloatLanes sqrt(FloatLanes a) { return {_mm_sqrt_ps(a.v)}; }
+  friend bool any_less(FloatLanes a, FloatLanes b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)) != 0; }
   static FloatLanes sums(FloatLanes a, FloatLanes b, FloatLanes c, FloatLanes d) {
     const __m128 ab_low = _mm_unpacklo_ps(a.v, b.v);   // a0 b0 a1 b1
     const __m128 cd_low = _mm_unpacklo_ps(c.v, d.v);   // c0 d0 c1 d1
@@ -111,6 +117,9 @@ struct DoubleLanes {
     return {_mm_max_pd(a.low, b.low), _mm_max_pd(a.high, b.high)};
   }
   friend DoubleLanes sqrt(DoubleLanes a) { return {_mm_sqrt_pd(a.low), _mm_sqrt_pd(a.high)}; }
+  friend bool any_less(DoubleLanes a, DoubleLanes b) {
+    return _mm_movemask_pd(_mm_or_pd(_mm_cmplt_pd(a.low, b.low), _mm_cmplt_pd(a.high, b.high))) != 0;
+  }
   static DoubleLanes sums(DoubleLanes a, DoubleLanes b, DoubleLanes c, DoubleLanes d) {
     const __m128d of_a = _mm_add_pd(a.low, a.high);  // (a0 + a2, a1 + 0)
     const __m128d of_b = _mm_add_pd(b.low, b.high);
@@ -145,4 +154,4 @@ struct LanesOf {
 template <typename Real>
 using Lanes = typename LanesOf<Real>::Type;
 
-}  // namespace palpate::dynamics
+}  // namespace palpate
