@@ -65,6 +65,7 @@ json build_request(const ContestantTask& task, const std::filesystem::path& mesh
   const reference::ContestFiles files = files_of(task);
   if (files.has_problem) request["problem_in"] = task.problem_in.string();
   if (*files.output_key != 0) request[files.output_key] = output.string();
+  if (!task.folder_out.empty()) request["folder_out"] = task.folder_out.string();
   if (files.output_key == std::string_view("mesh_out")) request["stop"] = stop_request(task.stop);
   if (!task.tuned.empty()) request["tuned"] = task.tuned;
   if (!task.keep.empty()) request["keep"] = task.keep;
@@ -226,6 +227,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.memory_bytes = task.memory_mib << 20U;
   spec.standard_error = error_file;
   spec.stop_flag = task.stop_flag;
+  spec.stop_grace_s = task.stop_grace_s;
   spec.threads = task.threads;
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;

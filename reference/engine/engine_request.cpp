@@ -88,6 +88,12 @@ json describe_output(const MotionOutput& output) {
   return written;
 }
 
+/// What stands there when rows and frames are in a folder.
+json describe_folder() {
+  return {{"schema", "palpate/engine/1"}, {"kind", "replay"}, {"columns", json::array()}, {"rows", json::array()},
+          {"frames", json::array()}};
+}
+
 /// Makes the folder ready: room enough, and nothing of an earlier run.
 void clear_folder(const Request& request, const MovingTask& task, const MotionSetup& setup,
                   const MotionOutput& output, double most_bytes) {
@@ -119,8 +125,11 @@ Response answer_replay(const MovingTask& task, const Request& request, json& lef
   response.report = run_motion_setup(task.body, task.mesh, setup, stops, output);
   response.kernel_s = response.report.at("kernel_s").get<double>();
   response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;
-  if (!request.folder.empty()) response.report["files"] = output.finish();
-  write_file_atomically(request.output, describe_output(output).dump() + "\n");
+  response.report["kind"] = "replay";
+  response.report["frames_written"] = output.frame_count();
+  output.finish();
+  const json written = request.folder.empty() ? describe_output(output) : describe_folder();
+  write_file_atomically(request.output, written.dump() + "\n");
   return response;
 }
 
@@ -139,6 +148,7 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
   const dynamics::MotionModel& model = setup.phases.front().model;
   Response response;
   response.report = {{"outcome", "completed"},
+                     {"kind", "rest"},
                      {"integrator", dynamics::integrator_name(setup.integrator.kind)},
                      {"spring_damping", dynamics::spring_damping_name(model.spring_damping)},
                      {"time_step_s", setup.step_s},
@@ -250,6 +260,7 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
                              short_number(setup.stable.step_s) + " s");
   response.kernel_s = std::accumulate(run.seconds.begin(), run.seconds.end(), run.diverged_s);
   response.report = {{"outcome", run.diverged ? "diverged" : "completed"},
+                     {"kind", "ticks"},
                      {"steps_per_tick", options.steps_per_tick},
                      {"fewest_steps_per_tick", setup.steps},
                      {"tick_s", options.tick_s},

@@ -113,11 +113,10 @@ void MotionOutput::add_frame(const dynamics::MotionState& state) {
   frame_times_.push_back(state.time_s);
 }
 
-std::vector<std::string> MotionOutput::finish() {
-  if (folder_.empty()) return {};
-  std::vector<std::string> files{(folder_ / "history.csv").string()};
-  write_file_atomically(files.back(), history_);
-  if (frame_times_.empty()) return files;
+void MotionOutput::finish() const {
+  if (folder_.empty()) return;
+  write_file_atomically(folder_ / "history.csv", history_);
+  if (frame_times_.empty()) return;
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
       "<Collection>\n";
@@ -127,10 +126,7 @@ std::vector<std::string> MotionOutput::finish() {
     text += "\" part=\"0\" file=\"" + frame_name(k) + "\"/>\n";
   }
   text += "</Collection>\n</VTKFile>\n";
-  files.push_back((folder_ / "frames.pvd").string());
-  write_file_atomically(files.back(), text);
-  for (std::size_t k = 0; k < frame_times_.size(); ++k) files.push_back((folder_ / frame_name(k)).string());
-  return files;
+  write_file_atomically(folder_ / "frames.pvd", text);
 }
 
 }  // namespace palpate::reference

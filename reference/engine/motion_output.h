@@ -51,13 +51,14 @@ class MotionOutput {
   /// A frame, unless there is one of that time.
   void add_frame(const dynamics::MotionState& state);
 
-  /// Writes what has been collected. Returns the files.
-  std::vector<std::string> finish();
+  /// Writes history.csv and, if there are frames, frames.pvd. Without a folder it does nothing.
+  void finish() const;
 
   const std::string& history_csv() const { return history_; }
   /// Of an output in memory.
   const std::vector<MotionFrame>& frames() const { return frames_; }
   std::size_t columns() const { return columns_; }
+  std::size_t frame_count() const { return frame_times_.size(); }
   double max_displacement_m() const { return max_displacement_m_; }
   double max_kinetic_j() const { return max_kinetic_j_; }
 

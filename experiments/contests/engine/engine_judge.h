@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/mesh/tet_mesh.h"
-#include "core/mesh/vec3.h"
+#include "core/base/types.h"
 #include "reference/door/motion_problem.h"
 
 namespace palpate::experiments {

@@ -1,4 +1,4 @@
-#include "experiments/simulation/tick_times.h"
+#include "reference/engine/tick_times.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"
 
-namespace palpate::experiments {
+namespace palpate::reference {
 namespace {
 
 using namespace testing_support;
@@ -79,4 +79,4 @@ TEST(TickTimes, ABodyThatFliesApartEndsTheRun) {
 }
 
 }  // namespace
-}  // namespace palpate::experiments
+}  // namespace palpate::reference

@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include <cmath>
 #include <sstream>
 
@@ -12,9 +10,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
-#include "experiments/scene_reader/scene_problem.h"
-#include "experiments/simulation/motion_output.h"
-#include "experiments/simulation/motion_setup.h"
+#include "reference/engine/motion_output.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -394,7 +390,7 @@ TEST_F(SimulateMotion, TheEstimateOfTheOutputIsFromAboveAndNotWild) {
   double bytes = 0.0;
   for (const json& file : report.at("files"))
     bytes += static_cast<double>(std::filesystem::file_size(file.get<std::string>()));
-  const double estimate = estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
+  const double estimate = reference::estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
   EXPECT_GT(estimate, bytes);
   EXPECT_LT(estimate, 10.0 * bytes);
 }
@@ -409,67 +405,6 @@ TEST_F(SimulateMotion, AFreeBodyFallsAndIsChecked) {
   const json report = simulate(text, "out");
   EXPECT_NEAR(report.at("end_displacement_m").get<double>(), 0.5 * 9.81 * 0.01, 1e-12);
   EXPECT_NEAR(report.at("peak_speed_m_s").get<double>(), 0.981, 1e-12);
-}
-
-TEST_F(SimulateMotion, TheThesissPresetIsItsTable) {
-  const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
-  SceneText text = pressed("preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true");
-  text.rest = "";
-  const Scene raw = read_scene(scene(text));
-  const TetMesh made = build_scene_mesh(raw.mesh).mesh;
-  const MotionSetup setup = build_motion(place_scene(raw, made), made, fixture_.registry(), 1);
-  EXPECT_EQ(setup.method, "springs.uniform");
-  EXPECT_EQ(setup.step_s, 3e-4);
-  EXPECT_EQ(setup.steps, 100U);
-  EXPECT_NEAR(setup.integrator.speed_limit_m_s, 20.0 * 0.05, 1e-12);  // a cube of 0.1 m
-  const dynamics::MotionModel& model = setup.phases.front().model;
-  for (const double mass : model.mass_kg) EXPECT_EQ(mass, 1.0);
-  for (const double stiffness : model.elastic.springs.stiffness_n_per_m) EXPECT_EQ(stiffness, 100.0);
-  for (const double damping : model.spring_damping_n_s_per_m) EXPECT_EQ(damping, 500.0);
-  for (const double damping : model.environment_damping_n_s_per_m) EXPECT_EQ(damping, 800.0);
-  EXPECT_EQ(model.spring_damping, dynamics::SpringDamping::kAxial);
-  ASSERT_TRUE(model.elastic.volume_force.has_value());
-  EXPECT_NEAR(model.elastic.volume_force->stiffness_n_per_m3, 100.0 / (0.05 * 0.05), 1e-6);
-  EXPECT_FALSE(model.elastic.springs_are_linear);
-}
-
-TEST_F(SimulateMotion, ThePresetTakesSpringsOfTheScenesOwn) {
-  const std::string dynamic = "preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true";
-  const auto model_of = [&](const std::string& rest) {
-    SceneText text = pressed(dynamic);
-    text.rest = rest;
-    const Scene raw = read_scene(scene(text));
-    const TetMesh made = build_scene_mesh(raw.mesh).mesh;
-    const MotionSetup setup = build_motion(place_scene(raw, made), made, fixture_.registry(), 1);
-    EXPECT_EQ(setup.step_s, 3e-4);
-    return setup.phases.front().model;
-  };
-  const std::string springs = "model: {springs: thesis_corrected, row_weight: 100}\n";
-  const auto as_identified = model_of(springs).elastic;
-  const auto scaled = model_of("model: {springs: thesis_corrected, row_weight: 100, mean_n_per_m: 250}\n");
-  const std::vector<double>& k = as_identified.springs.stiffness_n_per_m;
-  const std::vector<double>& scaled_k = scaled.elastic.springs.stiffness_n_per_m;
-  const double mean = std::accumulate(k.begin(), k.end(), 0.0) / static_cast<double>(k.size());
-  EXPECT_GT(std::abs(mean - 250.0), 1.0);
-  for (std::size_t s = 0; s < k.size(); ++s) EXPECT_NEAR(scaled_k[s], k[s] * 250.0 / mean, 1e-9);
-  EXPECT_GT(*std::max_element(k.begin(), k.end()), 1.5 * mean);  // they are not all alike
-  // Masses, damping and the volume force's constant stay the table's.
-  for (const double mass : scaled.mass_kg) EXPECT_EQ(mass, 1.0);
-  for (const double damping : scaled.spring_damping_n_s_per_m) EXPECT_EQ(damping, 500.0);
-  for (const auto* elastic : {&as_identified, &scaled.elastic})
-    EXPECT_NEAR(elastic->volume_force->stiffness_n_per_m3, 100.0 / (0.05 * 0.05), 1e-6);
-  const auto refusal = [&](const std::string& rest) {
-    try {
-      model_of(rest);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("accepted");
-  };
-  EXPECT_THAT(refusal("model: {springs: lloyd, volume: tet}\n"), HasSubstr("sets volume by itself"));
-  EXPECT_THAT(refusal("model: {smoothed: blend}\n"), HasSubstr("takes springs alone"));
-  EXPECT_THAT(refusal("model: {springs: uniform, stiffness_n_per_m: 0}\n"),
-              HasSubstr("stiffness_n_per_m: expected a number, at least 1e-12"));
 }
 
 }  // namespace

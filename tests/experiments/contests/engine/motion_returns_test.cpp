@@ -1,4 +1,4 @@
-#include "experiments/simulation/motion_returns.h"
+#include "experiments/contests/engine/motion_returns.h"
 
 #include <gtest/gtest.h>
 
@@ -8,20 +8,19 @@ namespace palpate::experiments {
 namespace {
 
 /// Two tools, let go at 1 s and 5 s; the second comes at 4 s; the end is at 8 s.
-Scene two_tools() {
-  Scene scene;
-  scene.is_dynamic = true;
-  scene.dynamic.duration_s = 8.0;
-  SceneLoad gravity;
-  SceneLoad second;
-  second.kind = SceneLoad::Kind::kDisplace;
+reference::MotionProblem two_tools() {
+  reference::MotionProblem problem;
+  problem.duration_s = 8.0;
+  reference::MotionLoad gravity;
+  reference::MotionLoad second;
+  second.part.supports.resize(1);
   second.from_s = 4.0;
   second.until_s = 5.0;
-  SceneLoad first = second;
+  reference::MotionLoad first = second;
   first.from_s = 0.0;
   first.until_s = 1.0;
-  scene.loads = {gravity, second, first};
-  return scene;
+  problem.loads = {gravity, second, first};
+  return problem;
 }
 
 /// Held at 2 mm while a tool is there, then falling as exp(-rate t).
