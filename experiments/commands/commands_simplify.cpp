@@ -15,7 +15,7 @@
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/output_file.h"
 #include "experiments/judging/judge_record.h"
-#include "experiments/judging/keep.h"
+#include "experiments/judging/kept_regions.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/processes/bounded_work.h"
 #include "experiments/text/nearest_name.h"
@@ -83,7 +83,7 @@ MethodEntry find_method(const Registry& registry, const std::string& name) {
 std::vector<std::string> keep_of(const SimplifyArguments& arguments, const MethodSpec& method,
                                  const Registry& registry) {
   std::vector<std::string> keep;
-  for (const std::string& region : arguments.keep) keep.push_back(parse_keep(region, "--keep"));
+  for (const std::string& region : arguments.keep) keep.push_back(parse_kept_region(region, "--keep"));
   if (!keep.empty() && !method.keeps)
     throw InputError("--keep: method " + method.name + " keeps no regions" + keeping_methods(registry));
   return keep;

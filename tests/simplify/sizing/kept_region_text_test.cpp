@@ -1,4 +1,4 @@
-#include "core/simplify/sizing/keep_text.h"
+#include "core/simplify/sizing/kept_region_text.h"
 
 #include <gtest/gtest.h>
 
@@ -8,16 +8,16 @@ namespace palpate::simplify {
 namespace {
 
 TEST(KeepText, ReadsEachForm) {
-  const KeepRegion sphere = parse_keep_region("sphere 1 -2 0.5 1e-2", "here");
-  EXPECT_EQ(sphere.kind, KeepRegion::Kind::kSphere);
+  const KeptRegion sphere = parse_kept_region("sphere 1 -2 0.5 1e-2", "here");
+  EXPECT_EQ(sphere.kind, KeptRegion::Kind::kSphere);
   EXPECT_EQ(sphere.center, (Vec3{1, -2, 0.5}));
   EXPECT_EQ(sphere.radius, 0.01);
-  const KeepRegion half = parse_keep_region("  half_space 0 0  2 -0.04 ", "here");
-  EXPECT_EQ(half.kind, KeepRegion::Kind::kHalfSpace);
+  const KeptRegion half = parse_kept_region("  half_space 0 0  2 -0.04 ", "here");
+  EXPECT_EQ(half.kind, KeptRegion::Kind::kHalfSpace);
   EXPECT_EQ(half.normal, (Vec3{0, 0, 2}));
   EXPECT_EQ(half.offset, -0.04);
-  const KeepRegion patch = parse_keep_region("patch 1 2 3 4 0", "here");
-  EXPECT_EQ(patch.kind, KeepRegion::Kind::kSurfacePatch);
+  const KeptRegion patch = parse_kept_region("patch 1 2 3 4 0", "here");
+  EXPECT_EQ(patch.kind, KeptRegion::Kind::kSurfacePatch);
   EXPECT_EQ(patch.center, (Vec3{1, 2, 3}));
   EXPECT_EQ(patch.radius, 4.0);
   EXPECT_EQ(patch.depth, 0.0);
@@ -37,7 +37,7 @@ TEST(KeepText, RefusalsSayWhereWhatAndWhy) {
            {"patch 0 0 0 1", "\"patch x y z r depth\", found 4"},
            {"patch 0 0 0 1 -1", "a depth of at least 0"}}) {
     try {
-      parse_keep_region(text, "plan.yaml:7");
+      parse_kept_region(text, "plan.yaml:7");
       ADD_FAILURE() << text;
     } catch (const InputError& error) {
       EXPECT_EQ(std::string(error.what()).rfind("plan.yaml:7: expected ", 0), 0U) << error.what();

@@ -1,4 +1,4 @@
-#include "core/simplify/fusion/outcome_costs.h"
+#include "core/simplify/fusion/fusion_costs.h"
 
 #include <algorithm>
 #include <array>
@@ -24,12 +24,12 @@ bool is_single(unsigned bits) {
 
 }  // namespace
 
-OutcomeCosts::OutcomeCosts(const FusionMesh& mesh, const OutcomeOptions& options, double ideal_volume)
+FusionCosts::FusionCosts(const FusionMesh& mesh, const CheapestFirstOptions& options, double ideal_volume)
     : mesh_(mesh),
       metric_(options.common.metric),
       ideal_volume_(ideal_volume),
       drop_(options.common.drop),
-      counts_removed_(options.objective == OutcomeObjective::kTotalLoss),
+      counts_removed_(options.objective == CostObjective::kTotalLoss),
       quality_(mesh.tets.size()),
       lost_(mesh.tets.size(), 0.0),
       removed_(mesh.tets.size(), 0),
@@ -38,7 +38,7 @@ OutcomeCosts::OutcomeCosts(const FusionMesh& mesh, const OutcomeOptions& options
   measure_all();
 }
 
-void OutcomeCosts::measure_all() {
+void FusionCosts::measure_all() {
   double sum = 0.0;
   for (std::size_t begin = 0; begin < quality_.size(); begin += TetBatch::kCapacity) {
     const std::size_t end = std::min(quality_.size(), begin + TetBatch::kCapacity);
@@ -53,7 +53,7 @@ void OutcomeCosts::measure_all() {
   if (!quality_.empty()) mean_quality_ = round_to_grid(sum / static_cast<double>(quality_.size()));
 }
 
-void OutcomeCosts::add_to_batch(Index tet, std::size_t corner, const Vec3& position) {
+void FusionCosts::add_to_batch(Index tet, std::size_t corner, const Vec3& position) {
   const Tet& v = mesh_.tets[tet];
   std::array<const Vec3*, 4> p{&mesh_.points[v[0]], &mesh_.points[v[1]], &mesh_.points[v[2]],
                                &mesh_.points[v[3]]};
@@ -61,13 +61,13 @@ void OutcomeCosts::add_to_batch(Index tet, std::size_t corner, const Vec3& posit
   batch_.add(*p[0], *p[1], *p[2], *p[3]);
 }
 
-Refusal OutcomeCosts::check(std::size_t in_batch, Index moved) const {
+Refusal FusionCosts::check(std::size_t in_batch, Index moved) const {
   if (!is_positive(batch_, in_batch)) return Refusal::kFlip;
   return batch_.quality[in_batch] < drop_ * quality_[moved] ? Refusal::kQuality : Refusal::kNone;
 }
 
 /// Measures the batch, which holds the moved tets from `first_moved` on.
-Weighing OutcomeCosts::flush_star(std::size_t first_moved) {
+Weighing FusionCosts::flush_star(std::size_t first_moved) {
   measure_batch(metric_, ideal_volume_, batch_);
   for (std::size_t i = 0; i < batch_.size; ++i) {
     const Index tet = plan_.moved[first_moved + i].tet;
@@ -79,7 +79,7 @@ Weighing OutcomeCosts::flush_star(std::size_t first_moved) {
   return {};
 }
 
-Weighing OutcomeCosts::weigh(Index t) {
+Weighing FusionCosts::weigh(Index t) {
   after_.clear();
   batch_.size = 0;
   Weighing weighing;
@@ -107,7 +107,7 @@ Weighing OutcomeCosts::weigh(Index t) {
   return weighing;
 }
 
-Refusal OutcomeCosts::check_on(Index t, Index witness) {
+Refusal FusionCosts::check_on(Index t, Index witness) {
   if (!mesh_.is_alive(witness)) return Refusal::kNone;
   const unsigned shared = shared_corners(mesh_.tets[witness], mesh_.tets[t]);
   if (!is_single(shared)) return Refusal::kNone;
@@ -117,7 +117,7 @@ Refusal OutcomeCosts::check_on(Index t, Index witness) {
   return check(0, witness);
 }
 
-void OutcomeCosts::mark_changes() {
+void FusionCosts::mark_changes() {
   affected_.clear();
   link_.clear();
   const Tet& center = mesh_.tets[plan_.target];
@@ -139,7 +139,7 @@ void OutcomeCosts::mark_changes() {
 }
 
 /// The changed tets around a candidate, each once: at the first corner of the candidate that it shares.
-void OutcomeCosts::find_terms(Index affected) {
+void FusionCosts::find_terms(Index affected) {
   const Index t = affected_[affected].tet;
   const Tet& candidate = mesh_.tets[t];
   for (std::size_t k = 0; k < 4; ++k) {
@@ -156,7 +156,7 @@ void OutcomeCosts::find_terms(Index affected) {
   }
 }
 
-void OutcomeCosts::take_out_old_terms() {
+void FusionCosts::take_out_old_terms() {
   terms_.clear();
   shared_.clear();
   for (Index n = 0; n < affected_.size(); ++n) {
@@ -181,7 +181,7 @@ void OutcomeCosts::take_out_old_terms() {
   }
 }
 
-void OutcomeCosts::put_in_new_terms() {
+void FusionCosts::put_in_new_terms() {
   for (std::size_t i = 0; i < plan_.moved.size(); ++i) quality_[plan_.moved[i].tet] = after_[i];
   const auto is_dead = [this](const Term& term) { return mark_[term.tet] == Mark::kDead; };
   std::erase_if(terms_, is_dead);

@@ -1,4 +1,4 @@
-#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/star_quality.h"
 
 #include <algorithm>
 #include <bit>
@@ -126,13 +126,13 @@ ScoreScale scale_of_ideal_volume(double ideal_volume) {
   return scale;
 }
 
-void Cone::grow() {
+void StarQuality::grow() {
   const std::size_t blocks = lanes_.size() / kBlock + 16;
   lanes_.resize(blocks * kBlock);
   base_.resize(4 * blocks);
 }
 
-void Cone::close() {
+void StarQuality::close() {
   if (size_ == 0) return;
   for (std::size_t i = size_; i % 4 != 0; ++i) {  // the lanes behind the last triangle repeat it
     float* const block = lanes_.data() + kBlock * (i / 4);
@@ -148,14 +148,14 @@ void Cone::close() {
   }
 }
 
-ConeFigures Cone::evaluate(const Vec3& p, double bound) const {
+StarFigures StarQuality::evaluate(const Vec3& p, double bound) const {
   const LaneApex apex = build_apex(scale_, origin_, p);
   const LaneQuad limit = LaneQuad::of(static_cast<float>(std::max(bound, double{2.0F * kWorstScore})));
   const LaneQuad offset = LaneQuad::of(static_cast<float>(scale_.gain_offset));
   LaneQuad worst = LaneQuad::of(std::numeric_limits<float>::max());
   LaneQuad sum = LaneQuad::of(0.0F);
   std::array<float, 4> out{};
-  ConeFigures figures;
+  StarFigures figures;
   for (std::size_t i = 0; i < size_; i += 4) {
     const LaneQuad score = score_block<false>(apex, lanes_.data() + kBlock * (i / 4));
     worst = min(worst, score);
@@ -176,7 +176,7 @@ ConeFigures Cone::evaluate(const Vec3& p, double bound) const {
 }
 
 template <bool kFromBehind>
-void Cone::fill_scores(const Vec3& p, std::vector<double>& scores) const {
+void StarQuality::fill_scores(const Vec3& p, std::vector<double>& scores) const {
   const LaneApex apex = build_apex(scale_, origin_, p);
   scores.resize(size_);
   std::array<float, 4> out{};
@@ -186,15 +186,15 @@ void Cone::fill_scores(const Vec3& p, std::vector<double>& scores) const {
   }
 }
 
-void Cone::scores(const Vec3& p, std::vector<double>& scores) const {
+void StarQuality::scores(const Vec3& p, std::vector<double>& scores) const {
   fill_scores<false>(p, scores);
 }
 
-void Cone::scores_from_behind(const Vec3& p, std::vector<double>& scores) const {
+void StarQuality::scores_from_behind(const Vec3& p, std::vector<double>& scores) const {
   fill_scores<true>(p, scores);
 }
 
-Vec3 Cone::volume_centroid(const Vec3& p) const {
+Vec3 StarQuality::volume_centroid(const Vec3& p) const {
   Vec3 sum{};
   double volume = 0.0;
   for (std::size_t i = 0; i < size_; ++i) {
@@ -208,30 +208,30 @@ Vec3 Cone::volume_centroid(const Vec3& p) const {
   return volume > 0.0 ? p + (0.25 / volume) * sum : p;
 }
 
-bool Cone::is_positive(const Vec3& p) const {
+bool StarQuality::is_positive(const Vec3& p) const {
   for (std::size_t i = 0; i < size_; ++i) {
     if (orientation(p, *base_[i][0], *base_[i][1], *base_[i][2]) <= 0) return false;
   }
   return true;
 }
 
-void add_star(const WorkingMesh& mesh, Index v, Index without, Cone& cone) {
+void add_star(const WorkingMesh& mesh, Index v, Index without, StarQuality& star) {
   for (const Index t : mesh.star(v)) {
     const Tet& tet = mesh.tets[t];
     if (without != kNoIndex && corners_that_are(tet, without) != 0U) continue;
     const auto& face = kTetFaces[static_cast<std::size_t>(std::countr_zero(corners_that_are(tet, v)))];
-    cone.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
+    star.add(mesh.points[tet[static_cast<std::size_t>(face[0])]],
              mesh.points[tet[static_cast<std::size_t>(face[1])]],
              mesh.points[tet[static_cast<std::size_t>(face[2])]]);
   }
 }
 
 double score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  static thread_local Cone cone;
-  cone.start(scale, a);
-  cone.add(b, c, d);
-  cone.close();
-  return cone.evaluate(a).worst;
+  static thread_local StarQuality star;
+  star.start(scale, a);
+  star.add(b, c, d);
+  star.close();
+  return star.evaluate(a).worst;
 }
 
 }  // namespace palpate::simplify

@@ -25,9 +25,9 @@ struct Weighing {
 /// A fusion changes the tets that it moves or removes. Of a candidate nearby these are only a few of the tets
 /// around, so its cost is brought up to date by taking their old terms out of its sum and putting the new
 /// ones in; the grid of batch_quality.h makes that exact.
-class OutcomeCosts {
+class FusionCosts {
  public:
-  OutcomeCosts(const FusionMesh& mesh, const OutcomeOptions& options, double ideal_volume);
+  FusionCosts(const FusionMesh& mesh, const CheapestFirstOptions& options, double ideal_volume);
 
   /// Weighs candidate t from scratch: its plan and, if it passes, its cost.
   Weighing weigh(Index t);

@@ -9,7 +9,7 @@
 namespace palpate::simplify {
 
 /// The words that a region starts with: sphere, half_space, patch.
-const std::vector<std::string>& keep_region_kinds();
+const std::vector<std::string>& kept_region_kinds();
 
 /// Reads a region; lengths in the mesh's own coordinates.
 ///
@@ -18,6 +18,6 @@ const std::vector<std::string>& keep_region_kinds();
 ///   patch x y z r d           within d of the boundary faces that have a vertex in that ball
 ///
 /// Throws: InputError "where: ..." for another word, another number of numbers, or a number out of range.
-KeepRegion parse_keep_region(const std::string& text, const std::string& where);
+KeptRegion parse_kept_region(const std::string& text, const std::string& where);
 
 }  // namespace palpate::simplify

@@ -1,4 +1,4 @@
-#include "core/simplify/surface/skin.h"
+#include "core/simplify/surface/guarded_boundary.h"
 
 #include <gtest/gtest.h>
 
@@ -104,7 +104,7 @@ TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
   EXPECT_GT(contacts, 500U);
 }
 
-/// A block under a skin with the given bound, and the change that moves the middle vertex of its top.
+/// A block with a guarded boundary of the given bound, and the change that moves the middle vertex of its top.
 struct MovedTop {
   WorkingMesh mesh;
   Index middle = kNoIndex;
@@ -115,53 +115,55 @@ struct MovedTop {
     }
   }
 
-  SkinChange to(const Skin& skin, const Vec3& place) const {
-    SkinChange change;
-    change.removed.assign(skin.faces_of(middle).begin(), skin.faces_of(middle).end());
-    for (const Index f : change.removed) change.fresh.push_back(skin.face(f));
+  BoundaryChange to(const GuardedBoundary& boundary, const Vec3& place) const {
+    BoundaryChange change;
+    change.removed.assign(boundary.faces_of(middle).begin(), boundary.faces_of(middle).end());
+    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
     change.moved = middle;
     change.to = place;
     return change;
   }
 };
 
-TEST(Skin, HasTheBoundaryFaces) {
+TEST(GuardedBoundary, HasTheBoundaryFaces) {
   const MovedTop top;
-  const Skin skin(top.mesh, 0.1);
-  EXPECT_EQ(skin.size(), 6U * 32U);
-  EXPECT_EQ(skin.faces_of(top.middle).size(), 6U);
+  const GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.size(), 6U * 32U);
+  EXPECT_EQ(boundary.faces_of(top.middle).size(), 6U);
 }
 
-TEST(Skin, PermitsWhatIsWithinTheBoundAndNothingElse) {
+TEST(GuardedBoundary, PermitsWhatIsWithinTheBoundAndNothingElse) {
   const MovedTop top;
-  Skin skin(top.mesh, 0.1);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.09})), SkinVerdict::kAllowed);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.11})), SkinVerdict::kTooFar);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2.4, 2.3, 4})), SkinVerdict::kAllowed);  // within the plane
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {3.4, 2.3, 4})), SkinVerdict::kContact);  // a face turns over
+  GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.09})), BoundaryVerdict::kAllowed);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.11})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2.4, 2.3, 4})),
+            BoundaryVerdict::kAllowed);  // within the plane
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {3.4, 2.3, 4})),
+            BoundaryVerdict::kContact);  // a face turns over
 }
 
-TEST(Skin, ErrorsDoNotAddUpUnseen) {
+TEST(GuardedBoundary, ErrorsDoNotAddUpUnseen) {
   MovedTop top;
-  Skin skin(top.mesh, 0.1);
-  const SkinChange first = top.to(skin, {2, 2, 4.08});
-  ASSERT_EQ(skin.check(top.mesh, first), SkinVerdict::kAllowed);
-  skin.apply(top.mesh, first);
+  GuardedBoundary boundary(top.mesh, 0.1);
+  const BoundaryChange first = top.to(boundary, {2, 2, 4.08});
+  ASSERT_EQ(boundary.check(top.mesh, first), BoundaryVerdict::kAllowed);
+  boundary.apply(top.mesh, first);
   apply_move(top.mesh, top.middle, first.to);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.16})), SkinVerdict::kTooFar);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 3.92})), SkinVerdict::kAllowed);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.16})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 3.92})), BoundaryVerdict::kAllowed);
 }
 
-TEST(Skin, ABoundMayGrowButNotShrink) {
+TEST(GuardedBoundary, ABoundMayGrowButNotShrink) {
   const MovedTop top;
-  Skin skin(top.mesh, 0.1);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.3})), SkinVerdict::kTooFar);
-  skin.raise_bound(top.mesh, 0.4);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.3})), SkinVerdict::kAllowed);
-  EXPECT_THROW(skin.raise_bound(top.mesh, 0.2), ContractError);
+  GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.3})), BoundaryVerdict::kTooFar);
+  boundary.raise_bound(top.mesh, 0.4);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.3})), BoundaryVerdict::kAllowed);
+  EXPECT_THROW(boundary.raise_bound(top.mesh, 0.2), ContractError);
 }
 
-TEST(Skin, ASpikeMayNotBeCutOff) {
+TEST(GuardedBoundary, ASpikeMayNotBeCutOff) {
   // All that would be left is within reach of the input, but the spike is not within reach of what is left.
   TetMesh block = make_kuhn_block(4, 4, 4);
   block.points[block_vertex(4, 4, 2, 2, 4)].z = 5.0;
@@ -170,12 +172,12 @@ TEST(Skin, ASpikeMayNotBeCutOff) {
   for (Index v = 0; v < top.mesh.points.size(); ++v) {
     if (top.mesh.points[v] == Vec3{2, 2, 5}) top.middle = v;
   }
-  Skin skin(top.mesh, 0.45);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.4})), SkinVerdict::kTooFar);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.6})), SkinVerdict::kAllowed);
+  GuardedBoundary boundary(top.mesh, 0.45);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.4})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.6})), BoundaryVerdict::kAllowed);
 }
 
-TEST(Skin, PartsThatWouldTouchAreSeenFromAfar) {
+TEST(GuardedBoundary, PartsThatWouldTouchAreSeenFromAfar) {
   // Two blocks, the second 0.25 above the first: the bound permits more than that.
   MovedTop top;
   top.mesh = build_working_mesh(
@@ -184,10 +186,10 @@ TEST(Skin, PartsThatWouldTouchAreSeenFromAfar) {
   for (Index v = 0; v < top.mesh.points.size(); ++v) {
     if (top.mesh.points[v] == Vec3{2, 2, 4}) top.middle = v;
   }
-  Skin skin(top.mesh, 1.0);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.24})), SkinVerdict::kAllowed);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.25})), SkinVerdict::kContact);
-  EXPECT_EQ(skin.check(top.mesh, top.to(skin, {2, 2, 4.5})), SkinVerdict::kContact);
+  GuardedBoundary boundary(top.mesh, 1.0);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.24})), BoundaryVerdict::kAllowed);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.25})), BoundaryVerdict::kContact);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.5})), BoundaryVerdict::kContact);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace palpate::simplify {
 
 /// Faces that would go and faces that would come in their place, with one vertex moved. The outline of both
 /// sets is the same; there are no more fresh faces than removed ones.
-struct SkinChange {
+struct BoundaryChange {
   std::vector<Index> removed;   ///< numbers of faces
   std::vector<Triangle> fresh;  ///< the i-th takes the number of the i-th removed one
   Index moved = kNoIndex;       ///< the only vertex of `fresh` that has another place, or none ...
@@ -24,18 +24,18 @@ struct SkinChange {
 };
 
 /// What speaks against a change.
-enum class SkinVerdict {
+enum class BoundaryVerdict {
   kAllowed,
   kTooFar,  ///< the distance to the input's skin would exceed the bound, or is not proven not to
   kContact  ///< a face would touch another one
 };
 
 /// Current boundary faces, found by vertex and by place.
-class Skin {
+class GuardedBoundary {
  public:
   /// Takes the boundary of the mesh as the input's skin. `max_error` in the mesh's unit; below rounding
   /// (1e-13 of the largest coordinate) it is taken for that.
-  Skin(const WorkingMesh& mesh, double max_error);
+  GuardedBoundary(const WorkingMesh& mesh, double max_error);
 
   /// Changes the bound for what comes. It may only grow: what was proven for a smaller one still holds.
   void raise_bound(const WorkingMesh& mesh, double max_error);
@@ -54,10 +54,10 @@ class Skin {
   std::optional<Vec3> find_contact(const WorkingMesh& mesh) const;
 
   /// Whether a change keeps two-sided distance and embedding. Remembers the proof for apply().
-  SkinVerdict check(const WorkingMesh& mesh, const SkinChange& change);
+  BoundaryVerdict check(const WorkingMesh& mesh, const BoundaryChange& change);
 
   /// Carries out the change that was checked last. Call it before the mesh changes.
-  void apply(const WorkingMesh& mesh, const SkinChange& change);
+  void apply(const WorkingMesh& mesh, const BoundaryChange& change);
 
  private:
   /// A triangle of the input's skin that a change concerns, and the current faces that would cover it.
@@ -66,12 +66,12 @@ class Skin {
     std::vector<Index> covering;  ///< numbers of faces, as they are after the change
   };
 
-  bool touches_others(const WorkingMesh& mesh, const SkinChange& change);
+  bool touches_others(const WorkingMesh& mesh, const BoundaryChange& change);
   bool stays_near_input();
-  bool input_stays_near(const WorkingMesh& mesh, const SkinChange& change);
-  void place_fresh(const WorkingMesh& mesh, const SkinChange& change);
-  void collect_concerned(const SkinChange& change);
-  void collect_around(const WorkingMesh& mesh, const SkinChange& change);
+  bool input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change);
+  void place_fresh(const WorkingMesh& mesh, const BoundaryChange& change);
+  void collect_concerned(const BoundaryChange& change);
+  void collect_around(const WorkingMesh& mesh, const BoundaryChange& change);
   PlacedFace placed(const WorkingMesh& mesh, Index f) const;
   bool is_removed(Index f) const { return removed_stamp_[f] == stamp_; }
   void link(Index f);

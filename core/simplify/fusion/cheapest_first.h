@@ -1,4 +1,5 @@
-// Fusions ordered by their outcome: where they cost least quality for what they remove, over the whole mesh.
+// Fusions ordered by their cost: where they lose least quality for what they remove, over the whole mesh. The
+// method palpate.outcome.
 #pragma once
 
 #include "core/mesh/tet_mesh.h"
@@ -27,6 +28,6 @@ namespace palpate::simplify {
 /// Requires: a valid mesh (positive tets, manifold faces).
 /// Returns:  what was done; `rejected` counts the tets that are left, by what kept them when last looked at.
 /// Throws:   InputError for impossible options, or a non-manifold face.
-SimplifyReport simplify_by_outcome(TetMesh& mesh, const OutcomeOptions& options);
+SimplifyReport simplify_cheapest_first(TetMesh& mesh, const CheapestFirstOptions& options);
 
 }  // namespace palpate::simplify

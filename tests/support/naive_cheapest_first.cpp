@@ -1,4 +1,4 @@
-#include "tests/support/naive_outcome.h"
+#include "tests/support/naive_cheapest_first.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace palpate::test_support {
 namespace {
 
-using simplify::OutcomeOptions;
+using simplify::CheapestFirstOptions;
 
 bool has(const Tet& tet, Index v) {
   return std::find(tet.begin(), tet.end(), v) != tet.end();
@@ -20,7 +20,7 @@ bool has(const Tet& tet, Index v) {
 
 class Naive {
  public:
-  Naive(const TetMesh& mesh, const OutcomeOptions& options)
+  Naive(const TetMesh& mesh, const CheapestFirstOptions& options)
       : mesh_(mesh),
         options_(options),
         sizing_(options.common.sizing, mesh),
@@ -150,7 +150,7 @@ class Naive {
         lost += before - *after;
       } else {
         ++removed;
-        if (options_.objective == simplify::OutcomeObjective::kTotalLoss) lost += before - mean_quality_;
+        if (options_.objective == simplify::CostObjective::kTotalLoss) lost += before - mean_quality_;
       }
     }
     return lost / removed;
@@ -198,7 +198,7 @@ class Naive {
   }
 
   TetMesh mesh_;
-  OutcomeOptions options_;
+  CheapestFirstOptions options_;
   simplify::SizingField sizing_;
   std::vector<std::uint8_t> kept_;
   double largest_far_ = 0.0;  ///< 0: no bound
@@ -213,7 +213,7 @@ class Naive {
 
 }  // namespace
 
-std::uint64_t simplify_naively_by_outcome(TetMesh& mesh, const OutcomeOptions& options) {
+std::uint64_t simplify_naively_cheapest_first(TetMesh& mesh, const CheapestFirstOptions& options) {
   Naive naive(mesh, options);
   const std::uint64_t fusions = naive.run();
   mesh = naive.result();

@@ -1,4 +1,4 @@
-#include "core/simplify/surface/skin.h"
+#include "core/simplify/surface/guarded_boundary.h"
 
 #include <algorithm>
 #include <bit>
@@ -56,7 +56,7 @@ double mean_edge(const std::vector<TriangleCorners>& faces) {
 
 void erase_one(std::vector<Index>& items, Index item) {
   const auto found = std::find(items.begin(), items.end(), item);
-  require(found != items.end(), "skin: a face is not where it should be");
+  require(found != items.end(), "guarded boundary: a face is not where it should be");
   *found = items.back();
   items.pop_back();
 }
@@ -70,7 +70,7 @@ std::uint64_t hash_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 }  // namespace
 
-Skin::Skin(const WorkingMesh& mesh, double max_error)
+GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error)
     : faces_(collect_faces(mesh)),
       of_vertex_(mesh.points.size()),
       alive_(faces_.size()),
@@ -92,13 +92,13 @@ Skin::Skin(const WorkingMesh& mesh, double max_error)
   }
 }
 
-void Skin::raise_bound(const WorkingMesh& mesh, double max_error) {
+void GuardedBoundary::raise_bound(const WorkingMesh& mesh, double max_error) {
   const CoverTest raised(at_least_rounding(max_error, mesh));
-  require(raised.limit_sq() >= cover_.limit_sq(), "skin: a bound may only grow");
+  require(raised.limit_sq() >= cover_.limit_sq(), "guarded boundary: a bound may only grow");
   cover_ = raised;
 }
 
-void Skin::renumber(const std::vector<Index>& new_number, std::size_t vertices) {
+void GuardedBoundary::renumber(const std::vector<Index>& new_number, std::size_t vertices) {
   of_vertex_.assign(vertices, {});
   for (Index f = 0; f < faces_.size(); ++f) {
     if (!is_alive(f)) continue;
@@ -107,16 +107,16 @@ void Skin::renumber(const std::vector<Index>& new_number, std::size_t vertices) 
   }
 }
 
-void Skin::link(Index f) {
+void GuardedBoundary::link(Index f) {
   for (const Index v : faces_[f]) of_vertex_[v].push_back(f);
 }
 
-void Skin::unlink(Index f) {
+void GuardedBoundary::unlink(Index f) {
   for (const Index v : faces_[f]) erase_one(of_vertex_[v], f);
 }
 
 template <typename Visit>
-void Skin::for_each_cell(const TriangleCorners& t, const Visit& visit) const {
+void GuardedBoundary::for_each_cell(const TriangleCorners& t, const Visit& visit) const {
   const auto range = [&](double a, double b, double c) {
     const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
     return std::pair{cell(std::min({a, b, c})), cell(std::max({a, b, c}))};
@@ -131,19 +131,19 @@ void Skin::for_each_cell(const TriangleCorners& t, const Visit& visit) const {
   }
 }
 
-void Skin::enter_grid(Index f, const TriangleCorners& t) {
+void GuardedBoundary::enter_grid(Index f, const TriangleCorners& t) {
   for_each_cell(t, [&](std::size_t cell) { cells_[cell].push_back(f); });
 }
 
-void Skin::leave_grid(Index f, const TriangleCorners& t) {
+void GuardedBoundary::leave_grid(Index f, const TriangleCorners& t) {
   for_each_cell(t, [&](std::size_t cell) { erase_one(cells_[cell], f); });
 }
 
-PlacedFace Skin::placed(const WorkingMesh& mesh, Index f) const {
+PlacedFace GuardedBoundary::placed(const WorkingMesh& mesh, Index f) const {
   return {faces_[f], corners_of(mesh, faces_[f])};
 }
 
-void Skin::place_fresh(const WorkingMesh& mesh, const SkinChange& change) {
+void GuardedBoundary::place_fresh(const WorkingMesh& mesh, const BoundaryChange& change) {
   fresh_.clear();
   for (const Triangle& t : change.fresh) {
     PlacedFace face{t, corners_of(mesh, t)};
@@ -154,20 +154,20 @@ void Skin::place_fresh(const WorkingMesh& mesh, const SkinChange& change) {
   }
 }
 
-SkinVerdict Skin::check(const WorkingMesh& mesh, const SkinChange& change) {
+BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryChange& change) {
   ++stamp_;
   for (const Index f : change.removed) removed_stamp_[f] = stamp_;
   place_fresh(mesh, change);
   if (change.moved != kNoIndex &&
       tree_.nearest(change.to, cover_.limit_sq() * (1.0 + 1e-15) + 1e-300).triangle == nullptr) {
-    return SkinVerdict::kTooFar;
+    return BoundaryVerdict::kTooFar;
   }
-  if (touches_others(mesh, change)) return SkinVerdict::kContact;
+  if (touches_others(mesh, change)) return BoundaryVerdict::kContact;
   const bool near = input_stays_near(mesh, change) && stays_near_input();
-  return near ? SkinVerdict::kAllowed : SkinVerdict::kTooFar;
+  return near ? BoundaryVerdict::kAllowed : BoundaryVerdict::kTooFar;
 }
 
-bool Skin::touches_others(const WorkingMesh& mesh, const SkinChange& change) {
+bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChange& change) {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (are_in_contact(fresh_[i], fresh_[j])) return true;
@@ -187,7 +187,7 @@ bool Skin::touches_others(const WorkingMesh& mesh, const SkinChange& change) {
   return change.fresh.empty();
 }
 
-std::optional<Vec3> Skin::find_contact(const WorkingMesh& mesh) const {
+std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {
   for (Index f = 0; f < faces_.size(); ++f) {
     if (!is_alive(f)) continue;
     const PlacedFace face = placed(mesh, f);
@@ -202,13 +202,13 @@ std::optional<Vec3> Skin::find_contact(const WorkingMesh& mesh) const {
   return std::nullopt;
 }
 
-bool Skin::stays_near_input() {
+bool GuardedBoundary::stays_near_input() {
   return std::all_of(fresh_.begin(), fresh_.end(),
                      [&](const PlacedFace& face) { return cover_.is_covered(face.corner, tree_); });
 }
 
 /// The input's triangles that the removed faces cover.
-void Skin::collect_concerned(const SkinChange& change) {
+void GuardedBoundary::collect_concerned(const BoundaryChange& change) {
   concerned_.clear();
   for (const Index f : change.removed) {
     for (const Index i : covered_by_[f]) {
@@ -221,7 +221,7 @@ void Skin::collect_concerned(const SkinChange& change) {
 }
 
 /// Faces that stay, at the outline of the change.
-void Skin::collect_around(const WorkingMesh& mesh, const SkinChange& change) {
+void GuardedBoundary::collect_around(const WorkingMesh& mesh, const BoundaryChange& change) {
   around_.clear();
   candidates_.clear();
   for (const PlacedFace& face : fresh_) candidates_.push_back(face.corner);
@@ -238,7 +238,7 @@ void Skin::collect_around(const WorkingMesh& mesh, const SkinChange& change) {
   }
 }
 
-bool Skin::input_stays_near(const WorkingMesh& mesh, const SkinChange& change) {
+bool GuardedBoundary::input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change) {
   collect_concerned(change);
   collect_around(mesh, change);
   proof_count_ = 0;
@@ -255,9 +255,9 @@ bool Skin::input_stays_near(const WorkingMesh& mesh, const SkinChange& change) {
   return true;
 }
 
-void Skin::apply(const WorkingMesh& mesh, const SkinChange& change) {
+void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& change) {
   require(change.fresh.size() <= change.removed.size() && fresh_.size() == change.fresh.size(),
-          "skin: the change is not the one that was checked");
+          "guarded boundary: the change is not the one that was checked");
   for (const Index f : change.removed) {
     leave_grid(f, corners_of(mesh, faces_[f]));
     unlink(f);

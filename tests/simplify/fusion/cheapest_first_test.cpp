@@ -1,4 +1,4 @@
-#include "core/simplify/fusion/outcome.h"
+#include "core/simplify/fusion/cheapest_first.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/judge/mesh/judge.h"
 #include "core/mesh/shapes/shapes.h"
-#include "tests/support/naive_outcome.h"
+#include "tests/support/naive_cheapest_first.h"
 
 namespace palpate::simplify {
 namespace {
@@ -24,21 +24,22 @@ std::vector<Case> small_meshes() {
           {"bcc bar", build_bcc_bar(4)}};
 }
 
-void expect_same_as_naive(const TetMesh& input, const OutcomeOptions& options, const std::string& what) {
+void expect_same_as_naive(const TetMesh& input, const CheapestFirstOptions& options,
+                          const std::string& what) {
   TetMesh fast = input;
   TetMesh naive = input;
-  const SimplifyReport report = simplify_by_outcome(fast, options);
-  EXPECT_EQ(report.fusions, test_support::simplify_naively_by_outcome(naive, options)) << what;
+  const SimplifyReport report = simplify_cheapest_first(fast, options);
+  EXPECT_EQ(report.fusions, test_support::simplify_naively_cheapest_first(naive, options)) << what;
   EXPECT_EQ(fast, naive) << what;  // coordinates to the bit, and every index
 }
 
-TEST(Outcome, SameBytesAsTheNaiveRescanWithEveryOption) {
+TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithEveryOption) {
   std::uint64_t fused = 0;
   for (const Case& c : small_meshes()) {
-    for (const OutcomeObjective objective : {OutcomeObjective::kMovedLoss, OutcomeObjective::kTotalLoss}) {
+    for (const CostObjective objective : {CostObjective::kMovedLoss, CostObjective::kTotalLoss}) {
       for (const double drop : {0.0, 0.6}) {
         for (const int touched : {0, 1, 2}) {  // candidates again at once, in a further pass, never
-          OutcomeOptions options;
+          CheapestFirstOptions options;
           options.objective = objective;
           options.common.drop = drop;
           options.common.skip_touched = touched != 0;
@@ -48,7 +49,7 @@ TEST(Outcome, SameBytesAsTheNaiveRescanWithEveryOption) {
                                    std::to_string(static_cast<int>(objective)) + " drop " +
                                    std::to_string(drop) + " touched " + std::to_string(touched));
           TetMesh mesh = c.mesh;
-          fused += simplify_by_outcome(mesh, options).fusions;
+          fused += simplify_cheapest_first(mesh, options).fusions;
         }
       }
     }
@@ -56,9 +57,9 @@ TEST(Outcome, SameBytesAsTheNaiveRescanWithEveryOption) {
   EXPECT_GT(fused, 500U);
 }
 
-TEST(Outcome, SameBytesAsTheNaiveRescanWithOtherLevelsMetricsAndStops) {
+TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithOtherLevelsMetricsAndStops) {
   const TetMesh mesh = build_kuhn_cube(7, 0.35, 5);
-  std::vector<OutcomeOptions> all(6);
+  std::vector<CheapestFirstOptions> all(6);
   all[0].common.last_level = 2;
   all[1].common.metric = kMeanRatioMetric;
   all[2].common.levels = LevelAdjacency::kFace;
@@ -69,12 +70,12 @@ TEST(Outcome, SameBytesAsTheNaiveRescanWithOtherLevelsMetricsAndStops) {
   for (std::size_t i = 0; i < all.size(); ++i) expect_same_as_naive(mesh, all[i], std::to_string(i));
 }
 
-TEST(Outcome, SameBytesAsTheNaiveRescanWithARegionToKeep) {
+TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithARegionToKeep) {
   const std::vector<Case> cases{{"kuhn cube, all ties", build_kuhn_cube(4, 0.0, 0)},
                                 {"jittered cube", build_kuhn_cube(5, 0.3, 3)}};
   for (const Case& c : cases) {
     for (const int touched : {0, 1, 2}) {
-      OutcomeOptions options;
+      CheapestFirstOptions options;
       options.common.skip_touched = touched != 0;
       options.many_passes = touched == 1;
       options.common.sizing.keep = {{.center = {0.5, 0.4, 0.3}, .radius = 0.02}};
@@ -90,54 +91,54 @@ TEST(Outcome, SameBytesAsTheNaiveRescanWithARegionToKeep) {
   }
 }
 
-TEST(Outcome, TheJudgeFindsEveryTetThatWasToBeKept) {
+TEST(CheapestFirst, TheJudgeFindsEveryTetThatWasToBeKept) {
   const TetMesh input = build_kuhn_cube(12, 0.3, 6);
   TetMesh output = input;
-  OutcomeOptions options;
+  CheapestFirstOptions options;
   options.common.sizing.keep = {{.center = {0.5, 0.5, 0.6}, .radius = 0.2}};
-  const SimplifyReport report = simplify_by_outcome(output, options);
+  const SimplifyReport report = simplify_cheapest_first(output, options);
   EXPECT_GT(report.fusions, 100U);
   EXPECT_GT(report.rejected.kept, 0U);
   const judge::Region region{judge::Region::Kind::kSphere, {0.5, 0.5, 0.6}, 0.2, 0.0};
   EXPECT_GT(judge::compare_in_regions(output, input, {&region, 1}).input_tets, 100U);
   EXPECT_EQ(judge::compare_in_regions(output, input, {&region, 1}).changed_tets, 0U);
   TetMesh free = input;
-  simplify_by_outcome(free, {});
+  simplify_cheapest_first(free, {});
   EXPECT_GT(judge::compare_in_regions(free, input, {&region, 1}).changed_tets, 0U);
 }
 
-TEST(Outcome, ThreadsDoNotShow) {
+TEST(CheapestFirst, ThreadsDoNotShow) {
   const TetMesh input = build_kuhn_cube(14, 0.35, 9);
   TetMesh expected;
   for (const int threads : {1, 2, 3}) {
-    OutcomeOptions options;
+    CheapestFirstOptions options;
     options.common.threads = threads;
     options.common.stop.ratio = 0.3;
     TetMesh output = input;
-    simplify_by_outcome(output, options);
+    simplify_cheapest_first(output, options);
     if (threads == 1) expected = output;
     EXPECT_EQ(output, expected) << threads << " threads";
   }
 }
 
-TEST(Outcome, StorageOrderDoesNotShow) {
+TEST(CheapestFirst, StorageOrderDoesNotShow) {
   const TetMesh input = build_kuhn_cube(12, 0.35, 9);
-  OutcomeOptions options;
+  CheapestFirstOptions options;
   TetMesh spatial = input;
   TetMesh plain = input;
-  simplify_by_outcome(spatial, options);
+  simplify_cheapest_first(spatial, options);
   options.common.storage = StorageOrder::kInput;
-  simplify_by_outcome(plain, options);
+  simplify_cheapest_first(plain, options);
   EXPECT_EQ(spatial, plain);
 }
 
-TEST(Outcome, TheJudgeFindsAValidMeshWithTheSameBoundary) {
+TEST(CheapestFirst, TheJudgeFindsAValidMeshWithTheSameBoundary) {
   for (const bool skip_touched : {false, true}) {
     const TetMesh input = build_kuhn_cube(12, 0.4, 21);
     TetMesh mesh = input;
-    OutcomeOptions options;
+    CheapestFirstOptions options;
     options.common.skip_touched = skip_touched;
-    const SimplifyReport report = simplify_by_outcome(mesh, options);
+    const SimplifyReport report = simplify_cheapest_first(mesh, options);
     EXPECT_EQ(report.stop, "limit");
     EXPECT_GT(report.fusions, 100U);
     EXPECT_TRUE(judge::check_validity(mesh).is_valid());
@@ -149,36 +150,36 @@ TEST(Outcome, TheJudgeFindsAValidMeshWithTheSameBoundary) {
   }
 }
 
-TEST(Outcome, EveryTetIsCountedByWhatKeepsIt) {
+TEST(CheapestFirst, EveryTetIsCountedByWhatKeepsIt) {
   TetMesh mesh = build_kuhn_cube(10, 0.3, 2);
-  OutcomeOptions options;
+  CheapestFirstOptions options;
   options.common.last_level = 2;
-  const SimplifyReport report = simplify_by_outcome(mesh, options);
+  const SimplifyReport report = simplify_cheapest_first(mesh, options);
   const Rejections& r = report.rejected;
   EXPECT_EQ(r.boundary + r.boundary_neighbour + r.quality + r.flip + r.touched, report.tets_out);
   EXPECT_EQ(report.tets_out, mesh.tets.size());
 }
 
-TEST(Outcome, NothingToFuseLeavesTheMeshAsItIs) {
+TEST(CheapestFirst, NothingToFuseLeavesTheMeshAsItIs) {
   const TetMesh input = build_kuhn_cube(2, 0.0, 0);
   TetMesh mesh = input;
-  const SimplifyReport report = simplify_by_outcome(mesh, {});
+  const SimplifyReport report = simplify_cheapest_first(mesh, {});
   EXPECT_EQ(report.fusions, 0U);
   EXPECT_EQ(report.stop, "limit");
   EXPECT_EQ(mesh, input);
 }
 
-TEST(Outcome, RefusesImpossibleOptions) {
+TEST(CheapestFirst, RefusesImpossibleOptions) {
   TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
-  OutcomeOptions updated;
+  CheapestFirstOptions updated;
   updated.common.ideal_volume = IdealVolume::kUpdated;
-  EXPECT_THROW(simplify_by_outcome(mesh, updated), InputError);
-  OutcomeOptions unchecked;
+  EXPECT_THROW(simplify_cheapest_first(mesh, updated), InputError);
+  CheapestFirstOptions unchecked;
   unchecked.common.checks.flip = false;
-  EXPECT_THROW(simplify_by_outcome(mesh, unchecked), InputError);
-  OutcomeOptions drop;
+  EXPECT_THROW(simplify_cheapest_first(mesh, unchecked), InputError);
+  CheapestFirstOptions drop;
   drop.common.drop = 1.5;
-  EXPECT_THROW(simplify_by_outcome(mesh, drop), InputError);
+  EXPECT_THROW(simplify_cheapest_first(mesh, drop), InputError);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/star_quality.h"
 
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ double exact_score(const ScoreScale& scale, const Corners& p) {
   return std::min(cube, scale.dihedral_weight * sine * sine);
 }
 
-TEST(Cone, ScoresAreThoseOfTheFormula) {
+TEST(StarQuality, ScoresAreThoseOfTheFormula) {
   SplitMix64 random(3);
   for (const double size : {1.0, 1e-6, 2e7}) {
     for (const Vec3& at : {Vec3{0, 0, 0}, Vec3{30.0 * size, -70.0 * size, 4.0 * size}}) {
@@ -58,7 +58,7 @@ TEST(Cone, ScoresAreThoseOfTheFormula) {
   }
 }
 
-TEST(Cone, RegularTetScoresItsDihedralBoundAndFlatOnesNothing) {
+TEST(StarQuality, RegularTetScoresItsDihedralBoundAndFlatOnesNothing) {
   const double h = std::sqrt(2.0 / 3.0);
   const Corners p{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0.5, std::sqrt(0.75), 0},
                   Vec3{0.5, std::sqrt(1.0 / 12.0), h}};
@@ -72,7 +72,7 @@ TEST(Cone, RegularTetScoresItsDihedralBoundAndFlatOnesNothing) {
   EXPECT_NEAR(score_tet(scale, p[0], p[1], p[2], {0.3, 0.3, 0.0}), 0.0, 1e-6);
 }
 
-TEST(Cone, EvaluatesAllItsTetsWhateverTheirNumber) {
+TEST(StarQuality, EvaluatesAllItsTetsWhateverTheirNumber) {
   SplitMix64 random(8);
   for (std::size_t n = 1; n < 30; ++n) {
     const Vec3 apex = random_point(random);
@@ -83,13 +83,13 @@ TEST(Cone, EvaluatesAllItsTetsWhateverTheirNumber) {
       if (orientation(p[0], p[1], p[2], p[3]) > 0) tets.push_back(p);
     }
     const ScoreScale scale = scale_of_ideal_volume(0.02);
-    Cone cone;
-    cone.start(scale, apex);
-    for (const Corners& p : tets) cone.add(p[1], p[2], p[3]);
-    cone.close();
-    ASSERT_EQ(cone.size(), n);
+    StarQuality star;
+    star.start(scale, apex);
+    for (const Corners& p : tets) star.add(p[1], p[2], p[3]);
+    star.close();
+    ASSERT_EQ(star.size(), n);
     std::vector<double> scores;
-    cone.scores(apex, scores);
+    star.scores(apex, scores);
     ASSERT_EQ(scores.size(), n);
     double worst = 1e300;
     double sum = 0.0;
@@ -98,35 +98,35 @@ TEST(Cone, EvaluatesAllItsTetsWhateverTheirNumber) {
       worst = std::min(worst, scores[i]);
       sum += gain_of_score(scale, scores[i]);
     }
-    const ConeFigures figures = cone.evaluate(apex);
+    const StarFigures figures = star.evaluate(apex);
     EXPECT_EQ(figures.worst, worst);
     EXPECT_NEAR(figures.sum, sum, 1e-5 * std::fabs(sum));
-    EXPECT_LT(cone.evaluate(apex, 1.0).worst, 1.0);  // ends early, and says that it is below the bound
-    EXPECT_TRUE(cone.is_positive(apex));
+    EXPECT_LT(star.evaluate(apex, 1.0).worst, 1.0);  // ends early, and says that it is below the bound
+    EXPECT_TRUE(star.is_positive(apex));
     std::vector<double> behind;
-    cone.scores_from_behind(apex, behind);
+    star.scores_from_behind(apex, behind);
     for (std::size_t i = 0; i < n; ++i) EXPECT_LE(behind[i], 0.0);
   }
 }
 
-TEST(Cone, FromBehindIsTheMirroredTet) {
+TEST(StarQuality, FromBehindIsTheMirroredTet) {
   SplitMix64 random(5);
   const ScoreScale scale = scale_of_ideal_volume(0.02);
   for (int i = 0; i < 300; ++i) {
     const Corners p = random_tet(random, 1.0, {});
-    Cone cone;
-    cone.start(scale, p[0]);
-    cone.add(p[1], p[3], p[2]);
-    cone.close();
+    StarQuality star;
+    star.start(scale, p[0]);
+    star.add(p[1], p[3], p[2]);
+    star.close();
     std::vector<double> scores;
-    cone.scores_from_behind(p[0], scores);
+    star.scores_from_behind(p[0], scores);
     const double direct = score_tet(scale, p[0], p[1], p[2], p[3]);
     EXPECT_NEAR(scores[0], direct, 1e-5 * direct + 1e-6);
-    EXPECT_FALSE(cone.is_positive(p[0]));
+    EXPECT_FALSE(star.is_positive(p[0]));
   }
 }
 
-TEST(Cone, FiguresBeyondSinglePrecisionAreNeverGood) {
+TEST(StarQuality, FiguresBeyondSinglePrecisionAreNeverGood) {
   const ScoreScale scale = scale_of_ideal_volume(1.0);
   for (const double size : {1e-30, 1e-15, 1e15, 1e30, 1e100}) {
     const double score = score_tet(scale, {0, 0, 0}, {size, 0, 0}, {0, size, 0}, {0, 0, size});
@@ -135,24 +135,24 @@ TEST(Cone, FiguresBeyondSinglePrecisionAreNeverGood) {
   }
 }
 
-TEST(Cone, VolumeCentroidOfAnOctahedronSeenFromInside) {
+TEST(StarQuality, VolumeCentroidOfAnOctahedronSeenFromInside) {
   const std::array<Vec3, 6> p{Vec3{1, 0, 0},  Vec3{-1, 0, 0}, Vec3{0, 1, 0},
                               Vec3{0, -1, 0}, Vec3{0, 0, 1},  Vec3{0, 0, -1}};
-  Cone cone;
+  StarQuality star;
   const Vec3 apex{0.2, -0.1, 0.3};
-  cone.start(scale_of_ideal_volume(0.1), apex);
+  star.start(scale_of_ideal_volume(0.1), apex);
   for (std::size_t s = 0; s < 8; ++s) {
     const Vec3& a = p[s & 1U];
     const Vec3& b = p[2 + (s >> 1U & 1U)];
     const Vec3& c = p[4 + (s >> 2U & 1U)];
     if (orientation(apex, a, b, c) > 0) {
-      cone.add(a, b, c);
+      star.add(a, b, c);
     } else {
-      cone.add(a, c, b);
+      star.add(a, c, b);
     }
   }
-  cone.close();
-  const Vec3 centroid = cone.volume_centroid(apex);
+  star.close();
+  const Vec3 centroid = star.volume_centroid(apex);
   EXPECT_NEAR(length(centroid), 0.0, 1e-15);  // of the whole octahedron, wherever the apex is
 }
 

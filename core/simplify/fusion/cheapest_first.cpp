@@ -1,4 +1,4 @@
-#include "core/simplify/fusion/outcome.h"
+#include "core/simplify/fusion/cheapest_first.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,30 +6,26 @@
 
 #include "core/base/error.h"
 #include "core/simplify/fusion/candidate_queue.h"
-#include "core/simplify/fusion/outcome_costs.h"
+#include "core/simplify/fusion/fusion_costs.h"
+#include "core/simplify/fusion/fusion_driver.h"
 #include "core/simplify/fusion/parking.h"
 
 namespace palpate::simplify {
 namespace {
 
-class OutcomeRun {
+class CheapestFirstRun {
  public:
-  OutcomeRun(FusionMesh& mesh, std::vector<std::uint16_t> level, const std::vector<std::uint8_t>& is_kept,
-             const OutcomeOptions& options, const SizingField& sizing, double ideal_volume)
-      : mesh_(mesh),
-        growth_(sizing, ideal_volume),
+  CheapestFirstRun(FusionStart& start, const CheapestFirstOptions& options)
+      : mesh_(start.mesh),
+        growth_(start.sizing, start.ideal_volume),
         options_(options.common),
         many_passes_(options.many_passes && options.common.skip_touched),
-        level_(std::move(level)),
-        state_(mesh.tets.size(), State::kIdle),
-        is_weighed_(mesh.tets.size(), 0),
-        parking_(mesh.tets.size()),
-        costs_(mesh, options, ideal_volume),
-        key_(mesh.tets.size(), 0.0) {
-    for (Index t = 0; t < mesh.tets.size() && !is_kept.empty(); ++t) {
-      if (has_flagged_vertex(mesh, t, is_kept)) state_[t] = State::kKept;
-    }
-  }
+        level_(start.level),
+        state_(start.state),
+        is_weighed_(mesh_.tets.size(), 0),
+        parking_(mesh_.tets.size()),
+        costs_(mesh_, options, start.ideal_volume),
+        key_(mesh_.tets.size(), 0.0) {}
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
@@ -37,7 +33,6 @@ class OutcomeRun {
       growth_.start_pass(grading);
       if (!fuse_all(report)) break;
     }
-    count_rejections(report.rejected);
   }
 
  private:
@@ -161,10 +156,9 @@ class OutcomeRun {
     }
     const auto affected =
         costs_.fuse(mesh_, [this](Index t) { return state_[t] == State::kWaiting && is_weighed_[t] != 0; });
-    for (const MovedTet& m : plan.moved) wake_parked_on(m.tet);
-    for (const Index t : plan.dead) wake_parked_on(t);
+    parking_.wake_witnesses_of(plan, [this](Index t) { wait_unweighed(t); });
     for (const MovedTet& m : plan.moved) renew(m.tet);
-    for (const OutcomeCosts::Affected& a : affected) {
+    for (const FusionCosts::Affected& a : affected) {
       if (pass(a.tet, a.weighing) && costs_.cost(a.tet) < key_[a.tet]) enqueue(a.tet, costs_.cost(a.tet));
     }
     queue_.tidy([this](const Candidate& c) { return is_current(c); });
@@ -180,48 +174,20 @@ class OutcomeRun {
     }
   }
 
-  void wake_parked_on(Index witness) {
-    Index t = std::exchange(parking_.first[witness], kNoIndex);
-    while (t != kNoIndex) {
-      const Index next = parking_.next[t];
-      wait_unweighed(t);
-      t = next;
-    }
-  }
-
-  void count_rejections(Rejections& rejected) const {
-    for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (!mesh_.is_alive(t)) continue;
-      if (level_[t] == 0) {
-        ++rejected.boundary;
-      } else if (level_[t] < options_.last_level) {
-        ++rejected.boundary_neighbour;
-      } else if (state_[t] == State::kTouched) {
-        ++rejected.touched;
-      } else if (state_[t] == State::kKept) {
-        ++rejected.kept;
-      } else if (state_[t] == State::kParkedFlip) {
-        ++rejected.flip;
-      } else if (state_[t] == State::kParkedQuality) {
-        ++rejected.quality;
-      }
-    }
-  }
-
   FusionMesh& mesh_;
   GrowthBound growth_;
   const SimplifyOptions& options_;
   bool many_passes_;
-  std::vector<std::uint16_t> level_;
-  std::vector<State> state_;
+  const std::vector<std::uint16_t>& level_;
+  std::vector<State>& state_;
   std::vector<std::uint8_t> is_weighed_;  ///< of those that wait: its cost is known and up to date
   Parking parking_;
-  OutcomeCosts costs_;
+  FusionCosts costs_;
   LazyHeap queue_;
   std::vector<double> key_;  ///< of those that wait: the key they stand under in the queue
 };
 
-void validate(const OutcomeOptions& options) {
+void validate(const CheapestFirstOptions& options) {
   validate_options(options.common);
   if (!options.common.checks.flip || !options.common.checks.quality) {
     throw InputError("checks", 0, "all: the order by outcome makes both", "fewer");
@@ -233,27 +199,11 @@ void validate(const OutcomeOptions& options) {
 
 }  // namespace
 
-SimplifyReport simplify_by_outcome(TetMesh& mesh, const OutcomeOptions& options) {
+SimplifyReport simplify_cheapest_first(TetMesh& mesh, const CheapestFirstOptions& options) {
   validate(options);
-  SimplifyReport report;
-  report.vertices_in = mesh.points.size();
-  report.tets_in = mesh.tets.size();
-
-  const double ideal_volume = mean_tet_volume(mesh);
-  const SizingField sizing(options.common.sizing, mesh);
-  const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.common.threads);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.common.storage, options.common.threads);
-  std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.common.levels);
-  report.level_sizes = count_levels(level);
-  {
-    OutcomeRun run(work, std::move(level), is_kept, options, sizing, ideal_volume);
-    run.simplify(report);
-  }
-  mesh = extract_mesh(std::move(work));
-  report.vertices_out = mesh.points.size();
-  report.tets_out = mesh.tets.size();
-  return report;
+  return simplify_by_fusions(mesh, options.common, [&](FusionStart& start, SimplifyReport& report) {
+    CheapestFirstRun(start, options).simplify(report);
+  });
 }
 
 }  // namespace palpate::simplify

@@ -41,17 +41,18 @@ inline double gain_of_score(const ScoreScale& scale, double score) {
 }
 
 /// Figures of a set of tets.
-struct ConeFigures {
+struct StarFigures {
   double worst =
       0.0;           ///< least score; not above 0 if a tet is not positive, as far as single precision tells
   double sum = 0.0;  ///< sum of the gains
 };
 
-/// A set of base triangles (a, b, c), such that the tets (apex, a, b, c) are to be positive.
+/// How good a star would be: a set of base triangles (a, b, c), such that the tets (apex, a, b, c) are to be
+/// positive.
 ///
 /// Use: start(), add() each triangle, close(), then ask for as many places of the apex as wanted. The points
-/// given to add() must outlive the questions. One object serves for many cones without allocating.
-class Cone {
+/// given to add() must outlive the questions. One object serves for many stars without allocating.
+class StarQuality {
  public:
   /// Begins anew; `origin` should be near, such as the apex.
   void start(const ScoreScale& scale, const Vec3& origin) {
@@ -78,7 +79,7 @@ class Cone {
   const ScoreScale& scale() const { return scale_; }
 
   /// Figures with the apex at p. Ends early, with what it has, once the worst is below `bound`.
-  ConeFigures evaluate(const Vec3& p, double bound = -1e300) const;
+  StarFigures evaluate(const Vec3& p, double bound = -1e300) const;
 
   /// Scores of each tet with the apex at p, in the order of add(). `scores` is resized.
   void scores(const Vec3& p, std::vector<double>& scores) const;
@@ -115,7 +116,7 @@ class Cone {
 };
 
 /// Adds the base triangles of the tets around v, without those that have `without` (kNoIndex: all).
-void add_star(const WorkingMesh& mesh, Index v, Index without, Cone& cone);
+void add_star(const WorkingMesh& mesh, Index v, Index without, StarQuality& star);
 
 /// The score of one tet (a, b, c, d).
 double score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -11,12 +11,12 @@
 
 namespace palpate::experiments {
 
-/// Checks a region (simplify::parse_keep_region has the forms). Returns the text.
+/// Checks a region (simplify::parse_kept_region has the forms). Returns the text.
 /// Throws: InputError that starts with `where`, with the nearest kind for an unknown one.
-std::string parse_keep(const std::string& text, const std::string& where);
+std::string parse_kept_region(const std::string& text, const std::string& where);
 
 /// A YAML list of at least one region. Throws: InputError with file and line.
-std::vector<std::string> read_keep(const YamlValue& value);
+std::vector<std::string> read_kept_regions(const YamlValue& value);
 
 /// The end of a message about a method that keeps no regions: "; those that do are a, b".
 std::string keeping_methods(const Registry& registry);
