@@ -1,6 +1,4 @@
 // simplify: one mesh through the same door as in a plan.
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -14,6 +12,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/output_file.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/judging/kept_regions.h"
 #include "experiments/meshes/mesh_source.h"
@@ -41,29 +40,6 @@ struct SimplifyArguments {
   double timeout_s = 3600.0;
   int threads = 1;
   bool as_json = false;
-};
-
-/// A folder below the system's temporary one, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "palpate-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw InputError(name, 0, "a temporary folder that can be written", "none");
-    }
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 MethodEntry find_method(const Registry& registry, const std::string& name) {
@@ -242,7 +218,7 @@ int simplify(const SimplifyArguments& arguments) {
   const TetMesh in = read_valid_mesh(arguments.mesh);
   const ScratchFolder scratch;
   task.scratch = scratch.path();
-  task.mesh_in = scratch.path() / "in.mesh";
+  task.mesh_in = scratch.file("in.mesh");
   write_medit(task.mesh_in, in);
   task.threads = arguments.threads;
   task.timeout_s = arguments.timeout_s;

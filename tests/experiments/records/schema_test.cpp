@@ -86,7 +86,7 @@ TEST(Schema, DescriptionsOfTheProject) {
   ASSERT_GT(descriptions.size(), 0U);
   descriptions.push_back(read_yaml(fs::path(test::test_folder()) / "contestant/contestant.yaml").json());
   EXPECT_EQ(validate("contestant.schema.json", descriptions), "");
-  descriptions[0]["methods"][0].erase("stops");
+  descriptions.back()["methods"][0].erase("stops");
   EXPECT_NE(validate("contestant.schema.json", descriptions), "");
 }
 
