@@ -21,7 +21,6 @@
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
-namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
