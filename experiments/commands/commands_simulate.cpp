@@ -11,7 +11,6 @@
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
-#include "experiments/files/scratch_folder.h"
 #include "experiments/meshes/mesh_tools.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/scene_reader/scene.h"

@@ -14,7 +14,6 @@
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
-#include "experiments/files/scratch_folder.h"
 #include "experiments/meshes/mesh_tools.h"
 #include "experiments/processes/process.h"
 

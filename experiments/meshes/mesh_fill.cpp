@@ -10,7 +10,6 @@
 #include "core/mesh/io/off.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
-#include "experiments/files/scratch_folder.h"
 #include "experiments/meshes/mesh_tools.h"
 #include "experiments/text/terminal.h"
 

@@ -16,7 +16,6 @@
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
-#include "experiments/files/scratch_folder.h"
 #include "experiments/judging/doubled_points.h"
 #include "experiments/meshes/body_surface.h"
 #include "experiments/meshes/mesh_cache.h"

@@ -5,7 +5,6 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/files/places.h"
-#include "experiments/files/scratch_folder.h"
 #include "experiments/processes/process.h"
 #include "reference/door/json_file.h"
 

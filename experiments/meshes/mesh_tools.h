@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "experiments/files/scratch_folder.h"
+
 namespace palpate::experiments {
 
 /// A mesh program, and the Debian package that it is built with.
