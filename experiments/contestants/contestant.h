@@ -44,7 +44,7 @@ struct MethodSpec {
   bool takes_stop(const std::string& kind) const;
 };
 
-/// One folder below reference/: a program, and the methods that it offers.
+/// One folder below reference/ in one contest: a program, and the methods that it offers there.
 struct Contestant {
   std::string folder;  ///< its name, "tetfusion"
   std::string contest;
@@ -79,8 +79,10 @@ class Registry {
   std::vector<Contestant> contestants_;
 };
 
-/// Reads contestant.yaml (palpate/contestant/1). Throws: InputError with file and line.
-Contestant read_contestant(const std::filesystem::path& description, const std::filesystem::path& bin_folder);
+/// Reads contestant.yaml (palpate/contestant/1). Returns one entry for each contest that it lists.
+/// Throws: InputError with file and line.
+std::vector<Contestant> read_description(const std::filesystem::path& description,
+                                         const std::filesystem::path& bin_folder);
 
 /// Reads every description below reference/ and below the folders that the environment variable
 /// PALPATE_CONTESTANTS adds (separated by colons; each holds one folder a contestant).

@@ -23,7 +23,7 @@ struct ContestantTask {
   Stop stop;                         ///< contest simplify alone; resolved: not kTetsOf
   nlohmann::json options;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
-  std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
+  std::vector<std::string> keep;                    ///< regions to keep, as parse_kept_region reads them
   int threads = 1;
   std::filesystem::path folder_out;                 ///< for what is written as it comes; mostly none
   double timeout_s = 300.0;

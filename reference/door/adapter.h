@@ -32,7 +32,7 @@ struct Request {
   nlohmann::json options;
   int threads = 1;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {} if nothing
-  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_keep_region reads
+  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_kept_region reads
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.

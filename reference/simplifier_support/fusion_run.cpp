@@ -4,7 +4,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
-#include "core/simplify/sizing/keep_text.h"
+#include "core/simplify/sizing/kept_region_text.h"
 
 namespace palpate::reference {
 
@@ -51,7 +51,7 @@ simplify::SimplifyOptions take_fusion_options(const json& stop, json& options) {
 
 simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, json& options) {
   simplify::SizingOptions sizing;
-  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_keep_region(region, "keep"));
+  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_kept_region(region, "keep"));
   sizing.near_size =
       take_option<double>(options, "near_size", &json::is_number, "a number", sizing.near_size);
   sizing.reach = take_option<double>(options, "reach", &json::is_number, "a number", sizing.reach);

@@ -1,5 +1,5 @@
-// Options and report of the simplifiers that fuse: the thesis's (hierarchical.h) and the one by outcome
-// (outcome.h).
+// Options and report of the simplifiers that fuse: the thesis's (hierarchical.h) and the one that
+// fuses where it costs least (cheapest_first.h).
 #pragma once
 
 #include <cstdint>
@@ -67,13 +67,13 @@ struct SimplifyReport {
 void validate_options(const SimplifyOptions& options);
 
 /// What a fusion is held to cost.
-enum class OutcomeObjective {
+enum class CostObjective {
   kMovedLoss,  ///< quality that the moved tets lose
   kTotalLoss   ///< the same, and what the removed tets had above the mean quality of the input
 };
 
-struct OutcomeOptions {
-  OutcomeOptions() {
+struct CheapestFirstOptions {
+  CheapestFirstOptions() {
     common.drop = 0.5;
     common.last_level = 1;
     common.skip_touched = true;
@@ -81,7 +81,7 @@ struct OutcomeOptions {
   /// As for the thesis's simplifier, with other defaults: drop 0.5; last_level 1, any tet without a boundary
   /// vertex; skip_touched. Both checks are always made, and the ideal volume is the input's.
   SimplifyOptions common;
-  OutcomeObjective objective = OutcomeObjective::kMovedLoss;
+  CostObjective objective = CostObjective::kMovedLoss;
   /// With skip_touched: when no candidate is left, the marks of touched tets are cleared and it goes on,
   /// until that finds none either.
   bool many_passes = true;

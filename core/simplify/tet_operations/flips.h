@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/tet_operations/cone.h"
 #include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -104,7 +104,7 @@ class Flipper {
   WorkingMesh& mesh_;
   const ScoreRule& scores_;
   FlipRule rule_;
-  Cone cone_;
+  StarQuality star_;
   RingValues value_{};
   std::vector<RingTriangle> triangles_;
   std::vector<double> scores_a_;

@@ -230,11 +230,6 @@ bool share_stiffness(const BoundaryProblem& a, const BoundaryProblem& b) {
          std::equal(a.supports.begin(), a.supports.end(), b.supports.begin(), b.supports.end(), same_support);
 }
 
-Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
-                             const EquilibriumOptions& options) {
-  return std::move(find_equilibria(mesh, {&problem, 1}, body, options).front());
-}
-
 std::vector<Equilibrium> find_equilibria(const TetMesh& mesh, std::span<const BoundaryProblem> problems,
                                          ElasticBody& body, const EquilibriumOptions& options) {
   const Stopwatch watch;
