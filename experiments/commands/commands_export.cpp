@@ -15,7 +15,7 @@
 #include "experiments/commands/metre_mesh.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
-#include "experiments/meshes/mesh_tools.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/json_file.h"

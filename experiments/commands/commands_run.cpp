@@ -16,7 +16,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/places.h"
-#include "experiments/meshes/mesh_tools.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/processes/process.h"
 #include "experiments/processes/stop_signals.h"

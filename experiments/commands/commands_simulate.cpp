@@ -15,7 +15,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/contests/moving_task.h"
-#include "experiments/meshes/mesh_tools.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/scene_reader/scene_motion.h"
