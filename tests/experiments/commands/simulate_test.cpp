@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/io/displacement_vtu.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/meshes/mesh_source.h"

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/judge/mesh/judge.h"
 #include "tests/support/judged_tets.h"
 #include "tests/support/small_meshes.h"
 

@@ -58,8 +58,8 @@ TEST(MotionReturns, WhatIsNotReachedIsNullAndWhatIsNotLetGoIsLeftOut) {
   EXPECT_NEAR(slow[1].at("error").get<double>(), std::exp(-0.9), 1e-9);
   EXPECT_EQ(find_returns(two_tools(), levels(2.0, 4.5)).size(), 1U);  // the run ended early
   EXPECT_TRUE(find_returns(two_tools(), {}).empty());
-  Scene held = two_tools();
-  for (SceneLoad& load : held.loads) load.until_s.reset();
+  reference::MotionProblem held = two_tools();
+  for (reference::MotionLoad& load : held.loads) load.until_s.reset();
   EXPECT_TRUE(find_returns(held, levels(2.0, 8.0)).empty());
 }
 
