@@ -55,7 +55,8 @@ class EngineContest : public Contest {
     for (auto& [id, force] : forces_) {
       setting_.progress.show("force of the reference on " + id);
       const EngineInput& input = inputs_.at(id);
-      force = solve_pad_force(input.placed, input.files.mesh, setting_.folder.paths().problem(id), setting_);
+      force = solve_pad_force(input.placed, input.files.mesh,
+                              setting_.folder.paths().problem(id + "/reference"), setting_);
       if (force.interrupted) return false;
       json record = build_force_record(input, force);
       if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));

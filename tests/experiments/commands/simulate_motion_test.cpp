@@ -330,9 +330,9 @@ TEST_F(SimulateMotion, AnEngineThatCannotIsRefusedWithWhat) {
   SceneText text = pressed(kGood + ", engine: plain");
   text.rest = "strain: large\nmodel: {springs: van_gelder, volume: node_average}\n";
   text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.4, density_kg_m3: 1000}";
-  EXPECT_THAT(error_of(text), HasSubstr("this scene has strain energies"));
+  EXPECT_THAT(error_of(text), HasSubstr("this body has strain energies"));
   text.rest = "model: {springs: van_gelder}\n";
-  EXPECT_THAT(error_of(text), HasSubstr("this scene has linearised springs"));
+  EXPECT_THAT(error_of(text), HasSubstr("this body has linearised springs"));
   text = pressed("preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true");
   text.rest = "";
   const json preset = simulate(text, "preset");
