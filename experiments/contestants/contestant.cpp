@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "experiments/contestants/stability_settings.h"
 #include "experiments/files/places.h"
 #include "experiments/text/nearest_name.h"
 
@@ -122,7 +123,8 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest, const
   method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
-  method.options.insert(method.options.end(), shared.of_all.begin(), shared.of_all.end());
+  if (contest == "stability") method.options = stability_settings();
+  for (const OptionSpec& option : shared.of_all) add_option(value, option, method.options);
   if (const auto sets = fields.find("option_sets")) add_sets(*sets, shared, method.options);
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
   if (const auto options = fields.find("options")) add_options(*options, method.options);
