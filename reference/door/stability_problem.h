@@ -26,9 +26,8 @@ enum class DampingLaw { kNone, kStiffness, kMass, kAxial, kIsotropic, kDrag };
 /// A body and the displacement from which its runs start, without speed.
 struct StabilityProblem {
   Material material;
-  double stiffness_factor = 1.0;  ///< all stiffness times this, after the damping was found
-  std::vector<double>
-      mass_factors;  ///< one a vertex: its lumped mass times this, after the damping was found
+  double stiffness_factor = 1.0;     ///< all stiffness times this, after the damping was found
+  std::vector<double> mass_factors;  ///< one a vertex: its lumped mass times this, alike
   DampingLaw damping = DampingLaw::kNone;
   double damping_ratio = 0.0;
   std::vector<Index> held;    ///< vertices that do not move, rising

@@ -43,8 +43,9 @@ TEST(StabilityProblem, HoldsOneEndAndStartsTheRest) {
   double farthest = 0.0;
   for (const Vec3& u : input.problem.start_m) farthest = std::max(farthest, -u.x);
   EXPECT_NEAR(farthest, 0.3 * 0.1, 1e-12);
-  EXPECT_THROW(experiments::build_stability_input(build_kuhn_cube(2), {{"strain", 1e308}, {"size_m", 100.0}}),
-               InputError);
+  EXPECT_THROW(
+      experiments::build_stability_input(build_kuhn_cube(2, 0.2, 3), {{"strain", 1e308}, {"size_m", 100.0}}),
+      InputError);
 }
 
 TEST(StabilityProblem, WhatIsWrongIsNamed) {

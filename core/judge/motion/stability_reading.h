@@ -46,15 +46,14 @@ struct RunHistory {
 ///   kNonFinite      the last displacement or the last row has something that is no number
 ///   kDiverged       a vertex of the last displacement is more than 1000 sizes of the body away
 ///   kTooSlow        the rows end before the steps do
-///   kEnergyGrowing  E ever exceeds `energy_factor` times what the start had: its E, or its kinetic + elastic
-///   energy
-///                   if that is more. Or the greatest E of the last quarter is over 1.1 times that of each
-///                   earlier one, and over the start's by 0.1% of what it had or moves, K has grown 1.1 times
-///                   too, and the body is not still (below)
+///   kEnergyGrowing  E ever exceeds `energy_factor` times what the start had (its E, or its kinetic and
+///                   elastic energy if that is more) by more than `noise_j`. Or the body is not still
+///                   (below), the greatest E of the last quarter is over 1.1 times that of each earlier one
+///                   and over the start's by 0.1% of what it had or moves, and K has grown 1.1 times too
 ///   kInverted       tets of the last displacement are not positive, by the judge's own count
 ///   kGrowingSlowly  none of these, but the contestant itself says that small motions grow
-///   kSteady         the body is still: K of the last quarter is at most 1e-6 of that of the run, or at most
-///   `noise_j` kOscillating    it moves on
+///   kSteady         the body is still: K of the last quarter is at most 1e-6 of that of the run, or noise_j
+///   kOscillating    it moves on
 enum class Ending {
   kSteady,
   kOscillating,
@@ -74,9 +73,8 @@ const char* ending_name(Ending ending);
 bool is_unstable(Ending ending);
 
 struct RunBounds {
-  double energy_factor =
-      100.0;             ///< nothing adds energy to the runs of the contest; bounded ones have some 25 times
-  double noise_j = 0.0;  ///< kinetic energy of a motion that rounding alone explains
+  double energy_factor = 100.0;  ///< nothing adds energy to a run; bounded ones come to some 25 times
+  double noise_j = 0.0;          ///< kinetic energy of a motion that rounding alone explains
 };
 
 struct RunReading {
@@ -91,11 +89,10 @@ struct RunReading {
 };
 
 /// Throws: InputError, which starts with `where`, unless step and rows make a history of this mesh: a step
-/// above zero,
-///         rows from step 0 on that rise, at least one in each twentieth of the steps up to the last, times
-///         that are steps times step_s (to 1e-9), energies of motion that are not negative and not above the
-///         greatest, no more inverted tets than there are, a displacement of each vertex, whose farthest is
-///         the last row's (to 1e-9).
+///         above zero, rows from step 0 on that rise, at least one in each twentieth of the steps up to the
+///         last, times that are steps times step_s (to 1e-9), energies of motion that are not negative and
+///         not above the greatest, no more inverted tets than there are, a displacement of each vertex,
+///         whose farthest is the last row's (to 1e-9).
 void check_history(const RunHistory& history, const TetMesh& rest, const std::string& where);
 
 /// Requires: a history that check_history accepts. Cost: O(rows + vertices + tets).
@@ -142,11 +139,11 @@ enum class TrialEnding { kStable, kGrows, kTooShort };
 /// With M the mean kinetic energy of a stretch and r its ratio to that of the stretch before:
 ///
 ///   grows      M is no number or over 1e200 J; a step had over growth_factor times the energy of the start;
-///   or, of a
-///              linear body, r > 1000 anywhere, or r > 1.02 and no less than the one before (or 1.02) at the
-///              horizon
+///              or, of a linear body, r > 1000 anywhere, or r > 1.02 and no less than the one before (or
+///              1.02) at the horizon
 ///   stable     M fell below 1e-24 of its greatest; r <= 1.02 in the end, or no linear body; or r falls at
-///   the horizon too short  none of these after so few steps
+///              the horizon
+///   too short  none of these after so few steps
 ///
 /// Throws: InputError, which starts with `where`, unless the stretches end at 256, 512, 1024, ... steps.
 TrialEnding read_trial(const TrialHistory& trial, const TrialBounds& bounds, const std::string& where);
