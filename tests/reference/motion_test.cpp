@@ -197,8 +197,8 @@ TEST_F(ExtremeRunTest, LargeDeformationsAreMeasuredFromTheirStart) {
 }
 
 TEST_F(ExtremeRunTest, BadRequestsNameWhatIsWrong) {
-  EXPECT_THAT(error("motion.leapfrog", {}), HasSubstr("symplectic_euler"));
-  EXPECT_THAT(error("springs.uniform", {}), HasSubstr("motion.INTEGRATOR"));
+  EXPECT_THAT(error("motion.leapfrog", json::object()), HasSubstr("symplectic_euler"));
+  EXPECT_THAT(error("springs.uniform", json::object()), HasSubstr("motion.INTEGRATOR"));
   EXPECT_THAT(error("motion.plain_float", {{"volume", "tet"}, {"poisson_ratio", 0.4}}), HasSubstr("strain"));
   EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", 0.0}}), HasSubstr("mass_factor: expected"));
   EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", -1.0}}), HasSubstr("mass_factor"));

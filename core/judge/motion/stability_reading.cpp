@@ -238,10 +238,10 @@ TrialEnding read_trial(const TrialHistory& trial, const TrialBounds& bounds, con
     }
     if (trial.is_linear && now > kFast * before) return TrialEnding::kGrows;
     if (now <= kGone * greatest) return TrialEnding::kStable;
-    const bool is_slow = !trial.is_linear || now <= kSlow * before;
-    if (stretch.until >= bounds.horizon && !is_slow)
-      return now >= last_ratio * before ? TrialEnding::kGrows : TrialEnding::kStable;
-    if (is_slow && stretch.until >= bounds.least_steps) return TrialEnding::kStable;
+    const bool is_last = k + 1 == trial.stretches.size();
+    if (is_last && (!trial.is_linear || now <= kSlow * before)) return TrialEnding::kStable;
+    if (is_last && now >= last_ratio * before) return TrialEnding::kGrows;
+    if (is_last && stretch.until >= bounds.horizon) return TrialEnding::kStable;
     last_ratio = std::max(kSlow, now / before);
     before = now;
   }

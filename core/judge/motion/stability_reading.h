@@ -123,27 +123,26 @@ struct TrialStretch {
 /// steps.
 struct TrialHistory {
   double step_s = 0.0;
-  double start_j = 0.0;   ///< kinetic and elastic energy of the start
+  double start_j = 0.0;   ///< kinetic and elastic energy of the start; NaN: there is no number
   bool is_linear = true;  ///< forces are linear, so that growth never ends
   std::vector<TrialStretch> stretches;
 };
 
 struct TrialBounds {
-  double growth_factor = 1e6;  ///< kinetic energy over the start's that is growth for certain
-  std::uint64_t least_steps = 1024;
-  std::uint64_t horizon = 16384;  ///< steps of a trial that grows slowly
+  double growth_factor = 1e6;     ///< kinetic energy over the start's that is growth for certain
+  std::uint64_t horizon = 16384;  ///< steps after which a growth that slows down is none
 };
 
 enum class TrialEnding { kStable, kGrows, kTooShort };
 
 /// With M the mean kinetic energy of a stretch and r its ratio to that of the stretch before:
 ///
-///   grows      M is no number or over 1e200 J; a step had over growth_factor times the energy of the start;
-///              or, of a linear body, r > 1000 anywhere, or r > 1.02 and no less than the one before (or
-///              1.02) at the horizon
-///   stable     M fell below 1e-24 of its greatest; r <= 1.02 in the end, or no linear body; or r falls at
-///              the horizon
-///   too short  none of these after so few steps
+///   grows      M is no number or over 1e200 J; a step had over growth_factor times the energy of the start,
+///              or one of the two is no number; or, of a linear body, r > 1000 anywhere, or r > 1.02 in the
+///              end and no less than the one before
+///   stable     M fell below 1e-24 of its greatest; r <= 1.02 in the end, or no linear body; or r is less
+///              than the one before at the horizon
+///   too short  r is less than the one before sooner, or there is no second stretch
 ///
 /// Throws: InputError, which starts with `where`, unless the stretches end at 256, 512, 1024, ... steps.
 TrialEnding read_trial(const TrialHistory& trial, const TrialBounds& bounds, const std::string& where);

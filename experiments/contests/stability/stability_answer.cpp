@@ -103,7 +103,7 @@ judge::TrialHistory read_trial_history(const json& value, const std::string& whe
   judge::TrialHistory out;
   out.step_s = number(value.at("step_s"), where + ".step_s");
   out.is_linear = flag(value.at("linear"), where + ".linear");
-  out.start_j = number(value.at("start_j"), where + ".start_j");
+  out.start_j = number_or_none(value.at("start_j"), where + ".start_j");
   for (const json& stretch : list(value.at("stretches"), 64, where + ".stretches")) {
     if (!stretch.is_array() || stretch.size() != 3) fail(where + ".stretches", "three columns", stretch);
     out.stretches.push_back(
