@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "experiments/contestants/stability_settings.h"
 #include "experiments/files/places.h"
 #include "experiments/text/nearest_name.h"
 
@@ -115,7 +116,8 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest,
   method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
-  method.options.insert(method.options.end(), of_all.begin(), of_all.end());
+  if (contest == "stability") method.options = stability_settings();
+  for (const OptionSpec& option : of_all) add_option(value, option, method.options);
   if (const auto named = fields.find("option_sets")) add_sets(*named, sets, method.options);
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
   if (const auto options = fields.find("options")) add_options(*options, method.options);

@@ -9,26 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "core/base/enum_names.h"
+#include "experiments/contestants/option_spec.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
-
-/// kFile: the path of a file that is there, absolute once it is read; empty: none.
-enum class OptionType { kChoice, kNumber, kInteger, kBool, kFile };
-inline constexpr EnumNames<OptionType, 5> kOptionTypeNames{"an option's type",
-                                                           {"choice", "number", "integer", "bool", "file"}};
-
-/// One option of a method.
-struct OptionSpec {
-  std::string name;
-  OptionType type = OptionType::kNumber;
-  std::vector<std::string> choices;  ///< kChoice
-  std::optional<double> min;         ///< kNumber and kInteger
-  std::optional<double> max;
-  nlohmann::json default_value;  ///< typed; null: left out unless it is given
-  std::string help;
-};
 
 /// One method of a contestant.
 struct MethodSpec {

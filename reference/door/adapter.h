@@ -17,8 +17,8 @@ namespace palpate::reference {
 ///    "keep": ["sphere 0 0 5 2"]}
 ///
 /// In the contest deform there is "problem_in" beside the mesh, "displacement_out" in place of "mesh_out",
-/// and no stop (reference/door/deform_problem.h); the contests motion and engine have "history_out" there
-/// (reference/door/motion_problem.h), stability has no output (reference/door/contest_files.h). "tuned" is
+/// and no stop (reference/door/deform_problem.h); the contests motion, engine and stability have
+/// "history_out" there (reference/door/motion_problem.h, stability_problem.h, contest_files.h). "tuned" is
 /// there only if an earlier repeat's search found something, "keep" only if the plan or the command line asks
 /// for it.
 struct Request {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/dynamics/time_loop/body_stepper.h"
 
@@ -25,12 +26,30 @@ struct MeasureStepOptions {
   int most_strides = 24;  ///< at most so often
 };
 
+/// A stretch of a trial: its last step, and the mean and the greatest kinetic energy over its steps (infinity
+/// where it is no number).
+struct TrialStretch {
+  std::uint64_t until = 0;
+  double mean_kinetic_j = 0.0;
+  double most_kinetic_j = 0.0;
+};
+
+/// What was seen of one tried step.
+struct MeasuredTrial {
+  std::uint64_t steps = 0;
+  double start_j = 0.0;  ///< kinetic and elastic energy of the start; of trials about rest alone
+  std::vector<TrialStretch> stretches;  ///< of trials about rest alone
+  double growth = 0.0;                  ///< |z|^2 - 1, of measure_stable_step_by_map alone
+};
+
 /// The bracket that is left. No stable step found: stable_s is 0. No unstable one: unstable_s is infinity.
 struct MeasuredStep {
   double stable_s = 0.0;    ///< the longest step that was seen to be stable
   double unstable_s = 0.0;  ///< the shortest that was not
   std::uint64_t trials = 0;
   std::uint64_t steps = 0;  ///< over all trials
+  MeasuredTrial stable;     ///< that of stable_s
+  MeasuredTrial unstable;   ///< that of unstable_s
 
   bool is_found() const;
   /// sqrt(stable_s x unstable_s). Requires: is_found().

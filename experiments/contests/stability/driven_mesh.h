@@ -5,7 +5,7 @@
 
 #include "core/mesh/tet_mesh.h"
 
-namespace palpate::reference {
+namespace palpate::experiments {
 
 /// What is done to a mesh, in this order.
 struct ExtremeMesh {
@@ -32,4 +32,4 @@ struct DrivenMesh {
 /// Throws: InputError for a size, ratio, scale or shift that is not finite or out of range.
 DrivenMesh drive_mesh(TetMesh mesh, const ExtremeMesh& wanted);
 
-}  // namespace palpate::reference
+}  // namespace palpate::experiments

@@ -1,4 +1,4 @@
-#include "reference/extremes/extreme_mesh.h"
+#include "experiments/contests/stability/driven_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include "core/judge/mesh/tet_shape.h"
 #include "core/mesh/geometry.h"
 
-namespace palpate::reference {
+namespace palpate::experiments {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
@@ -136,4 +136,4 @@ DrivenMesh drive_mesh(TetMesh mesh, const ExtremeMesh& wanted) {
   return out;
 }
 
-}  // namespace palpate::reference
+}  // namespace palpate::experiments
