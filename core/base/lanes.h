@@ -62,6 +62,7 @@ struct PortableLanes {
 
 #ifdef __SSE2__
 
+/// Four floats in one register.
 struct FloatLanes {
   __m128 v;
 
@@ -88,6 +89,7 @@ struct FloatLanes {
   }
 };
 
+/// Four doubles in two registers.
 struct DoubleLanes {
   __m128d low;
   __m128d high;
@@ -130,12 +132,15 @@ struct DoubleLanes {
   }
 };
 
+/// Which form four lanes of a type of numbers have.
 template <typename Real>
 struct LanesOf;
+/// Of floats.
 template <>
 struct LanesOf<float> {
   using Type = FloatLanes;
 };
+/// Of doubles.
 template <>
 struct LanesOf<double> {
   using Type = DoubleLanes;
@@ -143,6 +148,7 @@ struct LanesOf<double> {
 
 #else
 
+/// Which form four lanes of a type of numbers have: the portable one.
 template <typename Real>
 struct LanesOf {
   using Type = PortableLanes<Real>;

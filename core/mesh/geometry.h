@@ -24,6 +24,7 @@ struct BoundingBox {
   Vec3 low;
   Vec3 high;
 };
+/// The box of the points.
 BoundingBox bounding_box(std::span<const Vec3> points);
 
 /// The longest of the box's three sides.

@@ -13,6 +13,7 @@ namespace palpate::dynamics {
 /// no linear form.
 MotionModel linearise(MotionModel model);
 
+/// How measure_stable_step tries steps, and when it calls one too long.
 struct MeasureStepOptions {
   double first_step_s = 0.0;           ///< where the search starts; any will do
   double amplitude_m = 1e-6;           ///< of the random displacements, and of the velocities times the step
@@ -80,6 +81,7 @@ struct MeasuredStep {
 /// zero, a stride that is not above 1, or a horizon below 512 steps.
 MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions& options);
 
+/// How measure_stable_step_from tries steps.
 struct MeasureLargeOptions {
   double first_step_s = 0.0;
   std::uint64_t steps = 2000;  ///< of a trial

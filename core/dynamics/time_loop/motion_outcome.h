@@ -43,6 +43,7 @@ const char* watched_outcome_name(WatchedOutcome outcome);
 /// Whether the outcome says that the step was too long.
 bool is_unstable(WatchedOutcome outcome);
 
+/// How long a run is watched, and what ends it.
 struct WatchOptions {
   double step_s = 0.0;
   std::uint64_t steps = 0;

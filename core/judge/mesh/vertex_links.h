@@ -24,6 +24,7 @@ struct Stars {
     return {tets.data() + offsets[vertex], offsets[vertex + 1] - offsets[vertex]};
   }
 };
+/// The stars of all vertices. Linear time and memory.
 Stars build_stars(const TetMesh& mesh);
 
 /// A side of a link triangle: the face (v, low, high) of `tet`, v being the vertex whose link it is.

@@ -26,6 +26,7 @@ struct FusionChecks {
   bool quality = true;  ///< check 3: every moved tet keeps at least `drop` of its former quality
 };
 
+/// How tets are fused: what may be, what is checked, and when it stops.
 struct SimplifyOptions {
   LevelAdjacency levels = LevelAdjacency::kVertex;
   double drop = 0.01;  ///< least share of its quality that a moved tet keeps, in [0, 1]; the thesis's 1/100
@@ -52,6 +53,7 @@ struct Rejections {
   std::uint64_t kept = 0;                ///< kept by the sizing field, or with a vertex of such a tet
 };
 
+/// What was done.
 struct SimplifyReport {
   std::uint64_t vertices_in = 0;
   std::uint64_t vertices_out = 0;
@@ -72,6 +74,7 @@ enum class CostObjective {
   kTotalLoss   ///< the same, and what the removed tets had above the mean quality of the input
 };
 
+/// How tets are fused where it costs least.
 struct CheapestFirstOptions {
   CheapestFirstOptions() {
     common.drop = 0.5;

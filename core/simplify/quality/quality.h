@@ -33,7 +33,9 @@ double thesis_shape(const Vec3& u, const Vec3& v, const Vec3& w, double six_volu
 /// back. Source: Liu and Joe, BIT 34 (1994).
 double mean_ratio_shape(const Vec3& u, const Vec3& v, const Vec3& w, double six_volume);
 
+/// "thesis".
 inline constexpr QualityMetric kThesisMetric{thesis_shape, true};
+/// "mean_ratio".
 inline constexpr QualityMetric kMeanRatioMetric{mean_ratio_shape, false};
 
 /// The figures of tet (a, b, c, d); the sign is exact, shape and volume are rounded.

@@ -10,6 +10,7 @@
 
 namespace palpate::simplify {
 
+/// When a collapse is refused, and when enough are made.
 struct SurfaceCollapseOptions {
   double least_score = 0.0;       ///< a collapse may leave no tet below this
   std::uint64_t face_target = 0;  ///< stop at the first state with at most so many boundary faces ...

@@ -34,15 +34,19 @@ bool order_edge_ring(const WorkingMesh& mesh, Index a, Index b, const Index* tet
 /// kept tet.
 bool find_edge_ring(const WorkingMesh& mesh, Index a, Index b, EdgeRing& ring);
 
+/// What a triangle is worth that may not be.
+inline constexpr double kForbidden = -1e300;
+/// value[i][k][j]: what the triangle of the ring's vertices i < k < j is worth.
+using RingValues = std::array<std::array<std::array<double, kLargestRing>, kLargestRing>, kLargestRing>;
+/// Places in the ring.
+using RingTriangle = std::array<std::size_t, 3>;
+
 /// The best way to fill a ring of `size` vertices with triangles, by dynamic programming over its arcs.
 ///
 /// value[i][k][j], i < k < j, is what triangle (i, k, j) is worth, or kForbidden; the best sum is wanted.
 /// Returns it, or kForbidden if there is no filling; `triangles` gets the size - 2 triangles.
 /// Source: Klincsek, Ann. Discrete Math. 9 (1980); Shewchuk, "Two discrete optimization algorithms for the
 /// topological improvement of tetrahedral meshes" (2002).
-inline constexpr double kForbidden = -1e300;
-using RingValues = std::array<std::array<std::array<double, kLargestRing>, kLargestRing>, kLargestRing>;
-using RingTriangle = std::array<std::size_t, 3>;
 double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles);
 
 /// When a flip is made.
