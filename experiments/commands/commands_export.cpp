@@ -103,8 +103,8 @@ int export_model(const ExportArguments& arguments) {
   const json options = model_options(arguments, registry);
   const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
   const ScratchFolder scratch;
-  const ContestantTask task = start_moving_task("engine.model", build_body(arguments, options), mesh, registry,
-                                                scratch.file("body"));
+  const ContestantTask task =
+      start_moving_task("engine.model", build_body(arguments, options), mesh, registry, scratch.file("body"));
   const ContestantAnswer answer = run_moving_task(task, arguments.mesh);
   for (const std::string& note : answer.notes) print_note(note);
   write_file_atomically(arguments.out, reference::read_text_file(answer.output, kMostBytes));

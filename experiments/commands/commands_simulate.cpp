@@ -6,9 +6,9 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/io/displacement_vtu.h"
-#include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"

@@ -67,7 +67,8 @@ reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh
   problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
   problem.duration_s = placed.dynamic.duration_s;
   problem.samples = placed.dynamic.samples;
-  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_point(mesh.points, probe));
+  for (const Vec3& probe : placed.dynamic.probes_m)
+    problem.probes.push_back(nearest_point(mesh.points, probe));
   return problem;
 }
 

@@ -90,7 +90,10 @@ json describe_output(const MotionOutput& output) {
 
 /// What stands there when rows and frames are in a folder.
 json describe_folder() {
-  return {{"schema", "palpate/engine/1"}, {"kind", "replay"}, {"columns", json::array()}, {"rows", json::array()},
+  return {{"schema", "palpate/engine/1"},
+          {"kind", "replay"},
+          {"columns", json::array()},
+          {"rows", json::array()},
           {"frames", json::array()}};
 }
 
@@ -234,8 +237,7 @@ json describe_forces(const TickRun& run, double tick_s) {
   const std::vector<Vec3>& forces = run.force_n;
   const std::size_t stride = std::max<std::size_t>(1, forces.size() / kMostSamples);
   for (std::size_t k = 0; k < forces.size(); k += stride)
-    written["rows"].push_back(
-        {static_cast<double>(k + 1) * tick_s, forces[k].x, forces[k].y, forces[k].z});
+    written["rows"].push_back({static_cast<double>(k + 1) * tick_s, forces[k].x, forces[k].y, forces[k].z});
   if (run.diverged || forces.empty()) return written;
   const std::size_t held = std::max<std::size_t>(1, forces.size() / 10);
   for (std::size_t k = forces.size() - held; k < forces.size(); ++k)

@@ -7,8 +7,9 @@
 
 namespace palpate::reference {
 
-/// Runs engine.replay, engine.rest, engine.ticks or engine.model on the body `problem` (palpate/moving_body/1)
-/// with the mesh `input` (in metres), and writes what belongs to the motion as JSON to `output`:
+/// Runs engine.replay, engine.rest, engine.ticks or engine.model on the body `problem`
+/// (palpate/moving_body/1) with the mesh `input` (in metres), and writes what belongs to the motion as JSON
+/// to `output`:
 ///
 ///   {"schema": "palpate/engine/1", "kind": "replay", "columns": [...], "rows": [[...]],
 ///    "frames": [{"time_s": 0.1, "displacement_m": [x, y, z, x, ...]}]}

@@ -24,7 +24,8 @@ constexpr double kMostSteps = 1e12;
 
 /// The volume force keeps the stiffness that is asked for, whatever springs the model has.
 void scale_volume_force(double stiffness_n_per_m, dynamics::ElasticModel& model) {
-  if (!model.volume_force) throw InputError("model", 0, "a volume force beside volume_force_of_n_per_m", "none");
+  if (!model.volume_force)
+    throw InputError("model", 0, "a volume force beside volume_force_of_n_per_m", "none");
   const std::vector<double>& stiffness = model.springs.stiffness_n_per_m;
   const double mean =
       std::accumulate(stiffness.begin(), stiffness.end(), 0.0) / static_cast<double>(stiffness.size());
@@ -107,14 +108,12 @@ void choose_step(const MovingBody& body, MotionSetup& setup) {
     if (!std::isfinite(bound))
       throw InputError("time_step_s: " + name +
                        " has no bound to take a step from; expected a number of seconds, found \"auto\"");
-    if (!(bound > 0.0))
-      throw InputError(std::string("time_step_s: no step of ") + name + " is stable here");
+    if (!(bound > 0.0)) throw InputError(std::string("time_step_s: no step of ") + name + " is stable here");
     setup.step_s = duration_s / std::ceil(duration_s / (wanted.safety * bound));
   }
   const double steps = std::ceil(duration_s / setup.step_s * (1.0 - 1e-12));
   if (!(steps <= kMostSteps))
-    throw InputError("expected at most 1e12 steps, found " +
-                     short_number(duration_s / setup.step_s));
+    throw InputError("expected at most 1e12 steps, found " + short_number(duration_s / setup.step_s));
   setup.steps = static_cast<std::uint64_t>(steps);
 }
 
@@ -126,9 +125,10 @@ void choose_engine(const MotionStepping& wanted, MotionSetup& setup) {
     if (setup.why_general.empty()) setup.why_general = dynamics::find_more_than_plain(phase.model);
   }
   if (wanted.engine == EngineChoice::kPlain && !setup.why_general.empty())
-    throw InputError("engine: the plain engine takes springs with axial damping at large strain, and "
-                     "symplectic_euler; this body has " +
-                     setup.why_general);
+    throw InputError(
+        "engine: the plain engine takes springs with axial damping at large strain, and "
+        "symplectic_euler; this body has " +
+        setup.why_general);
   setup.is_plain = wanted.engine != EngineChoice::kGeneral && setup.why_general.empty();
   if (wanted.single_precision && !setup.is_plain)
     throw InputError("precision: single is the plain engine's alone; this body " +
@@ -143,9 +143,9 @@ dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh
   const StrainSize strain = body.motion.body.strain;
   const ModelRequest wanted = take_model_request(body.model.method, strain, left);
   require_all_taken(left);
-  dynamics::BuiltModel built =
-      build_requested_model(mesh, body.motion.body.material, wanted, response);
-  if (body.model.volume_force_of_n_per_m) scale_volume_force(*body.model.volume_force_of_n_per_m, built.model);
+  dynamics::BuiltModel built = build_requested_model(mesh, body.motion.body.material, wanted, response);
+  if (body.model.volume_force_of_n_per_m)
+    scale_volume_force(*body.model.volume_force_of_n_per_m, built.model);
   return std::move(built.model);
 }
 
@@ -156,10 +156,9 @@ MotionModel build_free_body(const MovingBody& body, const TetMesh& mesh, dynamic
   MotionModel model;
   model.tets = mesh.tets;
   model.elastic = std::move(elastic);
-  model.mass_kg =
-      own.mass_per_vertex_kg
-          ? std::vector<double>(mesh.points.size(), *own.mass_per_vertex_kg)
-          : dynamics::build_lumped_masses(mesh, body.motion.body.material.density_kg_m3);
+  model.mass_kg = own.mass_per_vertex_kg
+                      ? std::vector<double>(mesh.points.size(), *own.mass_per_vertex_kg)
+                      : dynamics::build_lumped_masses(mesh, body.motion.body.material.density_kg_m3);
   model.spring_damping = own.spring_damping;
   model.strain_damping_s = stiffness_s;
   if (stiffness_s > 0.0 || own.damping_spring_n_s_per_m > 0.0) {

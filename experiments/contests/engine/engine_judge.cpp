@@ -20,10 +20,20 @@ using nlohmann::json;
 constexpr const char* kSchema = "palpate/engine/1";
 constexpr double kEndTolerance = 1e-6;  // of the duration: the last step may end beside it by a rounding
 
-constexpr std::array kReported{
-    "peak_speed_m_s",        "speeds_cut",     "inverted_tets_most", "real_time_factor", "tick_real_time_factor",
-    "stable_step_s",         "stability_margin", "steps_per_tick",   "tick_p50_s",       "tick_p99_s",
-    "tick_p99_9_s",          "tick_worst_s",   "ticks",              "ticks_missed"};
+constexpr std::array kReported{"peak_speed_m_s",
+                               "speeds_cut",
+                               "inverted_tets_most",
+                               "real_time_factor",
+                               "tick_real_time_factor",
+                               "stable_step_s",
+                               "stability_margin",
+                               "steps_per_tick",
+                               "tick_p50_s",
+                               "tick_p99_s",
+                               "tick_p99_9_s",
+                               "tick_worst_s",
+                               "ticks",
+                               "ticks_missed"};
 
 /// One file; messages name it.
 class EngineFile {
@@ -161,7 +171,8 @@ class EngineFile {
     if (!frame.is_object() || !frame.contains("displacement_m")) fail("displacements of a frame", frame);
     const std::vector<double> u = read_numbers(frame.at("displacement_m"), 3 * mesh_.points.size());
     const auto moved = [&](Index v) {
-      return mesh_.points[v] + Vec3{u[3 * std::size_t{v}], u[3 * std::size_t{v} + 1], u[3 * std::size_t{v} + 2]};
+      return mesh_.points[v] +
+             Vec3{u[3 * std::size_t{v}], u[3 * std::size_t{v} + 1], u[3 * std::size_t{v} + 2]};
     };
     std::size_t inverted = 0;
     for (const Tet& tet : mesh_.tets) {

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "core/mesh/tet_mesh.h"
 #include "core/base/types.h"
+#include "core/mesh/tet_mesh.h"
 #include "reference/door/motion_problem.h"
 
 namespace palpate::experiments {

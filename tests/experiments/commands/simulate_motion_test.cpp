@@ -390,7 +390,8 @@ TEST_F(SimulateMotion, TheEstimateOfTheOutputIsFromAboveAndNotWild) {
   double bytes = 0.0;
   for (const json& file : report.at("files"))
     bytes += static_cast<double>(std::filesystem::file_size(file.get<std::string>()));
-  const double estimate = reference::estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
+  const double estimate =
+      reference::estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
   EXPECT_GT(estimate, bytes);
   EXPECT_LT(estimate, 10.0 * bytes);
 }

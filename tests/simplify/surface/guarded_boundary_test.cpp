@@ -104,7 +104,8 @@ TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
   EXPECT_GT(contacts, 500U);
 }
 
-/// A block with a guarded boundary of the given bound, and the change that moves the middle vertex of its top.
+/// A block with a guarded boundary of the given bound, and the change that moves the middle vertex of its
+/// top.
 struct MovedTop {
   WorkingMesh mesh;
   Index middle = kNoIndex;

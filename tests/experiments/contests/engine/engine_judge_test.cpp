@@ -28,7 +28,8 @@ class EngineJudge : public testing::Test {
   }
 
   json judge(const json& file, const std::string& outcome = "completed") const {
-    return judge_engine_file(problem_, mesh_, {{"outcome", outcome}}, folder_.add("answer.json", file.dump()));
+    return judge_engine_file(problem_, mesh_, {{"outcome", outcome}},
+                             folder_.add("answer.json", file.dump()));
   }
   std::string refusal(const json& file) const {
     try {
@@ -54,7 +55,8 @@ class EngineJudge : public testing::Test {
             {"kind", "replay"},
             {"columns", {"time_s", "largest_displacement_m", "rms_displacement_m", "largest_speed_m_s"}},
             {"rows", rows},
-            {"frames", {{{"time_s", 0.0}, {"displacement_m", still}}, {{"time_s", 2.0}, {"displacement_m", turned}}}}};
+            {"frames",
+             {{{"time_s", 0.0}, {"displacement_m", still}}, {{"time_s", 2.0}, {"displacement_m", turned}}}}};
   }
 
   test::ScratchFolder folder_;
@@ -146,7 +148,8 @@ TEST_F(EngineJudge, BrokenFilesAreRefusedWithWhatIsWrong) {
 }
 
 TEST_F(EngineJudge, ReportedFiguresAreNumbersAlone) {
-  const json reported = reported_figures({{"ticks", 100}, {"tick_p50_s", nullptr}, {"speeds_cut", "many"}, {"x", 1}});
+  const json reported =
+      reported_figures({{"ticks", 100}, {"tick_p50_s", nullptr}, {"speeds_cut", "many"}, {"x", 1}});
   EXPECT_EQ(reported, (json{{"ticks", 100}}));
 }
 

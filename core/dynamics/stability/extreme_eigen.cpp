@@ -3,7 +3,7 @@
 #pragma GCC diagnostic ignored "-Wuse-after-free"
 #endif
 
-#include "core/dynamics/linear_algebra/extreme_eigen.h"
+#include "core/dynamics/stability/extreme_eigen.h"
 
 #include <Spectra/GenEigsSolver.h>
 #include <Spectra/SymEigsSolver.h>
