@@ -9,7 +9,7 @@
 #include "core/base/error.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
-#include "reference/door/json_null.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;

@@ -8,7 +8,7 @@
 #include "experiments/judging/measure.h"
 #include "experiments/records/provenance.h"
 #include "experiments/text/terminal.h"
-#include "reference/door/json_null.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {

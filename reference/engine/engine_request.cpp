@@ -10,7 +10,7 @@
 #include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/stability/slow_rates.h"
-#include "reference/door/json_null.h"
+#include "reference/door/json_file.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/door/result_folder.h"

@@ -8,7 +8,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/dynamics/time_loop/plain_run.h"
-#include "reference/door/json_null.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::reference {
 namespace {

@@ -13,7 +13,7 @@
 #include "experiments/contests/pad_force.h"
 #include "experiments/files/output_file.h"
 #include "reference/door/deform_problem.h"
-#include "reference/door/json_null.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
