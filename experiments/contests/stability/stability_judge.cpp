@@ -4,7 +4,9 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/base/error.h"
 #include "core/judge/motion/stability_reading.h"
 #include "experiments/contests/stability/stability_answer.h"
 #include "experiments/text/terminal.h"
@@ -114,6 +116,8 @@ class AnswerJudge {
     }
     for (std::size_t k = 0; k < runs.size(); ++k) {
       const std::string name = "run " + std::to_string(k + 1);
+      if (!said[k].is_object())
+        throw InputError("report: runs[" + std::to_string(k) + "]", 0, "an object", said[k].dump());
       const json outcome = said[k].value("outcome", json());
       if (outcome != runs[k].at("ending")) add_difference(name, outcome, runs[k].at("ending"));
       const auto step = number_of(said[k], "step_s");
