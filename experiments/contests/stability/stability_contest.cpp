@@ -86,7 +86,7 @@ class StabilityContest : public Contest {
       const StabilityInput input = build_stability_input(mesh.mesh, facts.run_case.options);
       return judge_stability(input, facts.run_case.options, answer.report, file);
     };
-    judge_answer({judge, add_agreement_violations, "history"}, facts, answer, earlier, record);
+    judge_answer({judge, add_agreement_violations, "answer"}, facts, answer, earlier, record);
     return record;
   }
 

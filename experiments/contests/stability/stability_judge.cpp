@@ -4,11 +4,13 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/judge/motion/stability_reading.h"
 #include "experiments/contests/stability/stability_answer.h"
-#include "experiments/text/terminal.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -17,16 +19,13 @@ using judge::Ending;
 using judge::RunHistory;
 using judge::RunReading;
 using nlohmann::json;
+using reference::number_or_null;
 
 constexpr double kAgreement = 0.02;
 constexpr double kWidestBracket = 1.025;  // upper end over lower; contestants halve to 0.5, 2 or 2.1%
 constexpr double kEnergyFactor = 100.0;
 constexpr double kLargeEnergyFactor = 10.0;  // of brackets of large motions
 constexpr double kSame = 1e-9;
-
-json number_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
 
 /// A number of the report; nothing where it has none.
 std::optional<double> number_of(const json& report, const char* key) {
@@ -115,6 +114,8 @@ class AnswerJudge {
     }
     for (std::size_t k = 0; k < runs.size(); ++k) {
       const std::string name = "run " + std::to_string(k + 1);
+      if (!said[k].is_object())
+        throw InputError("report: runs[" + std::to_string(k) + "]", 0, "an object", said[k].dump());
       const json outcome = said[k].value("outcome", json());
       if (outcome != runs[k].at("ending")) add_difference(name, outcome, runs[k].at("ending"));
       const auto step = number_of(said[k], "step_s");

@@ -14,7 +14,7 @@ namespace palpate::experiments {
 /// bracket holds, "bracket", "measured_step_s", "measured_over_predicted" (with the prediction that is
 /// reported) and "row_sum_over_measured" (alike). A bracket holds if the history at its lower end is stable
 /// and that at its upper end is not. Throws: InputError if the file cannot be read as
-/// palpate/stability_answer/1.
+/// palpate/stability_answer/1, or the report's runs are none.
 nlohmann::json judge_stability(const StabilityInput& input, const nlohmann::json& options,
                                const nlohmann::json& report, const std::filesystem::path& file);
 

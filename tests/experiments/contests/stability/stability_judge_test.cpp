@@ -99,14 +99,14 @@ TEST_F(StabilityJudge, ABrokenFileIsABadAnswerWithOneMessage) {
   for (const auto& [behave, message] : std::map<std::string, std::string>{
            {"no_history", "it wrote no history"},
            {"no_outcome", "its report has no outcome"},
-           {"truncated", "its history cannot be read: history.json"},
+           {"truncated", "its answer cannot be read: history.json"},
            {"missing_rows", "runs[0]: expected a row at least every 10 steps"},
            {"no_rows", "runs[0]: expected rows from step 0 on"},
            {"other_farthest", "the farthest vertex of its last displacement"},
            {"other_mesh", "vertices"},
            {"words_for_numbers", "runs[0].rows[3]: expected a finite number, found \"none\""},
            {"other_schema", "history.json: schema: expected palpate/stability_answer/1"},
-           {"runs_are_numbers", "its report"}}) {
+           {"runs_are_numbers", "report: runs[0]: expected an object, found 1"}}) {
     const json record = record_of(behave, ", task: run");
     EXPECT_EQ(record.at("outcome"), "bad_answer") << behave << ": " << record.at("message");
     EXPECT_THAT(record.at("message").get<std::string>(), HasSubstr(message)) << behave;
