@@ -33,6 +33,7 @@ struct LargePageAllocator {
   friend bool operator==(const LargePageAllocator&, const LargePageAllocator&) { return true; }
 };
 
+/// A vector on large pages, as far as the system gives them.
 template <typename T>
 using LargeVector = std::vector<T, LargePageAllocator<T>>;
 

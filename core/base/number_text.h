@@ -3,6 +3,8 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <cstdio>
 #include <string>
 
 namespace palpate {
@@ -14,6 +16,14 @@ void append_number(std::string& text, Number value) {
   std::array<char, 32> digits;
   const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   text.append(digits.data(), end);
+}
+
+/// A number for a person: up to 6 significant digits, whole numbers below 1e15 whole.
+inline std::string short_number(double value) {
+  std::array<char, 32> text{};
+  const bool whole = value == std::floor(value) && std::fabs(value) < 1e15;
+  std::snprintf(text.data(), text.size(), whole ? "%.0f" : "%.6g", value);
+  return text.data();
 }
 
 }  // namespace palpate

@@ -25,22 +25,27 @@ struct Vec3 {
   friend constexpr bool operator==(const Vec3& a, const Vec3& b) = default;
 };
 
+/// a . b.
 constexpr double dot(const Vec3& a, const Vec3& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/// a x b.
 constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// a . a.
 constexpr double length_sq(const Vec3& a) {
   return dot(a, a);
 }
 
+/// |a|, in the unit of a.
 inline double length(const Vec3& a) {
   return std::sqrt(length_sq(a));
 }
 
+/// Whether no coordinate is NaN or infinite.
 inline bool is_finite(const Vec3& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }

@@ -34,10 +34,22 @@ BoundingBox bounding_box(std::span<const Vec3> points) {
   return box;
 }
 
+double longest_side(const BoundingBox& box) {
+  const Vec3 size = box.high - box.low;
+  return std::max({size.x, size.y, size.z});
+}
+
+Index nearest_point(std::span<const Vec3> points, const Vec3& place) {
+  require(!points.empty(), "nearest_point: no points");
+  const auto nearer = [&](const Vec3& a, const Vec3& b) {
+    return length_sq(a - place) < length_sq(b - place);
+  };
+  return static_cast<Index>(std::min_element(points.begin(), points.end(), nearer) - points.begin());
+}
+
 double normalize_to_unit_box(std::span<Vec3> points) {
   const BoundingBox box = bounding_box(points);
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
+  const double longest = longest_side(box);
   if (!(longest > 0.0)) throw InputError("the mesh", 0, "points that differ", "all points in one place");
   const double scale = 2.0 / longest;
   const Vec3 center = 0.5 * (box.low + box.high);

@@ -24,7 +24,15 @@ struct BoundingBox {
   Vec3 low;
   Vec3 high;
 };
+/// The box of the points.
 BoundingBox bounding_box(std::span<const Vec3> points);
+
+/// The longest of the box's three sides.
+double longest_side(const BoundingBox& box);
+
+/// The number of the point nearest to `place`; of equally near ones the first. Linear time.
+/// Throws: ContractError if there are no points.
+Index nearest_point(std::span<const Vec3> points, const Vec3& place);
 
 /// Moves and scales the points uniformly so that the bounding box is centred on the origin and its longest
 /// side is [-1, 1] (thesis 4.2.2). Returns the factor that lengths were multiplied by.

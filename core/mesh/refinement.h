@@ -21,6 +21,7 @@ struct EdgeNumbers {
   /// number of edges at one vertex.
   Index of(Index a, Index b) const;
 };
+/// Numbers the edges as build_edges does. Linear memory, n log n time.
 EdgeNumbers build_edge_numbers(const TetMesh& mesh);
 
 /// Splits each tet into eight of the same volume: four corners, and the inner octahedron along the shortest

@@ -24,8 +24,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
 
 std::vector<Index> order_in_space(std::span<const Vec3> points, int threads) {
   const BoundingBox box = bounding_box(points);
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
+  const double longest = longest_side(box);
   const double scale = longest > 0.0 ? 2097151.0 / longest : 0.0;
   struct Entry {
     std::uint64_t key;

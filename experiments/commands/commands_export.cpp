@@ -9,15 +9,17 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/springs/identification/identify.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/metre_mesh.h"
 #include "experiments/commands/usage.h"
-#include "experiments/contestants/contestant.h"
-#include "experiments/simulation/model_file.h"
+#include "experiments/contests/moving_task.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
-#include "reference/springs/model_request.h"
+#include "reference/door/json_file.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 namespace {
@@ -26,6 +28,7 @@ using nlohmann::json;
 
 /// Of a modulus, a density or a unit, in size.
 constexpr double kMostNumber = 1e15;
+constexpr std::size_t kMostBytes = std::size_t{1} << 36U;  ///< of a model
 
 struct ExportArguments {
   std::string mesh;
@@ -76,18 +79,17 @@ void check_output(const std::filesystem::path& path) {
     throw InputError(path.string(), 0, "an output in a folder that exists", "no folder " + folder.string());
 }
 
-dynamics::MotionModel build_moving(const ExportArguments& arguments, const TetMesh& mesh,
-                                   dynamics::ElasticModel elastic) {
-  dynamics::MotionModel model;
-  model.tets = mesh.tets;
-  model.elastic = std::move(elastic);
-  model.mass_kg = dynamics::build_lumped_masses(mesh, arguments.material.density_kg_m3);
-  model.strain_damping_s = arguments.stiffness_s;
-  for (const double k : model.elastic.springs.stiffness_n_per_m)
-    model.spring_damping_n_s_per_m.push_back(arguments.stiffness_s * k);
-  for (const double mass : model.mass_kg)
-    model.environment_damping_n_s_per_m.push_back(arguments.mass_per_s * mass);
-  return model;
+/// The body at rest, without anything that holds or moves it.
+reference::MovingBody build_body(const ExportArguments& arguments, const json& options) {
+  reference::MovingBody body;
+  body.motion.body.material = arguments.material;
+  body.motion.body.strain = arguments.strain == "large" ? StrainSize::kLarge : StrainSize::kSmall;
+  body.motion.damping_stiffness_s = arguments.stiffness_s;
+  body.motion.damping_mass_per_s = arguments.mass_per_s;
+  body.motion.duration_s = 1.0;  // no step is taken
+  body.model.method = arguments.method;
+  body.model.options = options;
+  return body;
 }
 
 int export_model(const ExportArguments& arguments) {
@@ -97,24 +99,15 @@ int export_model(const ExportArguments& arguments) {
   if (!(arguments.unit_m > 0.0))
     throw InputError("--unit-m", 0, "a finite number above 0", short_number(arguments.unit_m));
   check_output(arguments.out);
-  const json options = model_options(arguments, load_registry());
+  const Registry registry = load_registry();
+  const json options = model_options(arguments, registry);
   const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
-  json rest = options;
-  const auto strain = arguments.strain == "large" ? StrainSize::kLarge : StrainSize::kSmall;
-  const reference::ModelRequest wanted = reference::take_model_request(arguments.method, strain, rest);
-  require(rest.empty(), "a model takes all of its options");
-  reference::Response response;
-  dynamics::BuiltModel built = reference::build_requested_model(mesh, arguments.material, wanted, response);
-  for (const std::string& note : response.notes) print_note(note);
-  json file = model_to_json(mesh, build_moving(arguments, mesh, std::move(built.model)));
-  file["schema"] = "palpate/model/1";
-  file["method"] = arguments.method;
-  file["options"] = options;
-  file["strain"] = arguments.strain;
-  file["material"] = {{"young_modulus_pa", arguments.material.young_modulus_pa},
-                      {"poisson_ratio", arguments.material.poisson_ratio},
-                      {"density_kg_m3", arguments.material.density_kg_m3}};
-  write_file_atomically(arguments.out, file.dump() + "\n");
+  const ScratchFolder scratch;
+  const ContestantTask task =
+      start_moving_task("engine.model", build_body(arguments, options), mesh, registry, scratch.file("body"));
+  const ContestantAnswer answer = run_moving_task(task, arguments.mesh);
+  for (const std::string& note : answer.notes) print_note(note);
+  write_file_atomically(arguments.out, reference::read_text_file(answer.output, kMostBytes));
   std::cout << "Written: " << arguments.out << '\n';
   return kDone;
 }

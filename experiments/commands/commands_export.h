@@ -5,7 +5,7 @@
 
 namespace palpate::experiments {
 
-/// Adds `export`: a whole model of a mesh as one file (experiments/simulation/model_file.h).
+/// Adds `export`: a whole model of a mesh as one file (docs/model_file.md).
 void add_export_command(CLI::App& app, int& exit_code);
 
 }  // namespace palpate::experiments

@@ -4,6 +4,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"

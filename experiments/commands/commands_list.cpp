@@ -15,22 +15,6 @@ namespace {
 
 using nlohmann::json;
 
-const char* type_name(OptionType type) {
-  switch (type) {
-    case OptionType::kChoice:
-      return "choice";
-    case OptionType::kNumber:
-      return "number";
-    case OptionType::kInteger:
-      return "integer";
-    case OptionType::kBool:
-      return "bool";
-    case OptionType::kFile:
-      return "file";
-  }
-  throw ContractError("type_name: unknown type");
-}
-
 std::string text_of(const json& value) {
   if (value.is_null()) return "not given";
   return value.is_string() ? value.get<std::string>() : value.dump();
@@ -38,7 +22,7 @@ std::string text_of(const json& value) {
 
 json describe_option(const OptionSpec& option) {
   json value = {{"name", option.name},
-                {"type", type_name(option.type)},
+                {"type", kOptionTypeNames.of(option.type)},
                 {"default", option.default_value},
                 {"help", option.help}};
   if (!option.choices.empty()) value["choices"] = option.choices;
@@ -72,7 +56,7 @@ void print_method(const MethodSpec& method) {
   if (method.keeps) std::cout << "    takes --keep \"sphere x y z r\" and the like\n";
   if (!method.deterministic) std::cout << "    not deterministic: the same request may give another mesh\n";
   for (const OptionSpec& option : method.options) {
-    std::string values = type_name(option.type);
+    std::string values = kOptionTypeNames.of(option.type);
     if (!option.choices.empty()) {
       values.clear();
       for (const std::string& choice : option.choices) values += (values.empty() ? "" : "|") + choice;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"

@@ -14,7 +14,9 @@
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
+#include "experiments/contests/moving_task.h"
 #include "experiments/files/places.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/processes/process.h"
 #include "experiments/processes/stop_signals.h"
@@ -22,8 +24,8 @@
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
+#include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
-#include "experiments/simulation/motion_setup.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
@@ -149,7 +151,11 @@ void check_scene(const std::string& file, const Registry& registry) {
   const MadeMesh made = build_scene_mesh(scene.mesh);
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
-    build_motion(placed, made.mesh, registry, 1);
+    const ScratchFolder scratch;
+    ContestantTask task = start_moving_task("engine.replay", build_moving_body(placed, made.mesh, registry),
+                                            made.mesh, registry, scratch.file("body"));
+    task.options["setup_only"] = true;
+    run_moving_task(task, scene.analysis_where);
   } else {
     build_problem(placed, made.mesh);
   }

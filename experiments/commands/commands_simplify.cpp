@@ -1,6 +1,4 @@
 // simplify: one mesh through the same door as in a plan.
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -10,19 +8,20 @@
 #include <memory>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/output_file.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/judging/judge_record.h"
-#include "experiments/judging/keep.h"
+#include "experiments/judging/kept_regions.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/processes/bounded_work.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
-namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
@@ -43,29 +42,6 @@ struct SimplifyArguments {
   bool as_json = false;
 };
 
-/// A folder below the system's temporary one, removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string name = (fs::temp_directory_path() / "palpate-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw InputError(name, 0, "a temporary folder that can be written", "none");
-    }
-    path_ = name;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 MethodEntry find_method(const Registry& registry, const std::string& name) {
   const auto entry = registry.find(name);
   if (!entry)
@@ -83,7 +59,7 @@ MethodEntry find_method(const Registry& registry, const std::string& name) {
 std::vector<std::string> keep_of(const SimplifyArguments& arguments, const MethodSpec& method,
                                  const Registry& registry) {
   std::vector<std::string> keep;
-  for (const std::string& region : arguments.keep) keep.push_back(parse_keep(region, "--keep"));
+  for (const std::string& region : arguments.keep) keep.push_back(parse_kept_region(region, "--keep"));
   if (!keep.empty() && !method.keeps)
     throw InputError("--keep: method " + method.name + " keeps no regions" + keeping_methods(registry));
   return keep;
@@ -242,7 +218,7 @@ int simplify(const SimplifyArguments& arguments) {
   const TetMesh in = read_valid_mesh(arguments.mesh);
   const ScratchFolder scratch;
   task.scratch = scratch.path();
-  task.mesh_in = scratch.path() / "in.mesh";
+  task.mesh_in = scratch.file("in.mesh");
   write_medit(task.mesh_in, in);
   task.threads = arguments.threads;
   task.timeout_s = arguments.timeout_s;

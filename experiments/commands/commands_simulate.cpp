@@ -1,4 +1,4 @@
-// simulate: a static scene through the same door as in a plan, or a dynamic one in this process.
+// simulate: a scene through the same door as in a plan.
 #include <algorithm>
 #include <cmath>
 #include <iostream>
@@ -6,19 +6,23 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
+#include "core/mesh/io/displacement_vtu.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
-#include "experiments/meshes/mesh_tools.h"
+#include "experiments/contests/moving_task.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/scene_reader/scene.h"
+#include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
-#include "experiments/simulation/displacement_file.h"
-#include "experiments/simulation/simulate_motion.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/deform_problem.h"
+#include "reference/door/result_folder.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -31,7 +35,7 @@ struct SimulateArguments {
   std::string out;
   double timeout_s = 3600.0;
   int threads = 1;
-  double most_output_gb = kMostOutputBytes / 1e9;
+  double most_output_gb = 2.0;
   bool as_json = false;
 };
 
@@ -69,7 +73,7 @@ double largest(const std::vector<Vec3>& field) {
 /// The answer as a report; writes the files where there is a displacement.
 json write_result(const ContestantAnswer& answer, const std::string& method, const TetMesh& mesh,
                   const fs::path& out) {
-  remove_earlier_results(out);
+  reference::remove_earlier_results(out);
   json report = answer.report;
   report["method"] = method;
   report["kernel_s"] = *answer.kernel_s;
@@ -168,14 +172,44 @@ int exit_code_of(const json& report) {
   return outcome == "interrupted" ? kInterrupted : kNotAccepted;
 }
 
+/// The files of a motion, as the engine has written them to the folder, and its summary.
+void add_files(const fs::path& out, json& report) {
+  std::vector<std::string> files{(out / "history.csv").string()};
+  const auto frames = report.at("frames_written").get<std::size_t>();
+  if (frames > 0) files.push_back((out / "frames.pvd").string());
+  for (std::size_t k = 0; k < frames; ++k) files.push_back((out / reference::frame_name(k)).string());
+  files.push_back((out / "summary.json").string());
+  report["files"] = files;
+  write_file_atomically(out / "summary.json", report.dump(2) + "\n");
+}
+
 int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
+  constexpr double kGraceSeconds = 600.0;  // to write what there is
+  const Stopwatch clock;
+  const volatile std::sig_atomic_t* stop_flag = catch_stop_signals();
   const ResultFolder folder(arguments.out);
-  SimulateMotionOptions options;
-  options.out = arguments.out;
-  options.threads = arguments.threads;
-  options.stops = {arguments.timeout_s, catch_stop_signals()};
-  options.most_output_bytes = 1e9 * arguments.most_output_gb;
-  const json report = simulate_motion(scene, options);
+  const Registry registry = load_registry();
+  const MadeMesh made = build_scene_mesh(scene.mesh);
+  for (const std::string& note : made.notes) print_note(note);
+  const ScratchFolder scratch;
+  const reference::MovingBody body = build_moving_body(place_scene(scene, made.mesh), made.mesh, registry);
+  ContestantTask task = start_moving_task("engine.replay", body, made.mesh, registry, scratch.file("body"));
+  task.folder_out = fs::absolute(arguments.out);
+  task.threads = arguments.threads;
+  task.stop_flag = stop_flag;
+  task.stop_grace_s = kGraceSeconds;
+  task.options["stop_after_s"] = std::max(1e-6, arguments.timeout_s - clock.seconds());
+  task.options["max_output_gb"] = arguments.most_output_gb;
+  const ContestantAnswer answer = run_moving_task(task, scene.analysis_where);
+  if (answer.outcome == "interrupted") {
+    print_note("interrupted before there was anything to write");
+    return kInterrupted;
+  }
+  for (const std::string& note : answer.notes) print_note(note);
+  json report = answer.report;
+  report["schema"] = "palpate/motion/1";
+  report["preset"] = scene.dynamic.preset.empty() ? json(nullptr) : json(scene.dynamic.preset);
+  add_files(arguments.out, report);
   if (arguments.as_json) {
     print_json(report);
   } else {

@@ -1,7 +1,6 @@
 // springs: spring constants of a mesh by one method, as a CSV for a simulator.
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -12,6 +11,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/statics/calibration.h"
 #include "core/mesh/geometry.h"
 #include "core/springs/identification/identify.h"
@@ -189,15 +189,15 @@ int identify(const SpringsArguments& arguments) {
   if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");
   const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
   springs::IdentifyReport report;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   SpringNetwork network = springs::identify_springs(mesh, material, method, options.identify, report);
   const double factor = options.calibrate ? calibrate(mesh, material, network) : 1.0;
-  const std::chrono::duration<double> kernel = std::chrono::steady_clock::now() - start;
+  const double kernel_s = watch.seconds();
   springs::write_springs_csv(arguments.out, network);
   if (!arguments.masses.empty())
     write_masses(arguments.masses, springs::build_lumped_masses(mesh, arguments.density));
   for (const std::string& warning : report.warnings) print_note(warning);
-  json figures = figures_of(arguments, mesh, network, report, kernel.count());
+  json figures = figures_of(arguments, mesh, network, report, kernel_s);
   if (options.calibrate) {
     figures["calibration_factor"] = factor;
     figures["stiffness_ratio_mean"] = factor * report.stiffness_ratio_mean;

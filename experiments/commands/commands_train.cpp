@@ -1,7 +1,5 @@
 // train: spring constants, and moduli where a volume model is on, from displacement fields of quadratic
 // elements.
-#include <unistd.h>
-
 #include <iostream>
 #include <memory>
 
@@ -9,12 +7,12 @@
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/spring_training/training_report.h"
 #include "experiments/spring_training/training_run.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
-namespace fs = std::filesystem;
 namespace {
 
 struct TrainArguments {
@@ -23,28 +21,6 @@ struct TrainArguments {
   std::string moduli;
   int threads = 1;
   bool as_json = false;
-};
-
-/// A folder below the system's temporary one, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "palpate-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-      throw InputError(name, 0, "a temporary folder that can be written", "none");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 int train(const TrainArguments& arguments) {
@@ -58,7 +34,7 @@ int train(const TrainArguments& arguments) {
   if (has_moduli) check_output_csv(arguments.moduli);
   Progress progress(arguments.as_json);
   const Registry registry = load_registry();
-  const TemporaryFolder scratch;
+  const ScratchFolder scratch;
   const TrainingSetting setting{registry, scratch.path(), progress, arguments.threads, nullptr};
   TrainingInput input = build_training_input(plan, setting);
   for (const std::string& note : input.notes) print_note(note);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/meshes/mesh_source.h"
@@ -24,8 +25,7 @@ TetMesh read_mesh_in_metres(const std::string& path, double unit_m) {
   const Judgement judgement = judge_mesh(file.mesh);
   if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
   for (Vec3& point : file.mesh.points) point = unit_m * point;
-  const BoundingBox box = bounding_box(file.mesh.points);
-  const double longest = std::max({box.high.x - box.low.x, box.high.y - box.low.y, box.high.z - box.low.z});
+  const double longest = longest_side(bounding_box(file.mesh.points));
   if (longest > kLongestOrganM) {
     print_note(path + ": the mesh is " + short_number(longest) +
                " m long; if its unit is the millimetre, say --unit-m 0.001");

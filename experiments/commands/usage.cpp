@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 

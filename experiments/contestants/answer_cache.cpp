@@ -9,12 +9,14 @@
 #include "core/base/error.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
+using reference::or_null;
 
 constexpr const char* kSchema = "palpate/answer_cache/1";
 
@@ -61,11 +63,6 @@ std::optional<ContestantAnswer> load(const fs::path& folder, const json& key) {
   } catch (const json::exception&) {  // damaged in whatever way: made again
     return {};
   }
-}
-
-template <typename T>
-json or_null(const std::optional<T>& value) {
-  return value ? json(*value) : json();
 }
 
 /// Keeps the answer and returns it with its output's new place.

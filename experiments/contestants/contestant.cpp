@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "experiments/contestants/stability_settings.h"
 #include "experiments/files/places.h"
 #include "experiments/text/nearest_name.h"
 
@@ -26,13 +27,8 @@ void check_schema(const YamlFields& fields, const std::string& schema) {
 }
 
 OptionType read_type(const YamlValue& value) {
-  const std::string type = value.text();
-  if (type == "choice") return OptionType::kChoice;
-  if (type == "number") return OptionType::kNumber;
-  if (type == "integer") return OptionType::kInteger;
-  if (type == "bool") return OptionType::kBool;
-  if (type == "file") return OptionType::kFile;
-  value.fail_expected("choice, number, integer, bool or file");
+  if (const auto type = kOptionTypeNames.find(value.text())) return *type;
+  value.fail_expected(kOptionTypeNames.known());
 }
 
 std::vector<std::string> read_texts(const YamlValue& value) {
@@ -99,21 +95,19 @@ void add_options(const YamlValue& list, std::vector<OptionSpec>& options) {
   for (const YamlValue& item : list.items()) add_option(item, read_option(item), options);
 }
 
-/// What the methods of a contestant share.
-struct SharedOptions {
-  std::vector<OptionSpec> of_all;
-  std::map<std::string, std::vector<OptionSpec>> sets;  ///< by name, for the methods that name them
-};
+/// By name, for the methods that name them.
+using OptionSets = std::map<std::string, std::vector<OptionSpec>>;
 
-void add_sets(const YamlValue& names, const SharedOptions& shared, std::vector<OptionSpec>& options) {
+void add_sets(const YamlValue& names, const OptionSets& sets, std::vector<OptionSpec>& options) {
   for (const YamlValue& name : names.items()) {
-    const auto found = shared.sets.find(name.text());
-    if (found == shared.sets.end()) name.fail("no option set \"" + name.text() + "\"");
+    const auto found = sets.find(name.text());
+    if (found == sets.end()) name.fail("no option set \"" + name.text() + "\"");
     for (const OptionSpec& option : found->second) add_option(name, option, options);
   }
 }
 
-MethodSpec read_method(const YamlValue& value, const std::string& contest, const SharedOptions& shared) {
+MethodSpec read_method(const YamlValue& value, const std::string& contest,
+                       const std::vector<OptionSpec>& of_all, const OptionSets& sets) {
   const YamlFields fields =
       value.fields({"name", "summary", "stops", "keep", "option_sets", "options", "deterministic"});
   MethodSpec method;
@@ -122,11 +116,25 @@ MethodSpec read_method(const YamlValue& value, const std::string& contest, const
   method.stops = read_stops(fields, method.name, contest);
   if (const auto keep = fields.find("keep")) method.keeps = keep->boolean();
   if (method.keeps) method.options = keep_options();
-  method.options.insert(method.options.end(), shared.of_all.begin(), shared.of_all.end());
-  if (const auto sets = fields.find("option_sets")) add_sets(*sets, shared, method.options);
+  if (contest == "stability") method.options = stability_settings();
+  for (const OptionSpec& option : of_all) add_option(value, option, method.options);
+  if (const auto named = fields.find("option_sets")) add_sets(*named, sets, method.options);
   if (const auto given = fields.find("deterministic")) method.deterministic = given->boolean();
   if (const auto options = fields.find("options")) add_options(*options, method.options);
   return method;
+}
+
+/// What a folder offers in one contest; `shared` is what all its contests have.
+Contestant read_contest(const YamlFields& fields, const Contestant& shared, const OptionSets& sets) {
+  Contestant contestant = shared;
+  contestant.contest = fields.need("contest").identifier();
+  if (const auto source = fields.find("source")) contestant.source = source->text();
+  std::vector<OptionSpec> of_all;
+  if (const auto options = fields.find("options")) add_options(*options, of_all);
+  for (const YamlValue& method : fields.need("methods").items())
+    contestant.methods.push_back(read_method(method, contestant.contest, of_all, sets));
+  if (contestant.methods.empty()) fields.self().fail("a contestant needs at least one method");
+  return contestant;
 }
 
 std::string bounds_text(const OptionSpec& option) {
@@ -206,8 +214,8 @@ std::string Contestant::unavailable() const {
 }
 
 Registry::Registry(std::vector<Contestant> contestants) : contestants_(std::move(contestants)) {
-  std::sort(contestants_.begin(), contestants_.end(),
-            [](const Contestant& a, const Contestant& b) { return a.folder < b.folder; });
+  std::stable_sort(contestants_.begin(), contestants_.end(),
+                   [](const Contestant& a, const Contestant& b) { return a.folder < b.folder; });
   std::set<std::string> seen;
   for (const std::string& name : method_names()) {
     if (!seen.insert(name).second) throw InputError("method " + name + " is offered by two contestants");
@@ -231,29 +239,31 @@ std::optional<MethodEntry> Registry::find(const std::string& method) const {
   return std::nullopt;
 }
 
-Contestant read_contestant(const std::filesystem::path& description,
-                           const std::filesystem::path& bin_folder) {
+std::vector<Contestant> read_description(const std::filesystem::path& description,
+                                         const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
-  const YamlFields fields = root.fields(
-      {"schema", "contest", "program", "packages", "licence", "source", "options", "option_sets", "methods"});
+  const YamlFields fields = root.fields({"schema", "program", "packages", "licence", "option_sets",
+                                         "contests", "contest", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
-  Contestant contestant;
-  contestant.folder = description.parent_path().filename().string();
-  contestant.contest = fields.need("contest").identifier();
-  contestant.program = find_program(fields.need("program"), description.parent_path(), bin_folder);
-  if (const auto packages = fields.find("packages")) contestant.packages = read_texts(*packages);
-  contestant.licence = fields.need("licence").text();
-  if (const auto source = fields.find("source")) contestant.source = source->text();
-  SharedOptions shared;
-  if (const auto options = fields.find("options")) add_options(*options, shared.of_all);
-  if (const auto sets = fields.find("option_sets")) {
-    for (const auto& [name, list] : sets->entries()) add_options(list, shared.sets[name]);
+  Contestant shared;
+  shared.folder = description.parent_path().filename().string();
+  shared.program = find_program(fields.need("program"), description.parent_path(), bin_folder);
+  if (const auto packages = fields.find("packages")) shared.packages = read_texts(*packages);
+  shared.licence = fields.need("licence").text();
+  OptionSets sets;
+  if (const auto given = fields.find("option_sets")) {
+    for (const auto& [name, list] : given->entries()) add_options(list, sets[name]);
   }
-  for (const YamlValue& method : fields.need("methods").items()) {
-    contestant.methods.push_back(read_method(method, contestant.contest, shared));
+  const auto contests = fields.find("contests");
+  if (!contests) return {read_contest(fields, shared, sets)};
+  for (const char* key : {"contest", "source", "options", "methods"}) {
+    if (fields.find(key)) root.fail(std::string(key) + " belongs to each of the contests");
   }
-  if (contestant.methods.empty()) root.fail("a contestant needs at least one method");
-  return contestant;
+  std::vector<Contestant> all;
+  for (const YamlValue& item : contests->items())
+    all.push_back(read_contest(item.fields({"contest", "source", "options", "methods"}), shared, sets));
+  if (all.empty()) contests->fail_expected("at least one contest");
+  return all;
 }
 
 Registry load_registry() {
@@ -271,7 +281,8 @@ Registry load_registry() {
   std::vector<Contestant> contestants;
   for (const auto& root : roots) {
     for (const auto& description : find_descriptions(root)) {
-      contestants.push_back(read_contestant(description, program_folder()));
+      for (Contestant& each : read_description(description, program_folder()))
+        contestants.push_back(std::move(each));
     }
   }
   return Registry(std::move(contestants));

@@ -9,23 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "experiments/contestants/option_spec.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
-
-/// kFile: the path of a file that is there, absolute once it is read; empty: none.
-enum class OptionType { kChoice, kNumber, kInteger, kBool, kFile };
-
-/// One option of a method.
-struct OptionSpec {
-  std::string name;
-  OptionType type = OptionType::kNumber;
-  std::vector<std::string> choices;  ///< kChoice
-  std::optional<double> min;         ///< kNumber and kInteger
-  std::optional<double> max;
-  nlohmann::json default_value;  ///< typed; null: left out unless it is given
-  std::string help;
-};
 
 /// One method of a contestant.
 struct MethodSpec {
@@ -41,7 +28,7 @@ struct MethodSpec {
   bool takes_stop(const std::string& kind) const;
 };
 
-/// One folder below reference/: a program, and the methods that it offers.
+/// One folder below reference/ in one contest: a program, and the methods that it offers there.
 struct Contestant {
   std::string folder;  ///< its name, "tetfusion"
   std::string contest;
@@ -76,8 +63,10 @@ class Registry {
   std::vector<Contestant> contestants_;
 };
 
-/// Reads contestant.yaml (palpate/contestant/1). Throws: InputError with file and line.
-Contestant read_contestant(const std::filesystem::path& description, const std::filesystem::path& bin_folder);
+/// Reads contestant.yaml (palpate/contestant/1). Returns one entry for each contest that it lists.
+/// Throws: InputError with file and line.
+std::vector<Contestant> read_description(const std::filesystem::path& description,
+                                         const std::filesystem::path& bin_folder);
 
 /// Reads every description below reference/ and below the folders that the environment variable
 /// PALPATE_CONTESTANTS adds (separated by colons; each holds one folder a contestant).

@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/contestants/input_guard.h"
 #include "experiments/processes/process.h"
 #include "experiments/text/nearest_name.h"
@@ -63,7 +64,8 @@ json build_request(const ContestantTask& task, const std::filesystem::path& mesh
                   {"threads", task.threads}};
   const reference::ContestFiles files = files_of(task);
   if (files.has_problem) request["problem_in"] = task.problem_in.string();
-  if (*files.output_key != 0) request[files.output_key] = output.string();
+  request[files.output_key] = output.string();
+  if (!task.folder_out.empty()) request["folder_out"] = task.folder_out.string();
   if (files.output_key == std::string_view("mesh_out")) request["stop"] = stop_request(task.stop);
   if (!task.tuned.empty()) request["tuned"] = task.tuned;
   if (!task.keep.empty()) request["keep"] = task.keep;
@@ -129,11 +131,12 @@ std::string output_error(const ContestantTask& task, const json& report,
   std::error_code error;
   const bool is_there = std::filesystem::is_regular_file(output, error);
   const reference::ContestFiles files = files_of(task);
-  if (!files.has_problem && *files.output_key != 0) return is_there ? "" : "it wrote no mesh";
+  if (!files.has_problem) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
-  if (*files.output_key == 0) return "";
-  if (outcome != files.output_outcome || is_there) return "";
+  if (is_there) return "";
+  if (files.output_outcome.empty()) return std::string("it wrote no ") + files.output_word;
+  if (outcome != files.output_outcome) return "";
   return "it " + outcome.get<std::string>() + " and wrote no " + files.output_word;
 }
 
@@ -216,7 +219,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   const auto request_file = task.scratch / "request.json";
   const auto response_file = task.scratch / "response.json";
   const auto error_file = task.scratch / "stderr.txt";
-  if (const char* name = files_of(task).output_file; *name != 0) answer.output = task.scratch / name;
+  answer.output = task.scratch / files_of(task).output_file;
   write_file_atomically(request_file, build_request(task, mesh_in, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;
@@ -225,6 +228,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.memory_bytes = task.memory_mib << 20U;
   spec.standard_error = error_file;
   spec.stop_flag = task.stop_flag;
+  spec.stop_grace_s = task.stop_grace_s;
   spec.threads = task.threads;
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;

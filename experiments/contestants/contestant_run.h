@@ -23,11 +23,13 @@ struct ContestantTask {
   Stop stop;                         ///< contest simplify alone; resolved: not kTetsOf
   nlohmann::json options;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {}: search
-  std::vector<std::string> keep;                    ///< regions to keep, as parse_keep reads them
+  std::vector<std::string> keep;                    ///< regions to keep, as parse_kept_region reads them
   int threads = 1;
+  std::filesystem::path folder_out;  ///< for what is written as it comes; mostly none
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 0;                           ///< 0: no bound
   const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the run is given up when it turns non-zero
+  double stop_grace_s = 0.0;                              ///< what it may then take to end by itself
 };
 
 /// How it went. `outcome` is "ok", or what kept the answer from being judged: "bad_input", "error",

@@ -1,23 +1,18 @@
 #include "experiments/contestants/stop.h"
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 
 namespace palpate::experiments {
 
+namespace {
+
+constexpr EnumNames<StopKind, 5> kStopNames{"stop", {"fusions", "tets", "ratio", "limit", "tets_of"}};
+
+}  // namespace
+
 const char* stop_name(StopKind kind) {
-  switch (kind) {
-    case StopKind::kFusions:
-      return "fusions";
-    case StopKind::kTets:
-      return "tets";
-    case StopKind::kRatio:
-      return "ratio";
-    case StopKind::kLimit:
-      return "limit";
-    case StopKind::kTetsOf:
-      return "tets_of";
-  }
-  throw ContractError("stop_name: unknown kind");
+  return kStopNames.of(kind);
 }
 
 nlohmann::json stop_request(const Stop& stop) {

@@ -48,7 +48,8 @@ class Contest {
   virtual bool record_inputs(const std::set<std::string>& recorded,
                              const std::function<void(nlohmann::json)>& append) = 0;
 
-  /// Fills the inputs of a request. Returns why the case cannot be run, empty if it can.
+  /// Fills the inputs of a request; `task` has all options of the case. Returns why the case cannot be run,
+  /// empty if it can.
   virtual std::string fill_task(const Case& run_case, ContestantTask& task) const = 0;
 
   /// The record of a repeat, judged.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/solution.h"

@@ -1,10 +1,9 @@
 #include "experiments/contests/problem_files.h"
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/mesh/io/medit.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/files/output_file.h"
+#include "experiments/files/problem_folder.h"
+#include "experiments/records/case_record.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "reference/door/deform_problem.h"
 
@@ -29,17 +28,26 @@ std::string problem_id(const std::string& scene, const json& sweep) {
 }
 
 void write_problem(ProblemFiles& files, const json& problem, const fs::path& folder) {
-  create_folder(folder);
-  files.mesh_file = fs::absolute(folder / "in.mesh");
-  files.problem_file = fs::absolute(folder / "problem.json");
-  write_medit(files.mesh_file, files.mesh);
-  write_file_atomically(files.problem_file, problem.dump() + "\n");
+  const ProblemPaths paths = write_problem_folder(files.mesh, problem, folder);
+  files.mesh_file = paths.mesh;
+  files.problem_file = paths.problem;
   files.mesh_hash = hash_file(files.mesh_file);
   files.problem_hash = hash_file(files.problem_file);
 }
 
 void write_problem(ProblemFiles& files, const fs::path& folder) {
   write_problem(files, reference::problem_to_json(files.problem), folder);
+}
+
+json start_reference_record(const Plan& plan, const json& subject, const std::string& scene,
+                            const json& sweep, const std::string& outcome, const std::string& failure) {
+  std::string id = scene + "/reference";
+  for (const auto& [name, value] : sweep.items()) id += "/" + name + "=" + value.dump();
+  json record = start_input_record(plan, subject, id, "reference");
+  record["sweep"] = sweep;
+  record["outcome"] = outcome;
+  record["message"] = failure;
+  return record;
 }
 
 void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,

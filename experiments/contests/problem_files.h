@@ -45,6 +45,12 @@ void write_problem(ProblemFiles& files, const std::filesystem::path& folder);
 /// be written.
 void write_problem(ProblemFiles& files, const nlohmann::json& problem, const std::filesystem::path& folder);
 
+/// The record of a reference on a scene with what the sweep changes of it, to be filled: the case is
+/// "kidney_gravity/reference/poisson_ratio=0.45", the outcome as given, `failure` its message.
+nlohmann::json start_reference_record(const Plan& plan, const nlohmann::json& subject,
+                                      const std::string& scene, const nlohmann::json& sweep,
+                                      const std::string& outcome, const std::string& failure);
+
 /// Names the problem in `described`, the provenance's key "problems", or holds it against what an earlier
 /// start named there. Throws: InputError if it is no longer the same.
 void describe_problem(const RunPaths& paths, const std::string& id, const ProblemFiles& files,

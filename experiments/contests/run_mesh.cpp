@@ -76,4 +76,24 @@ nlohmann::json describe_mesh(const RunMesh& mesh) {
           {"notes", mesh.notes}};
 }
 
+nlohmann::json prepare_meshes(const Plan& plan, const RunPaths& paths, const nlohmann::json& earlier,
+                              Progress& progress, std::vector<RunMesh>& meshes) {
+  nlohmann::json described = nlohmann::json::array();
+  for (const PlanMesh& mesh : plan.meshes) {
+    const fs::path file = paths.mesh(mesh.name + "/input");
+    if (!earlier.is_null()) {
+      meshes.push_back(reload_mesh(mesh, file, earlier));
+      continue;
+    }
+    progress.show("mesh " + mesh.name);
+    meshes.push_back(obtain_mesh(mesh, file));
+    for (const std::string& note : meshes.back().notes) {
+      const bool named = note.rfind(mesh.name + ":", 0) == 0;
+      progress.say(named ? note : mesh.name + ": " + note);
+    }
+    described.push_back(describe_mesh(meshes.back()));
+  }
+  return earlier.is_null() ? nlohmann::json{{"meshes", described}} : nlohmann::json::object();
+}
+
 }  // namespace palpate::experiments

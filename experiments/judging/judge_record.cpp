@@ -7,7 +7,7 @@
 
 #include "core/judge/linear_elements/linear_elements.h"
 #include "core/judge/surface/surface.h"
-#include "experiments/judging/keep.h"
+#include "experiments/judging/kept_regions.h"
 
 namespace palpate::experiments {
 namespace {

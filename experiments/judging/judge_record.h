@@ -22,8 +22,8 @@ struct Judgement {
 Judgement judge_mesh(const TetMesh& mesh);
 
 /// Judges an output: by itself, by the input's ideal volume (keys that end in _input_ideal), and against the
-/// input; kept_tets and kept_tets_changed are of the regions to keep (see experiments/judging/keep.h), 0
-/// without any.
+/// input; kept_tets and kept_tets_changed are of the regions to keep (see
+/// experiments/judging/kept_regions.h), 0 without any.
 Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<const std::string> keep = {});
 
 /// Adds region_tets, the tets of `mesh` that meet a region of the plan (patches: of the input's boundary), to

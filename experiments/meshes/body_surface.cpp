@@ -127,8 +127,7 @@ BodySurface from_scan(const ScannedBody& body) {
   BodySurface result;
   result.surface = read_off(scratch.file("surface.off"));
   const BoundingBox box = bounding_box(result.surface.points);
-  const Vec3 size = box.high - box.low;
-  const double scale = body.length_mm / std::max({size.x, size.y, size.z});
+  const double scale = body.length_mm / longest_side(box);
   const Vec3 middle = 0.5 * (box.low + box.high);
   for (Vec3& p : result.surface.points) p = scale * (p - middle);
   result.volume = enclosed_volume(result.surface);

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/io/off.h"

@@ -2,9 +2,6 @@
 
 #include <unistd.h>
 
-#include <cstdlib>
-#include <system_error>
-
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/files/places.h"
@@ -27,19 +24,6 @@ std::string text_of(const json& response, const char* key) {
 }
 
 }  // namespace
-
-ScratchFolder::ScratchFolder() {
-  std::error_code error;
-  const std::filesystem::path base = std::filesystem::temp_directory_path(error);
-  std::string pattern = ((error ? std::filesystem::path("/tmp") : base) / "palpate-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw UnavailableError("cannot make a scratch folder " + pattern);
-  path_ = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
 
 std::filesystem::path tool_path(const MeshTool& tool) {
   return std::filesystem::path(program_folder()) / tool.program;

@@ -5,21 +5,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "experiments/files/scratch_folder.h"
+
 namespace palpate::experiments {
-
-/// A private folder for files between programs; removed at the end.
-class ScratchFolder {
- public:
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  std::filesystem::path file(const std::string& name) const { return path_ / name; }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// A mesh program, and the Debian package that it is built with.
 struct MeshTool {

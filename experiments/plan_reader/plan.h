@@ -46,7 +46,7 @@ struct PlanContestant {
   std::optional<Stop> stop;
   std::map<std::string, GivenOption> set;
   std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
-  std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_keep reads them
+  std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_kept_region reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code

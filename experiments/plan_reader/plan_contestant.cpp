@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/base/error.h"
-#include "experiments/judging/keep.h"
+#include "experiments/judging/kept_regions.h"
 #include "experiments/spring_training/training_plan.h"
 #include "experiments/text/nearest_name.h"
 
@@ -106,7 +106,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   if (const auto keep = fields.find("keep")) {
     if (!entry.method.method->keeps)
       keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
-    contestant.keep = read_keep(*keep);
+    contestant.keep = read_kept_regions(*keep);
   }
   if (const auto seeds = fields.find("seeds")) {
     if (entry.method.method->find_option("seed") == nullptr) {

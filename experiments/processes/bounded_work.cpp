@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {

@@ -187,7 +187,14 @@ ProcessResult run_process(const ProcessSpec& spec) {
 
   const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(std::min(spec.timeout_s, 1e8)));
-  const Wait wait = wait_for_end(child, start + limit, spec.stop_flag);
+  Wait wait = wait_for_end(child, start + limit, spec.stop_flag);
+  if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
+    ::kill(-child, SIGINT);
+    const auto grace = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(std::min(spec.stop_grace_s, 1e8)));
+    if (wait_for_end(child, std::chrono::steady_clock::now() + grace, nullptr) == Wait::kEnded)
+      wait = Wait::kEnded;
+  }
   ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {

@@ -17,7 +17,8 @@ struct ProcessSpec {
   std::filesystem::path standard_output;  ///< file that receives it; empty: discarded
   std::filesystem::path standard_error;   ///< file that receives it; empty: discarded
   int threads = 1;                        ///< what the child sees as OMP_NUM_THREADS
-  const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the group is killed when it turns non-zero
+  const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the group is killed when it turns non-zero ...
+  double stop_grace_s = 0.0;  ///< ... or is sent SIGINT, and killed if it has not ended so long after
 };
 
 /// How a child ended.

@@ -3,22 +3,20 @@
 #include <array>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/judging/measure.h"
 #include "experiments/records/provenance.h"
 #include "experiments/text/terminal.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+using reference::or_null;
 
 constexpr const char* kDiffers = "output differs between repeats";
-
-template <typename T>
-json or_null(const std::optional<T>& value) {
-  return value ? json(*value) : json();
-}
 
 json describe_stop(const Stop& stop) {
   json value = {{"kind", stop_name(stop.kind)}, {"value", nullptr}};

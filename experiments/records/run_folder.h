@@ -41,12 +41,12 @@ struct RunPaths {
     return folder / "histories" / (case_id + ".csv");
   }
 
-  /// What a case of the contest engine leaves of its motion.
+  /// What a case of the contests engine and stability leaves of its motion.
   std::filesystem::path motion(const std::string& case_id) const {
     return folder / "motions" / (case_id + ".json");
   }
 
-  /// The folder of a problem of the contests deform and motion: in.mesh (metres) and problem.json.
+  /// The folder of a problem of the contests deform, motion and stability: in.mesh (metres) and problem.json.
   std::filesystem::path problem(const std::string& id) const { return folder / "problems" / id; }
 };
 

@@ -14,14 +14,6 @@
 namespace palpate::experiments {
 namespace {
 
-/// The keys of every plan.
-const std::vector<std::string> kKeys{"schema", "question", "contest", "contestants",
-                                     "sweep",  "run",      "measure", "accept"};
-
-bool has(const std::vector<std::string>& keys, const std::string& key) {
-  return std::find(keys.begin(), keys.end(), key) != keys.end();
-}
-
 const ContestKind& contest_of(const Plan& plan) {
   for (const ContestKind* kind : list_contests()) {
     if (kind->name == plan.contest) return *kind;
@@ -39,27 +31,20 @@ const std::vector<const ContestKind*>& list_contests() {
   return contests;
 }
 
-std::vector<std::string> list_plan_keys() {
-  std::vector<std::string> keys = kKeys;
-  for (const ContestKind* kind : list_contests()) {
-    for (const std::string& key : kind->keys) {
-      if (!has(keys, key)) keys.push_back(key);
-    }
-  }
+const std::vector<std::string>& keys_of_every_plan() {
+  static const std::vector<std::string> keys{"schema", "question", "contest", "contestants",
+                                             "sweep",  "run",      "measure", "accept"};
   return keys;
 }
 
-nlohmann::json describe_plan_keys() {
-  nlohmann::json all = nlohmann::json::array();
+std::vector<std::string> list_plan_keys() {
+  std::vector<std::string> keys = keys_of_every_plan();
   for (const ContestKind* kind : list_contests()) {
-    nlohmann::json properties = {{"contest", {{"const", kind->name}}}};
-    for (const std::string& key : list_plan_keys()) {
-      if (!has(kKeys, key) && !has(kind->keys, key)) properties[key] = false;
+    for (const std::string& key : kind->keys) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
     }
-    for (const auto& [key, why] : kind->refused) properties[key] = false;
-    all.push_back({{"properties", properties}, {"required", kind->needed}});
   }
-  return all;
+  return keys;
 }
 
 std::vector<Case> build_cases(const Plan& plan, const Registry& registry) {

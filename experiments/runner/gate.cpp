@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/judging/measure.h"
 #include "experiments/records/record_file.h"
 #include "experiments/text/nearest_name.h"

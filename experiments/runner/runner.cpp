@@ -233,13 +233,13 @@ class Runner {
     if (!stop) {
       answer.message = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
     } else {
+      task.options = c.options;
       answer.message = contest_->fill_task(c, task);
     }
     if (answer.message.empty()) {
       task.method = *registry_.find(contestant.method);
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
-      task.options = c.options;
       task.keep = contestant.keep;
       task.tuned = tuned_of(index);
       task.threads = threads_;

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 #include "experiments/text/terminal.h"
@@ -68,11 +69,6 @@ void read_box(const YamlValue& value, Region& region) {
   const bool ordered =
       region.low.x <= region.high.x && region.low.y <= region.high.y && region.low.z <= region.high.z;
   if (!ordered) value.fail("box: expected low_m below high_m on every axis");
-}
-
-double longest_side(const BoundingBox& box) {
-  const Vec3 size = box.high - box.low;
-  return std::max({size.x, size.y, size.z});
 }
 
 Vec3 volume_centroid(const TetMesh& mesh) {

@@ -30,11 +30,11 @@ dynamics::IntegratorKind read_integrator(const YamlValue& value) {
   value.fail("unknown integrator \"" + value.text() + "\"" + nearest_hint(value.text(), known));
 }
 
-EngineChoice read_engine(const YamlValue& value) {
+reference::EngineChoice read_engine(const YamlValue& value) {
   const std::vector<std::string> known{"auto", "general", "plain"};
-  if (value.text() == known[0]) return EngineChoice::kAuto;
-  if (value.text() == known[1]) return EngineChoice::kGeneral;
-  if (value.text() == known[2]) return EngineChoice::kPlain;
+  if (value.text() == known[0]) return reference::EngineChoice::kAuto;
+  if (value.text() == known[1]) return reference::EngineChoice::kGeneral;
+  if (value.text() == known[2]) return reference::EngineChoice::kPlain;
   value.fail("unknown engine \"" + value.text() + "\"" + nearest_hint(value.text(), known));
 }
 

@@ -2,45 +2,25 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "core/dynamics/motion/integrator.h"
 #include "core/dynamics/motion/time_profile.h"
 #include "experiments/text/yaml_value.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 
-/// What steps a body: kPlain is core/dynamics/spring_engine/plain_engine.h, for springs, loads and symplectic
-/// Euler alone; kAuto takes it where it can.
-enum class EngineChoice { kAuto, kGeneral, kPlain };
-
-/// `analysis: {dynamic: ...}`.
-struct SceneDynamic {
-  dynamics::IntegratorKind integrator = dynamics::IntegratorKind::kSymplecticEuler;
-  std::optional<double> time_step_s;  ///< nothing: `auto`, the predicted bound times `safety`
-  double safety = 0.9;
-  EngineChoice engine = EngineChoice::kAuto;
-  bool single_precision = false;  ///< of the plain engine
+/// `analysis: {dynamic: ...}`: how the body is stepped, and what is written of its motion.
+struct SceneDynamic : reference::MotionStepping {
   double duration_s = 0.0;
-  bool allow_unstable = false;  ///< take a step over the predicted bound all the same
-
-  std::optional<double> mass_per_vertex_kg;  ///< nothing: a quarter of each tet's mass at its vertices
-  /// Damping: by shares (c = stiffness_s x k of each spring and strain energy, gamma = mass_per_s x m of each
-  /// vertex: Rayleigh's) or absolute.
+  /// Damping by shares: c = stiffness_s x k of each spring and strain energy, gamma = mass_per_s x m of each
+  /// vertex (Rayleigh's).
   double damping_stiffness_s = 0.0;
   double damping_mass_per_s = 0.0;
-  double damping_spring_n_s_per_m = 0.0;
-  double damping_vertex_n_s_per_m = 0.0;
-  dynamics::SpringDamping spring_damping = dynamics::SpringDamping::kAxial;
-  std::optional<double> speed_limit_m_s;
-
-  std::uint64_t frames = 50;     ///< intervals between frames; 0: none
   std::uint64_t samples = 1000;  ///< intervals between rows of history.csv, at most
   std::vector<Vec3> probes_m;    ///< the vertices nearest to these points are written to history.csv
-
-  std::string preset;  ///< empty: none
+  std::string preset;            ///< empty: none
 };
 
 /// The name of the thesis's parameters, Table 4.1, as a preset.

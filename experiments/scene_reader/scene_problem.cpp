@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/rigid_motion.h"
 #include "core/mesh/topology.h"
@@ -193,9 +194,8 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
       throw InputError(mesh.file.string(), 0, "a valid mesh", judgement.violations.front());
     made = {std::move(file.mesh), std::move(file.notes)};
   }
-  const BoundingBox box = bounding_box(made.mesh.points);
-  const Vec3 size = box.high - box.low;
-  const double scale = mesh.unit_m ? *mesh.unit_m : *mesh.length_m / std::max({size.x, size.y, size.z});
+  const double scale =
+      mesh.unit_m ? *mesh.unit_m : *mesh.length_m / longest_side(bounding_box(made.mesh.points));
   for (Vec3& point : made.mesh.points) point = scale * point;
   return made;
 }
@@ -204,9 +204,7 @@ namespace {
 
 /// A tool that goes farther than the body is long would take its patch out of it.
 void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
-  const BoundingBox box = bounding_box(mesh.points);
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
+  const double longest = longest_side(bounding_box(mesh.points));
   double share = load.profile ? 0.0 : 1.0;
   if (load.profile) {
     for (const double each : load.profile->share) share = std::max(share, std::abs(each));

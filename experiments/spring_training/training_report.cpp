@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/springs/network/moduli_csv.h"
 #include "core/springs/network/springs_csv.h"
 

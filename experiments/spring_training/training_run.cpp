@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/elasticity/volume_models.h"
 #include "core/dynamics/statics/calibration.h"
-#include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "core/springs/network/network.h"
 #include "experiments/contestants/solution.h"
+#include "experiments/files/problem_folder.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "reference/door/deform_problem.h"
 
@@ -76,29 +76,21 @@ void add_case(const TetMesh& mesh, const BoundaryProblem& problem, const std::st
   set.cases.push_back(std::move(one));
 }
 
-/// One problem on the plan's mesh, as files.
+/// One problem on the plan's mesh.
 struct ProblemOnMesh {
   const TetMesh& mesh;
   std::string name;
-  fs::path folder;
+  ProblemPaths files;
 };
-
-ProblemOnMesh write_case(const TetMesh& mesh, const BoundaryProblem& problem, const std::string& name,
-                         const fs::path& folder) {
-  fs::create_directories(folder);
-  write_medit(folder / "in.mesh", mesh);
-  write_file_atomically(folder / "problem.json", reference::problem_to_json(problem).dump() + "\n");
-  return {mesh, name, folder};
-}
 
 /// The field of finite elements at the vertices of the mesh.
 std::vector<Vec3> solve_field(const ProblemOnMesh& on, const std::string& method, int refine,
                               const TrainingSetting& setting) {
   ContestantTask task;
   task.method = *setting.registry.find(method);
-  task.mesh_in = on.folder / "in.mesh";
-  task.problem_in = on.folder / "problem.json";
-  task.scratch = on.folder / method;
+  task.mesh_in = on.files.mesh;
+  task.problem_in = on.files.problem;
+  task.scratch = on.files.mesh.parent_path() / method;
   fs::create_directories(task.scratch);
   task.options = resolve_options(*task.method.method, {});
   task.options["refine"] = refine;
@@ -146,12 +138,11 @@ class StepClock {
   /// After another step.
   double seconds_left() {
     ++done_;
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - start_;
-    return gone.count() / static_cast<double>(done_) * static_cast<double>(steps_ - done_);
+    return watch_.seconds() / static_cast<double>(done_) * static_cast<double>(steps_ - done_);
   }
 
  private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
   std::size_t steps_;
   std::size_t done_ = 0;
 };
@@ -244,14 +235,16 @@ TrainingInput build_training_input(const TrainingPlan& plan, const TrainingSetti
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Place& place = places[i];
     setting.progress.show("field of " + place.name);
-    const ProblemOnMesh on =
-        write_case(input.mesh, place.problem, place.name, setting.scratch / std::to_string(i));
+    const fs::path folder = setting.scratch / std::to_string(i);
+    const ProblemOnMesh on{
+        input.mesh, place.name,
+        write_problem_folder(input.mesh, reference::problem_to_json(place.problem), folder)};
     TrainingCases& cases = input.splits[place.split];
     add_case(input.mesh, place.problem, place.name, solve_field(on, "fem.p2", plan.refine, setting),
              cases.set);
     cases.linear_elements.push_back(relative_error(
         weight, components_of(solve_field(on, "fem.p1", 0, setting)), cases.set.cases.back().target_m));
-    fs::remove_all(on.folder);
+    fs::remove_all(folder);
     setting.progress.step(clock.seconds_left());
   }
   return input;

@@ -75,13 +75,6 @@ std::string TextTable::text() const {
   return text;
 }
 
-std::string short_number(double value) {
-  std::array<char, 32> text{};
-  const bool whole = value == std::floor(value) && std::fabs(value) < 1e15;
-  std::snprintf(text.data(), text.size(), whole ? "%.0f" : "%.6g", value);
-  return text.data();
-}
-
 std::string duration_text(double seconds) {
   std::array<char, 48> text{};
   if (seconds < 9.95) {

@@ -33,9 +33,6 @@ class TextTable {
   std::string alignment_;
 };
 
-/// A number for a person: up to 6 significant digits.
-std::string short_number(double value);
-
 /// Seconds for a person: "0.8 s", "45 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);
 

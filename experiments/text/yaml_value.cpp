@@ -9,7 +9,9 @@
 #include <sstream>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 namespace {
@@ -93,12 +95,6 @@ std::optional<T> parsed(const std::string& text) {
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
-}
-
-std::string short_number(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 }  // namespace

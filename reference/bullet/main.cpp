@@ -1,9 +1,9 @@
 // Adapter of Bullet's soft body and of its springs: steps over the edges of a mesh, timed.
 #include <algorithm>
-#include <chrono>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/motion/motion_model.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
@@ -54,11 +54,10 @@ Response time_steps(const Request& request, TetMesh mesh, std::size_t springs, c
     v = 2.0 * steps.speed_m_s * v;
   }
   body.set_velocities(velocity);
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
+  const Stopwatch watch;
   for (std::int64_t k = 0; k < steps.count; ++k) body.step(steps.step_s);
   Response response;
-  response.kernel_s = std::chrono::duration<double>(Clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   mesh.points = body.positions();
   if (!std::all_of(mesh.points.begin(), mesh.points.end(), is_finite))
     throw InputError("time_step_s", 0, "a step at which the body stays finite", std::to_string(steps.step_s));

@@ -1,8 +1,8 @@
 // Adapter of CGAL's tetrahedral remeshing.
 // Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
-#include <chrono>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "reference/cgal/remesh.h"
 #include "reference/door/request_options.h"
 #include "reference/simplifier_support/remesh_run.h"
@@ -38,10 +38,10 @@ Response answer(const Request& request) {
   remesher.remesh = [&](const TetMesh& mesh, std::uint64_t, double size) {
     RemeshSettings settings = common;
     settings.edge_length = size;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     TimedMesh result;
     result.mesh = remesh(mesh, settings);
-    result.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.kernel_s = watch.seconds();
     return result;
   };
   return run_remesher(request, remesher);

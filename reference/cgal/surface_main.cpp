@@ -1,9 +1,9 @@
 // The CGAL surface program: reads and judges ("convert"), and remeshes ("mesh") closed surfaces.
 // Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
-#include <chrono>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/off.h"
 #include "reference/cgal/surface_tools.h"
 #include "reference/door/adapter.h"
@@ -14,7 +14,7 @@ namespace {
 Response answer(const Request& request) {
   Response response;
   SurfaceMesh surface;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (request.contest == "convert" && request.method == "cgal.read_surface") {
     surface = read_surface(request.input);
     check_closed_surface(surface, request.input.string());
@@ -30,7 +30,7 @@ Response answer(const Request& request) {
     throw InputError("request", 0, "convert cgal.read_surface or mesh cgal.remesh_surface",
                      request.contest + " " + request.method);
   }
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   write_off(request.output, surface);
   response.report["vertices"] = surface.points.size();
   response.report["triangles"] = surface.triangles.size();

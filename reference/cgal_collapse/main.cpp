@@ -1,12 +1,12 @@
 // Adapter of CGAL's surface edge collapse with gmsh's fill behind it.
 // Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "reference/cgal_collapse/collapse.h"
 #include "reference/cgal_collapse/fill.h"
 #include "reference/door/request_options.h"
@@ -58,12 +58,12 @@ std::size_t edges_to_leave(std::size_t edges_in, std::size_t tets_in, std::uint6
 /// The timed kernel: skin, collapse, fill.
 TimedMesh collapse_and_fill(const TetMesh& mesh, std::uint64_t target, double size,
                             const Settings& settings) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const SurfaceMesh skin = take_skin(mesh);
   const std::size_t edges_in = 3 * skin.triangles.size() / 2;
   const std::size_t edges = edges_to_leave(edges_in, mesh.tets.size(), target, settings.skin_edges_kept);
   const SurfaceMesh collapsed = collapse_edges(skin, {settings.cost, edges});
-  const double collapse_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double collapse_s = watch.seconds();
   TimedMesh filled =
       fill_by_gmsh(collapsed, {{"interior_size", size}, {"optimize_threshold", settings.optimize_threshold}},
                    settings.folder);

@@ -50,8 +50,9 @@ Request parse_request(const std::filesystem::path& path) {
   request.method = field<std::string>(object, "method", where);
   request.input = field<std::string>(object, object.contains("surface_in") ? "surface_in" : "mesh_in", where);
   const ContestFiles files = contest_files(request.contest);
-  if (*files.output_key != 0) request.output = field<std::string>(object, files.output_key, where);
+  request.output = field<std::string>(object, files.output_key, where);
   if (files.has_problem) request.problem = field<std::string>(object, "problem_in", where);
+  if (object.contains("folder_out")) request.folder = field<std::string>(object, "folder_out", where);
   request.stop = object.value("stop", json::object());
   request.options = object.value("options", json::object());
   request.threads = object.value("threads", 1);

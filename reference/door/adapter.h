@@ -17,8 +17,8 @@ namespace palpate::reference {
 ///    "keep": ["sphere 0 0 5 2"]}
 ///
 /// In the contest deform there is "problem_in" beside the mesh, "displacement_out" in place of "mesh_out",
-/// and no stop (reference/door/deform_problem.h); the contests motion and engine have "history_out" there
-/// (reference/door/motion_problem.h), stability has no output (reference/door/contest_files.h). "tuned" is
+/// and no stop (reference/door/deform_problem.h); the contests motion, engine and stability have
+/// "history_out" there (reference/door/motion_problem.h, stability_problem.h, contest_files.h). "tuned" is
 /// there only if an earlier repeat's search found something, "keep" only if the plan or the command line asks
 /// for it.
 struct Request {
@@ -27,11 +27,12 @@ struct Request {
   std::filesystem::path input;    ///< "mesh_in" (or "surface_in" for meshers)
   std::filesystem::path output;   ///< "mesh_out", or what the contest has in its place
   std::filesystem::path problem;  ///< "problem_in", where the contest has one
+  std::filesystem::path folder;   ///< "folder_out": for what is written as it comes; mostly there is none
   nlohmann::json stop;
   nlohmann::json options;
   int threads = 1;
   nlohmann::json tuned = nlohmann::json::object();  ///< what an earlier repeat's search found; {} if nothing
-  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_keep_region reads
+  std::vector<std::string> keep;  ///< regions whose tets are left alone, as simplify::parse_kept_region reads
 };
 
 /// What an adapter answers: its own kernel time, and the report of its method.

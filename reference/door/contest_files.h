@@ -10,7 +10,7 @@ namespace palpate::reference {
 struct ContestFiles {
   std::string_view contest;
   bool has_problem = false;         ///< "problem_in"
-  const char* output_key = "";      ///< of the request; empty: an answer is its report alone
+  const char* output_key = "";      ///< of the request
   const char* output_file = "";     ///< the name that the runner gives it
   std::string_view output_outcome;  ///< the report's outcome with which there is an output; empty: always
   const char* output_word = "";     ///< in messages
@@ -22,7 +22,7 @@ inline ContestFiles contest_files(std::string_view contest) {
       ContestFiles{"deform", true, "displacement_out", "displacement.csv", "converged", "displacement"},
       ContestFiles{"motion", true, "history_out", "history.csv", "completed", "history"},
       ContestFiles{"engine", true, "history_out", "history.csv", "completed", "history"},
-      ContestFiles{"stability", false, "", "", "", ""},
+      ContestFiles{"stability", true, "history_out", "history.json", "", "history"},
   };
   for (const ContestFiles& files : kListed) {
     if (files.contest == contest) return files;

@@ -1,9 +1,12 @@
-// The one reader of JSON: files and answers that somebody else wrote, with bounds on what they may hold.
+// The one reader of JSON: files and answers that somebody else wrote, with bounds on what they may hold. And
+// null, which stands for NaN, for an infinity and for what is missing: JSON has no number for them.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,5 +31,16 @@ nlohmann::json read_json_file(const std::filesystem::path& path, const JsonBound
 
 /// The bytes of a file. Throws: InputError if it cannot be read or has more than `most`.
 std::string read_text_file(const std::filesystem::path& path, std::size_t most);
+
+/// The number, or null if it is not finite.
+inline nlohmann::json number_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+/// The value, or null if there is none.
+template <typename T>
+nlohmann::json or_null(const std::optional<T>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
 
 }  // namespace palpate::reference

@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kSchema = "palpate/motion_problem/1";
-constexpr std::int64_t kMostSamples = 100'000'000;
+constexpr std::int64_t kMostSamples = 1'000'000'000;
 constexpr std::int64_t kMostFrequencies = 1000;
 
 /// Reads one problem; messages name the place below `where_`.

@@ -9,16 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/random.h"
 #include "core/dynamics/stability/measured_step.h"
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/stability/step_map.h"
 #include "core/dynamics/time_loop/motion_outcome.h"
-#include "core/mesh/geometry.h"
-#include "core/mesh/io/medit.h"
 #include "reference/door/request_options.h"
 #include "reference/extremes/extreme_body.h"
+#include "reference/extremes/run_history.h"
 
 namespace palpate::reference {
 namespace {
@@ -95,13 +94,10 @@ Method parse_method(const std::string& name) {
 struct Wanted {
   bool measures = true;
   bool is_large = false;
-  std::size_t start = 0;  ///< random, stretch, shear, invert
-  double strain = 1e-6;
   double step_factor = 0.9;
   bool is_unit_rate = false;
   std::uint64_t steps = 1000;
   std::uint64_t horizon = 16384;
-  std::uint64_t seed = 1;
   double time_limit_s = 60.0;
 };
 
@@ -110,8 +106,6 @@ Wanted take_wanted(json& options) {
   Wanted out;
   out.measures = take_choice(options, "task", {"measure", "run"}) == 0;
   out.is_large = take_choice(options, "regime", {"small", "large"}) == 1;
-  out.start = take_choice(options, "start", {"random", "stretch", "shear", "invert"});
-  out.strain = take_number(options, "strain", -kHuge, kHuge, out.strain);
   out.step_factor = take_number(options, "step_factor", 0.0, kHuge, out.step_factor);
   if (!(out.step_factor > 0.0)) throw InputError("step_factor", 0, "a number above zero", "0");
   out.is_unit_rate = take_choice(options, "step_unit", {"bound", "rate"}) == 1;
@@ -121,36 +115,19 @@ Wanted take_wanted(json& options) {
   return out;
 }
 
-Vec3& clear_if_held(const dynamics::Loads& loads, std::size_t v, Vec3& u) {
-  if (loads.held[v] != 0) u = {};
-  return u;
-}
-
-/// Where a run starts.
-MotionState make_start(const BuiltBody& body, const Wanted& wanted) {
-  MotionState state = start_at_rest(body.model);
-  const std::vector<Vec3>& rest = body.model.elastic.rest;
-  const BoundingBox box = bounding_box(rest);
-  const double low = box.low.x;
-  const double mirror = 0.25 * box.low.x + 0.75 * box.high.x;
-  SplitMix64 random(wanted.seed);
-  const auto next = [&] { return wanted.strain * body.size_m * (2.0 * random.uniform() - 1.0); };
-  for (std::size_t v = 0; v < rest.size(); ++v) {
-    Vec3& u = state.displacement_m[v];
-    if (wanted.start == 0) u = {next(), next(), next()};
-    if (wanted.start == 1) u.x = wanted.strain * (rest[v].x - low);
-    if (wanted.start == 2) u.y = wanted.strain * (rest[v].x - low);
-    if (wanted.start == 3 && rest[v].x > mirror) u.x = -2.0 * wanted.strain * (rest[v].x - mirror);
-    clear_if_held(body.model.loads[0].loads, v, u);
-  }
-  return state;
-}
-
 /// Predictions, the measurement and the runs of one request.
 class ExtremeRun {
  public:
-  ExtremeRun(const Method& method, const Wanted& wanted, const BuiltBody& body, int threads)
-      : method_(method), wanted_(wanted), body_(body), threads_(threads), start_(make_start(body, wanted)) {}
+  ExtremeRun(const Method& method, const Wanted& wanted, const BuiltBody& body,
+             const StabilityProblem& problem, int threads)
+      : method_(method),
+        wanted_(wanted),
+        body_(body),
+        threads_(threads),
+        seed_(problem.seed),
+        start_(start_at_rest(body.model)) {
+    start_.displacement_m = problem.start_m;
+  }
 
   json report() {
     predict();
@@ -166,7 +143,17 @@ class ExtremeRun {
     return report_;
   }
 
+  /// The answer's file; after report().
+  json history() const {
+    return {{"schema", "palpate/stability_answer/1"},
+            {"rounding", method_.make(body_.model, threads_)->rounding()},
+            {"runs", histories_},
+            {"bracket", bracket_}};
+  }
+
  private:
+  bool is_single() const { return method_.is_plain && method_.precision == dynamics::Precision::kSingle; }
+
   /// What the step of a run is counted in.
   double unit() const {
     if (wanted_.is_unit_rate) return 2.0 / body_.report.at("rate_per_s").get<double>();
@@ -216,7 +203,9 @@ class ExtremeRun {
     options.first_step_s = 0.99 * bound_;
     options.tolerance = 0.021;  // the next stride up is enough
     const MotionModel model = linearise(body_.model);
-    return measure_stable_step_by_map(*method_.make(model, threads_), options);
+    const dynamics::MeasuredStep found = measure_stable_step_by_map(*method_.make(model, threads_), options);
+    rerun_bracket(model, found, kEnergyFactor);
+    return found;
   }
 
   dynamics::MeasuredStep measure_small() {
@@ -232,7 +221,7 @@ class ExtremeRun {
     report_["measured_by"] = "trials";
     dynamics::MeasureStepOptions options;
     options.first_step_s = reference_s_;
-    options.seed = wanted_.seed;
+    options.seed = seed_;
     options.horizon_least = method_.kind == IntegratorKind::kExplicitEuler ? wanted_.horizon : 1024;
     options.horizon_most = std::max(wanted_.horizon, options.horizon_least);
     if (method_.is_implicit()) {
@@ -240,14 +229,37 @@ class ExtremeRun {
       options.stride = 100.0;
       options.most_strides = 2;
     }
-    const bool is_single = method_.is_plain && method_.precision == dynamics::Precision::kSingle;
-    options.amplitude_m = (is_single ? 1e-6 : 1e-9) * body_.size_m;
-    if (is_single) options.growth_factor = 1e3;  // there is less room between rounding and large motions
+    options.amplitude_m = (is_single() ? 1e-6 : 1e-9) * body_.size_m;
+    if (is_single()) options.growth_factor = 1e3;  // there is less room between rounding and large motions
     // The thesis's force and the plain engine have no linear form: there, small motions have to do.
     const bool is_linear = !method_.is_plain && !body_.model.elastic.volume_force;
     options.counts_slow_growth = is_linear;
     const MotionModel model = is_linear ? linearise(body_.model) : body_.model;
-    return measure_stable_step(*method_.make(model, threads_), options);
+    const dynamics::MeasuredStep found = measure_stable_step(*method_.make(model, threads_), options);
+    if (found.is_found())
+      bracket_ = {{"by", "trials"},
+                  {"lower", describe_trial(found.stable_s, is_linear, found.stable)},
+                  {"upper", describe_trial(found.unstable_s, is_linear, found.unstable)}};
+    return found;
+  }
+
+  /// Runs again at both ends of what was measured, for the histories.
+  void rerun_bracket(const MotionModel& model, const dynamics::MeasuredStep& found, double energy_factor) {
+    if (!found.is_found()) return;
+    const auto rerun = [&](double step, const dynamics::MeasuredTrial& trial) {
+      dynamics::WatchOptions watch;
+      watch.step_s = step;
+      watch.steps = wanted_.steps;
+      watch.energy_factor = energy_factor;
+      watch.is_known_to_grow = trial.growth > 0.0;
+      watch.keeps_rows = true;
+      const std::unique_ptr<dynamics::BodyStepper> stepper = method_.make(model, threads_);
+      const dynamics::WatchedRun seen = watch_motion(*stepper, start_, watch);
+      return describe_run(watch, seen, *stepper);
+    };
+    bracket_ = {{"by", report_.at("measured_by")},
+                {"lower", rerun(found.stable_s, found.stable)},
+                {"upper", rerun(found.unstable_s, found.unstable)}};
   }
 
   void measure() {
@@ -258,6 +270,7 @@ class ExtremeRun {
       options.first_step_s = reference_s_;
       options.steps = wanted_.steps;
       found = measure_stable_step_from(*method_.make(body_.model, threads_), start_, options);
+      rerun_bracket(body_.model, found, options.energy_factor);
     } else {
       found = measure_small();
     }
@@ -307,6 +320,7 @@ class ExtremeRun {
     const double growth = watch.is_known_to_grow ? growth_of(step) : 0.0;
     watch.steps = steps_of(growth);
     watch.energy_factor = kEnergyFactor;
+    watch.keeps_rows = true;
     const Stopwatch clock;
     watch.give_up = [&] { return clock.seconds() > wanted_.time_limit_s; };
     const std::unique_ptr<dynamics::BodyStepper> stepper = method_.make(body_.model, threads_);
@@ -325,18 +339,22 @@ class ExtremeRun {
     run["inverted_end"] = seen.inverted_end;
     run["seconds"] = clock.seconds();
     report_["runs"].push_back(run);
+    histories_.push_back(describe_run(watch, seen, *stepper));
   }
 
   const Method& method_;
   const Wanted& wanted_;
   const BuiltBody& body_;
   int threads_;
+  std::uint64_t seed_;
   MotionState start_;
   double reference_s_ = 0.0;  ///< row sums of symplectic Euler: of the body's own time
   double bound_ = 0.0;
   double at_most_ = 0.0;
   double around_ = 0.0;
   json report_ = json::object();
+  json histories_ = json::array();
+  json bracket_;
 };
 
 }  // namespace
@@ -344,18 +362,19 @@ class ExtremeRun {
 Response run_extreme(const Request& request) {
   const Method method = parse_method(request.method);
   json left = request.options;
-  Wanted wanted = take_wanted(left);
-  ExtremeBody body = take_extreme_body(left);
-  wanted.seed = body.mesh.seed = static_cast<std::uint64_t>(take_whole(left, "seed", 0, 1LL << 40, 1));
+  const Wanted wanted = take_wanted(left);
+  const BodyModel model = take_body_model(left);
   require_all_taken(left);
-  const TetMesh mesh = read_medit(request.input).mesh;
+  const StabilityTask task = read_stability_task(request);
   const Stopwatch clock;
-  const BuiltBody built = build_extreme_body(mesh, body);
+  const BuiltBody built = build_extreme_body(task, model);
+  ExtremeRun run(method, wanted, built, task.problem, request.threads);
   Response response;
   response.report = built.report;
   response.report["method"] = request.method;
-  response.report.update(ExtremeRun(method, wanted, built, request.threads).report());
+  response.report.update(run.report());
   response.kernel_s = clock.seconds();
+  write_file_atomically(request.output, run.history().dump() + "\n");
   return response;
 }
 

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/refinement.h"
 #include "core/mesh/topology.h"
 #include "reference/door/deform_problem.h"
@@ -185,15 +185,12 @@ Response answer(const Request& request) {
   Response response;
   std::vector<std::vector<Vec3>> rows(loads.size());
   together([&] {
-    const auto start = std::chrono::steady_clock::now();
-    const auto seconds = [&] {
-      return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    };
+    const Stopwatch watch;
     ElasticBody body(mesh, problems.front().material, problems.front().strain,
                      request.method == "fem.p1" ? 1 : 2);
-    const double setup_s = seconds();
+    const double setup_s = watch.seconds();
     std::vector<Equilibrium> found = find_equilibria(mesh, problems, body, options.equilibrium);
-    response.kernel_s = seconds();
+    response.kernel_s = watch.seconds();
     found.front().assembly_s += setup_s;
     response.report = describe(request, options, body, found.front());
     for (std::size_t k = 0; k < found.size(); ++k) {

@@ -1,8 +1,8 @@
 // The gmsh program: fills surfaces ("mesh") and reads .msh files ("convert").
 // Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
-#include <chrono>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/io/off.h"
 #include "reference/door/adapter.h"
@@ -20,9 +20,9 @@ TetMesh fill(const Request& request, double& kernel_s) {
   nlohmann::json options = request.options;
   const double threshold = take_optimize_threshold(options);
   const SurfaceMesh surface = read_off(request.input);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   TetMesh mesh = fill_surface(surface, {options["interior_size"].get<double>(), threshold});
-  kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  kernel_s = watch.seconds();
   check_filled(surface, mesh);
   return mesh;
 }
@@ -34,9 +34,9 @@ Response answer(const Request& request) {
   if (request.contest == "mesh" && request.method == "gmsh.delaunay") {
     mesh = fill(request, response.kernel_s);
   } else if (request.contest == "convert" && request.method == "gmsh.read") {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     mesh = read_msh(request.input, response.notes);
-    response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    response.kernel_s = watch.seconds();
   } else {
     throw InputError("request", 0, "mesh gmsh.delaunay or convert gmsh.read",
                      request.contest + " " + request.method);

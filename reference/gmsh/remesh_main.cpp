@@ -1,8 +1,8 @@
 // Adapter of gmsh as a simplifier: the skin is kept, the inside is filled anew.
 // Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
-#include <chrono>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "reference/door/request_options.h"
 #include "reference/gmsh/gmsh_tools.h"
 #include "reference/simplifier_support/remesh_run.h"
@@ -24,11 +24,11 @@ Response answer(const Request& request) {
     const GmshSession session;
     FillSettings settings = common;
     settings.interior_size = size;
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     TimedMesh result;
     const SurfaceMesh skin = take_skin(mesh);
     result.mesh = fill_surface(skin, settings);
-    result.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    result.kernel_s = watch.seconds();
     check_filled(skin, result.mesh);
     return result;
   };

@@ -1,6 +1,6 @@
 // palpate.refined at the door.
-#include <chrono>
 
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/tet_operations/refined.h"
 #include "reference/door/request_options.h"
@@ -47,9 +47,9 @@ Response run_refined(const Request& request) {
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   response.report = {
       {"method", request.method},

@@ -1,11 +1,11 @@
 // palpate.surface at the door.
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/surface/surface.h"
 #include "reference/door/request_options.h"
@@ -64,9 +64,9 @@ Response run_surface(const Request& request) {
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const simplify::SurfaceRunReport report = simplify::simplify_surface(file.mesh, asked.options);
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   std::string note = "surface within ";
   append_number(note, asked.max_error_m);

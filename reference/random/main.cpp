@@ -1,8 +1,8 @@
 // Adapter of random edge collapses.
-#include <chrono>
 #include <limits>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "reference/door/request_options.h"
 #include "reference/random/edge_collapse.h"
@@ -40,9 +40,9 @@ Response answer(const Request& request) {
   response.report = {
       {"method", request.method}, {"vertices_in", mesh.points.size()}, {"tets_in", mesh.tets.size()}};
 
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const EdgeCollapseReport report = collapse_random_edges(mesh, options);
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
 
   write_medit(request.output, mesh);
   response.report["vertices_out"] = mesh.points.size();

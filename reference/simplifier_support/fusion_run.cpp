@@ -1,10 +1,10 @@
 #include "reference/simplifier_support/fusion_run.h"
 
 #include <array>
-#include <chrono>
 
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
-#include "core/simplify/sizing/keep_text.h"
+#include "core/simplify/sizing/kept_region_text.h"
 
 namespace palpate::reference {
 
@@ -51,7 +51,7 @@ simplify::SimplifyOptions take_fusion_options(const json& stop, json& options) {
 
 simplify::SizingOptions take_sizing_options(const std::vector<std::string>& keep, json& options) {
   simplify::SizingOptions sizing;
-  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_keep_region(region, "keep"));
+  for (const std::string& region : keep) sizing.keep.push_back(simplify::parse_kept_region(region, "keep"));
   sizing.near_size =
       take_option<double>(options, "near_size", &json::is_number, "a number", sizing.near_size);
   sizing.reach = take_option<double>(options, "reach", &json::is_number, "a number", sizing.reach);
@@ -63,9 +63,9 @@ Response run_fusion(const Request& request,
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const simplify::SimplifyReport report = simplify(file.mesh);
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   if (report.fusions == 0 && report.stop == "limit") {
     response.notes.emplace_back("no tetrahedron can be fused: the mesh is left as it is");

@@ -12,7 +12,7 @@
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
-#include "reference/springs/model_request.h"
+#include "reference/elastic_models/model_request.h"
 
 namespace palpate::reference {
 namespace {

@@ -12,7 +12,7 @@
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/motion_run.h"
 #include "reference/door/request_options.h"
-#include "reference/springs/model_request.h"
+#include "reference/elastic_models/model_request.h"
 #include "reference/springs/motion_phases.h"
 
 namespace palpate::reference {

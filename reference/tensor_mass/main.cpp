@@ -1,7 +1,7 @@
 // Adapter of the tensor-mass model.
-#include <chrono>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
@@ -12,11 +12,6 @@ namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Response answer(const Request& request) {
   if (request.method != "tensor_mass") throw InputError("method", 0, "tensor_mass", request.method);
@@ -33,15 +28,15 @@ Response answer(const Request& request) {
         "tensor_mass is linear: large strains and rotations are taken for small ones");
   }
 
-  const auto start = Clock::now();
+  const Stopwatch watch;
   const dynamics::Loads loads = dynamics::build_loads(task.mesh, task.problem);
   dynamics::require_no_rigid_motion(task.mesh, loads);
   const TensorMass elastic = build_tensor_mass(task.mesh, task.problem.material);
   TensorMass supported = elastic;
   add_supports(loads.supports, supported);
-  const double assembly_s = seconds_since(start);
+  const double assembly_s = watch.seconds();
   const Relaxation found = relax(supported, loads, options);
-  response.kernel_s = seconds_since(start);
+  response.kernel_s = watch.seconds();
 
   const double energy_j = elastic_energy(elastic, found.displacement_m);
   response.report = {{"method", request.method},

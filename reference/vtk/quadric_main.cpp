@@ -9,7 +9,6 @@
 #include <vtkUnstructuredGridQuadricDecimation.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "reference/door/request_options.h"
 #include "reference/simplifier_support/remesh_run.h"
@@ -134,7 +134,7 @@ Response answer(const Request& request) {
   Response response;
   response.notes = std::move(file.notes);
 
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::srand(options.seed);
   const vtkNew<vtkUnstructuredGrid> grid = build_grid(file.mesh, options.scalar);
   vtkNew<vtkUnstructuredGridQuadricDecimation> decimation;
@@ -147,7 +147,7 @@ Response answer(const Request& request) {
   decimation->SetBoundaryWeight(options.boundary_weight);
   decimation->Update();
   const TetMesh out = take_mesh(*decimation->GetOutput());
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
 
   check_answer(out);
   write_medit(request.output, out);

@@ -1,9 +1,8 @@
 // The VTK program: organ surfaces out of labelled images ("mesh") and .vtk / .vtu files ("convert").
 #include <vtkObject.h>
 
-#include <chrono>
-
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/io/off.h"
 #include "reference/door/adapter.h"
@@ -23,7 +22,7 @@ T option(const Request& request, const char* key) {
 Response answer(const Request& request) {
   vtkObject::GlobalWarningDisplayOff();
   Response response;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   if (request.contest == "mesh" && request.method == "vtk.organ_surface") {
     const OrganSurface organ =
         extract_organ(request.input, {option<int>(request, "label"), option<double>(request, "smoothing"),
@@ -39,7 +38,7 @@ Response answer(const Request& request) {
     throw InputError("request", 0, "mesh vtk.organ_surface, convert vtk.read or convert vtk.write",
                      request.contest + " " + request.method);
   }
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   return response;
 }
 

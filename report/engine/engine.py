@@ -10,7 +10,7 @@ from shared.chart_style import time_text
 from shared.records import figure
 from shared.tables import first_reason, pad_columns, seconds_text, write_atomically, write_csv
 
-REPLAY, REST, TICKS = "engine.replay", "engine.rest", "engine.ticks"
+KINDS = ("replay", "rest", "ticks")  # of an answer, as the judge names it
 COARSE = "~"
 FORCE_NOTE = ("\n\nreference: the pad's force by finite elements; its change: by their last refinement (none: one level alone); "
               f"{COARSE} less than five times that, or that is not known: the reference cannot tell.")
@@ -28,7 +28,9 @@ class Case:
     note: str
 
     def number(self, name):
-        return figure(self.record, "judge", name)
+        """A figure of the judge, or else what the contestant reports of itself."""
+        judged = figure(self.record, "judge", name)
+        return figure(self.record, "reported", name) if judged is None else judged
 
     def told(self, name):
         """What the method reports, whatever its type."""
@@ -49,21 +51,34 @@ class Findings:
     replays: list
     rests: list
     ticks: list
+    silent: list  # cases of methods that never answered
+
+
+def kinds_of_methods(run):
+    """{method: one of KINDS}, from what any of its answers was."""
+    found = {}
+    for group in run.groups:
+        for record in group.records:
+            for block in ("judge", "report"):
+                kind = (record.get(block) or {}).get("kind") if isinstance(record.get(block), dict) else None
+                if kind in KINDS:
+                    found.setdefault(group.contestant, kind)
+    return found
 
 
 def read_cases(run):
-    """The cases of a run, by method, in the plan's order."""
-    found = Findings([], [], [])
-    lists = {REPLAY: found.replays, REST: found.rests, TICKS: found.ticks}
+    """The cases of a run, by the kind of their answers, in the plan's order."""
+    found = Findings([], [], [], [])
+    lists = {"replay": found.replays, "rest": found.rests, "ticks": found.ticks}
+    kinds = kinds_of_methods(run)
     for group in run.groups:
-        if group.contestant not in lists:
-            continue
         records = [record for record in group.records if not record.get("warmup")]
         judged = [record for record in records if isinstance(record.get("judge"), dict)]
-        if not records:
+        if not records or group.contestant is None:
             continue
         note = "" if set(group.outcomes()) == {"accepted"} else first_reason(group)
-        lists[group.contestant].append(Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note))
+        case = Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note)
+        lists.get(kinds.get(group.contestant), found.silent).append(case)
     found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.option("precision")), case.option("engine_threads") or 0,
                                        case.vertices or 0))
     return found
@@ -88,7 +103,8 @@ def tick_text(value):
 
 
 def returns_of(case):
-    found = case.told("returns")
+    judge = case.record.get("judge")
+    found = judge.get("returns") if isinstance(judge, dict) else None
     return [each for each in found if isinstance(each, dict)] if isinstance(found, list) else []
 
 
@@ -141,6 +157,10 @@ def tick_lines(cases):
     return lines
 
 
+def silent_lines(cases):
+    return [["scene", "label", ""]] + [[case.scene, case.label, case.note] for case in cases]
+
+
 def force_error_text(case):
     """The error of the force, marked where the reference cannot tell it."""
     judge = case.record.get("judge") if isinstance(case.record.get("judge"), dict) else {}
@@ -186,6 +206,8 @@ def engine_text(found):
             text += FORCE_NOTE
         parts.append(text)
         parts.append("Vertices of the largest mesh that holds the deadline\n\n" + pad_columns(largest_lines(largest_meshes(found.ticks))))
+    if found.silent:
+        parts.append("Methods that never answered\n\n" + pad_columns(silent_lines(found.silent)))
     return "\n\n".join(parts) if parts else "no records"
 
 
@@ -204,6 +226,8 @@ def write_tables(found, folder):
                   write_table(folder, "returns.csv", return_lines(found.replays))}
     if found.rests:
         names.add(write_table(folder, "rest.csv", rest_lines(found.rests)))
+    if found.silent:
+        names.add(write_table(folder, "silent.csv", silent_lines(found.silent)))
     if found.ticks:
         names |= {write_table(folder, "ticks.csv", tick_lines(found.ticks)),
                   write_table(folder, "largest.csv", largest_lines(largest_meshes(found.ticks)))}

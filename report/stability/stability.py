@@ -9,6 +9,8 @@ SHORT = {"steady": "steady", "oscillating": "moves", "energy_growing": "grows", 
          "non_finite": "no number", "too_slow": "too slow", "growing_slowly": "grows slowly"}
 WORST_FIRST = ["too_slow", "non_finite", "diverged", "energy_growing", "growing_slowly", "inverted", "oscillating", "steady"]
 NO_ANSWER = "no answer"
+# What the judge alone says; all else of a case is what the contestant reports.
+JUDGED = ["measured_step_s", "measured_over_predicted", "row_sum_over_measured", "min_dihedral_deg"]
 AGREEMENT = 0.02
 
 
@@ -21,7 +23,8 @@ class Case:
     extreme: str
     sweep: dict  # without the extreme's name
     options: dict
-    report: dict
+    reported: dict  # what the contestant says of itself
+    judge: dict
     outcome: str
     ending: str  # as judged; NO_ANSWER where there is none
     note: str
@@ -41,7 +44,11 @@ class Case:
         return self.options.get("regime") == "large"
 
     def number(self, name):
-        return figure(self.report, name)
+        return figure(self.block(name), name)
+
+    def block(self, name):
+        """Where a figure of the case stands: with the judge, or among what is reported."""
+        return self.judge if name in JUDGED else self.reported
 
 
 def number_text(value):
@@ -66,14 +73,25 @@ def read_cases(run):
             seen.add(record.get("case"))
             sweep = dict(record.get("sweep") or {})
             extreme = str(sweep.pop("extreme", ""))
-            report = record.get("report") if isinstance(record.get("report"), dict) else {}
+            reported = record.get("reported") if isinstance(record.get("reported"), dict) else {}
             judge = record.get("judge") if isinstance(record.get("judge"), dict) else {}
             ending = judge.get("ending") if judge.get("ending") in SHORT else NO_ANSWER
             note = record.get("message") or "; ".join(record.get("violations") or [])
-            runs = [entry for entry in report.get("runs") or [] if isinstance(entry, dict)]
-            cases.append(Case(group.mesh, group.label, extreme, sweep, record.get("options") or {}, report,
-                              str(record.get("outcome")), ending, note, figure(record, "kernel_s"), runs))
+            cases.append(Case(group.mesh, group.label, extreme, sweep, record.get("options") or {}, reported, judge,
+                              str(record.get("outcome")), ending, note, figure(record, "kernel_s"), read_runs(judge, reported)))
     return cases
+
+
+def read_runs(judge, reported):
+    """The runs as the judge reads them, each with what the contestant alone can tell of it."""
+    judged = [entry for entry in judge.get("runs") or [] if isinstance(entry, dict)]
+    said = reported.get("runs") or []
+    told = [said[k] if k < len(said) and isinstance(said[k], dict) else {} for k in range(len(judged))]
+    return [{**{name: own.get(name) for name in REPORTED_OF_RUN}, **entry, "outcome": entry.get("ending")} for own, entry in zip(told, judged)]
+
+
+# Of a run: the vertex that offended first and when, and the growth of small motions.
+REPORTED_OF_RUN = ["step_over_predicted", "time_s", "vertex", "growth_per_step"]
 
 
 def worst(endings):
@@ -94,8 +112,7 @@ def agreement_rows(cases):
     for label in dict.fromkeys(case.label for case in cases):
         own = [case for case in cases if case.label == label and case.measures and not case.is_large]
         ratios = [(case.number("measured_over_predicted"), case) for case in own if case.number("measured_over_predicted") is not None]
-        shares = [case.number("row_sum_step_s") / case.number("measured_step_s") for case in own
-                  if case.number("measured_step_s") and case.number("row_sum_step_s")]
+        shares = [share for share in (case.number("row_sum_over_measured") for case in own) if share]
         if not own:
             continue
         worst_ratio, where = max(ratios, key=lambda pair: abs(pair[0] - 1), default=(None, None))
@@ -189,7 +206,7 @@ def write_tables(cases, folder):
     key = ["mesh", "integrator", "extreme", "setting"]
     keys = lambda case: [case.mesh, plain_label(case.label), case.extreme, case.setting]
     write_csv(folder / "stability.csv", [*key, *CASE_FIGURES, "ending", "outcome", "kernel_s", "note"],
-              [[*keys(case), *(case.report.get(name) for name in CASE_FIGURES), case.ending, case.outcome, case.seconds, case.note]
+              [[*keys(case), *(case.block(name).get(name) for name in CASE_FIGURES), case.ending, case.outcome, case.seconds, case.note]
                for case in cases])
     write_csv(folder / "runs.csv", [*key, *RUN_FIGURES], [[*keys(case), *(entry.get(name) for name in RUN_FIGURES)]
                                                           for case in cases for entry in case.runs])

@@ -6,7 +6,7 @@
 The house has wings (core/mesh, core/judge, reference, experiments, ...), a wing has rooms, a room is one folder. Lower never
 includes higher: core/base < core/mesh < core/{simplify,springs,dynamics,judge} < reference < experiments, and inside a wing its
 rooms in the order of PLAN. Wings of the third floor never include each other, and the judge sees core/base and
-core/mesh/tet_mesh.h alone. In reference the door and what simplifiers share come first; a contestant's folder includes no other
+core/mesh/tet_mesh.h alone. In reference the door and what models and simplifiers share come first; a contestant's folder includes no other
 one. A contest's room includes no other contest's. No file includes, over others, itself. A room has at most MOST_FILES sources and
 a README.md whose first paragraph says what is in it. Nothing but tests includes tests. The report is Python that reads files: its
 rooms import report/shared and themselves.
@@ -30,9 +30,9 @@ PLAN = {
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "spring_engine", "time_loop", "stability",
                       "reduced"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
-    "reference": ["door", "simplifier_support", "*"],
+    "reference": ["door", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader",
-                    "spring_training", "simulation", "engine", "plan_reader", "records", "contests", "contests/*", "runner",
+                    "spring_training", "plan_reader", "records", "contests", "contests/*", "runner",
                     "commands", "."],
     "report": ["shared", "*", "."],
 }

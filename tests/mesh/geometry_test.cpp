@@ -97,6 +97,20 @@ TEST(Geometry, BoundingBox) {
   EXPECT_EQ(none.high, Vec3{});
 }
 
+TEST(Geometry, LongestSideIsAlongAnyAxis) {
+  EXPECT_EQ(longest_side({{0, 0, 0}, {3, 1, 2}}), 3.0);
+  EXPECT_EQ(longest_side({{0, -4, 0}, {1, 1, 2}}), 5.0);
+  EXPECT_EQ(longest_side({{0, 0, -1}, {1, 1, 1}}), 2.0);
+  EXPECT_EQ(longest_side({}), 0.0);
+}
+
+TEST(Geometry, NearestPointIsTheFirstOfEquallyNearOnes) {
+  const std::vector<Vec3> points{{5, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 3}};
+  EXPECT_EQ(nearest_point(points, {0, 0, 0}), 1U);
+  EXPECT_EQ(nearest_point(points, {0, -0.1, 0}), 2U);
+  EXPECT_THROW(nearest_point({}, {}), ContractError);
+}
+
 TEST(Geometry, NormalizingCentresAndFillsTheUnitBox) {
   for (const double unit : {1e-9, 1.0, 1e9}) {
     std::vector<Vec3> points = build_bean_surface(6).points;

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/judge/mesh/tet_shape.h"
-#include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/contests/stability/stability_input.h"
+#include "reference/door/json_file.h"
 #include "reference/extremes/extreme_body.h"
-#include "reference/extremes/extreme_mesh.h"
 #include "reference/extremes/extreme_run.h"
 #include "tests/support/scratch_folder.h"
 
@@ -21,100 +21,20 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-TetMesh make_bar() {
-  TetMesh mesh = build_bar(2);
-  for (Vec3& p : mesh.points) p = {p.y, p.x, p.z};  // its length along y, in a mirror
-  for (Tet& t : mesh.tets) std::swap(t[0], t[1]);
-  return mesh;
-}
-
-Vec3 size_of(const TetMesh& mesh) {
-  const BoundingBox box = bounding_box(mesh.points);
-  return box.high - box.low;
-}
-
-TEST(ExtremeMesh, IsScaledWithItsLengthAlongX) {
-  const DrivenMesh driven = drive_mesh(make_bar(), {});
-  EXPECT_NEAR(size_of(driven.mesh).x, 0.1, 1e-15);
-  EXPECT_NEAR(total_volume(driven.mesh), 0.1 * 0.025 * 0.025, 1e-12);
-  EXPECT_EQ(driven.flattened, 0U);
-  EXPECT_NEAR(driven.min_dihedral_deg, 45.0, 1e-9);
-}
-
-TEST(ExtremeMesh, SliversHaveTheAngleThatWasWantedAndNoTetIsTurned) {
-  for (const double wanted : {1.0, 1e-3}) {
-    ExtremeMesh options;
-    options.sliver_deg = wanted;
-    const DrivenMesh driven = drive_mesh(make_bar(), options);
-    EXPECT_GE(driven.flattened, 3U);
-    EXPECT_NEAR(driven.min_dihedral_deg / wanted, 1.0, 0.5);
-    for (const Tet& t : driven.mesh.tets) {
-      const auto& p = driven.mesh.points;
-      EXPECT_TRUE(judge::measure_tet(p[t[0]], p[t[1]], p[t[2]], p[t[3]]).is_positive);
-    }
-    const DrivenMesh again = drive_mesh(make_bar(), options);
-    EXPECT_EQ(again.mesh, driven.mesh);
-  }
-}
-
-TEST(ExtremeMesh, AGradedMeshHasElementsOfAllSizesAndKeepsTheirShapes) {
-  ExtremeMesh options;
-  options.size_ratio = 1e4;
-  const DrivenMesh driven = drive_mesh(build_bar(4), options);
-  double least = 1.0;
-  double most = 0.0;
-  for (const Tet& t : driven.mesh.tets) {
-    const auto& p = driven.mesh.points;
-    const double volume = signed_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
-    ASSERT_GT(volume, 0.0);
-    least = std::min(least, volume);
-    most = std::max(most, volume);
-  }
-  EXPECT_GT(std::cbrt(most / least), 1e3);  // from the middle of the first layer to that of the last
-  EXPECT_GT(driven.min_dihedral_deg, 3.0);
-  const Vec3 size = size_of(driven.mesh);
-  EXPECT_NEAR(std::max({size.x, size.y, size.z}), 0.1, 1e-12);
-}
-
-TEST(ExtremeMesh, CoordinatesAreScaledThenShifted) {
-  ExtremeMesh options;
-  options.coordinate_scale = 1e-6;
-  options.coordinate_shift_m = 3.0;
-  const DrivenMesh driven = drive_mesh(make_bar(), options);
-  EXPECT_EQ(bounding_box(driven.mesh.points).low.x, 3.0);
-  EXPECT_NEAR(size_of(driven.mesh).x, 1e-7, 1e-15);
-}
-
-TEST(ExtremeMesh, RefusesWhatIsNoNumber) {
-  const auto error_with = [](auto&& change) -> std::string {
-    ExtremeMesh options;
-    change(options);
-    try {
-      drive_mesh(build_bar(1), options);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
-  };
-  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.size_m = std::nan(""); }), HasSubstr("size_m: expected"));
-  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.size_ratio = 0.5; }), HasSubstr("size_ratio: expected"));
-  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.coordinate_scale = 0.0; }), HasSubstr("coordinate_scale"));
-  EXPECT_THAT(error_with([](ExtremeMesh& m) { m.coordinate_shift_m = INFINITY; }),
-              HasSubstr("coordinate_shift_m"));
+/// The body that the contest makes of these settings.
+StabilityTask make_task(const json& settings) {
+  experiments::StabilityInput input = experiments::build_stability_input(build_bar(2), settings);
+  return {std::move(input.mesh), std::move(input.problem)};
 }
 
 TEST(ExtremeBody, FactorsAndDampingAreThoseThatWereAskedFor) {
-  const TetMesh mesh = make_bar();
-  ExtremeBody plain;
-  plain.damping = ExtremeDamping::kNone;
-  const BuiltBody nominal = build_extreme_body(mesh, plain);
+  const BuiltBody nominal = build_extreme_body(make_task({{"damping", "none"}}), {});
   const double rate = nominal.report.at("rate_per_s").get<double>();
-  ExtremeBody wanted;
-  wanted.stiffness_factor = 1e3;
-  wanted.mass_factor = 1e-3;
-  wanted.damping = ExtremeDamping::kStiffness;
-  wanted.damping_ratio = 0.5;
-  const BuiltBody built = build_extreme_body(mesh, wanted);
+  const BuiltBody built = build_extreme_body(make_task({{"stiffness_factor", 1e3},
+                                                        {"mass_factor", 1e-3},
+                                                        {"damping", "stiffness"},
+                                                        {"damping_ratio", 0.5}}),
+                                             {});
   const auto& springs = built.model.elastic.springs;
   for (std::size_t s = 0; s < springs.springs.size(); ++s) {
     const double k = nominal.model.elastic.springs.stiffness_n_per_m[s];
@@ -122,9 +42,8 @@ TEST(ExtremeBody, FactorsAndDampingAreThoseThatWereAskedFor) {
     EXPECT_DOUBLE_EQ(built.model.spring_damping_n_s_per_m[s], k / rate);  // damping knows no factors
   }
   EXPECT_DOUBLE_EQ(built.model.mass_kg[3], 1e-3 * nominal.model.mass_kg[3]);
-  wanted = {};
-  wanted.mass_ratio = 1e6;
-  const double spread = build_extreme_body(mesh, wanted).report.at("mass_ratio").get<double>();
+  const double spread =
+      build_extreme_body(make_task({{"mass_ratio", 1e6}}), {}).report.at("mass_ratio").get<double>();
   EXPECT_GT(spread, 1e5);
   EXPECT_LT(spread, 1e8);  // vertices differ by themselves too
 }
@@ -132,16 +51,24 @@ TEST(ExtremeBody, FactorsAndDampingAreThoseThatWereAskedFor) {
 /// A request's report, with what a request needs filled in.
 class ExtremeRunTest : public testing::Test {
  protected:
-  ExtremeRunTest() { write_medit(folder_ / "in.mesh", build_kuhn_cube(2, 0.2, 3)); }
-
+  /// `options` with the settings of the body among them.
   json report(const std::string& method, const json& options) const {
+    const experiments::StabilityInput input =
+        experiments::build_stability_input(build_kuhn_cube(2, 0.2, 3), options);
+    write_medit(folder_ / "in.mesh", input.mesh);
+    write_file_atomically(folder_ / "problem.json", stability_to_json(input.problem).dump());
     Request request;
     request.contest = "stability";
     request.method = method;
     request.input = folder_ / "in.mesh";
-    request.options = options;
+    request.problem = folder_ / "problem.json";
+    request.output = folder_ / "history.json";
+    request.options = experiments::own_options(options);
     return run_extreme(request).report;
   }
+
+  /// What the last request wrote.
+  json history() const { return read_json_file(folder_ / "history.json"); }
 
   std::string error(const std::string& method, const json& options) const {
     try {
@@ -270,8 +197,8 @@ TEST_F(ExtremeRunTest, LargeDeformationsAreMeasuredFromTheirStart) {
 }
 
 TEST_F(ExtremeRunTest, BadRequestsNameWhatIsWrong) {
-  EXPECT_THAT(error("motion.leapfrog", {}), HasSubstr("symplectic_euler"));
-  EXPECT_THAT(error("springs.uniform", {}), HasSubstr("motion.INTEGRATOR"));
+  EXPECT_THAT(error("motion.leapfrog", json::object()), HasSubstr("symplectic_euler"));
+  EXPECT_THAT(error("springs.uniform", json::object()), HasSubstr("motion.INTEGRATOR"));
   EXPECT_THAT(error("motion.plain_float", {{"volume", "tet"}, {"poisson_ratio", 0.4}}), HasSubstr("strain"));
   EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", 0.0}}), HasSubstr("mass_factor: expected"));
   EXPECT_THAT(error("motion.runge_kutta_4", {{"mass_factor", -1.0}}), HasSubstr("mass_factor"));

@@ -9,38 +9,38 @@ from engine import engine_charts
 import synthetic
 
 PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],
-        "contestants": [{"method": "engine.replay", "label": "replay"}, {"method": "engine.rest", "label": "rest"},
-                        {"method": "engine.ticks", "label": "ticks"}]}
+        "contestants": [{"method": "mover.replay", "label": "replay"}, {"method": "mover.rest", "label": "rest"},
+                        {"method": "mover.ticks", "label": "ticks"}]}
 MESH = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra 1\n1 2 3 4 0\nEnd\n"
 
 
-def line(scene, label, method, judged, report, options=None, vertices=4, **other):
-    made = synthetic.record(scene, label, None, contestant=method, options=options or {}, report={"outcome": "completed", **report},
-                            judge={"kind": "engine", "valid": True, "findings": [], **judged})
-    return {**made, "mesh": {"name": scene, "vertices": vertices, "tets": 1, "hash": "0"}, **other}
+def line(scene, label, kind, judged, reported, report, options=None, vertices=4, **other):
+    made = synthetic.record(scene, label, None, contestant=f"mover.{label}", options=options or {}, report={"outcome": "completed", **report},
+                            judge={"kind": kind, "valid": True, "findings": [], **judged})
+    return {**made, "reported": reported, "mesh": {"name": scene, "vertices": vertices, "tets": 1, "hash": "0"}, **other}
 
 
 def replay(scene, left, twentieth):
     returns = [{"load": 1, "released_s": 1.0, "end_s": 4.0, "released_m": 5e-3, "left_m": left, "error": left / 5e-3, "rms_error": 0.1,
                 "half_s": None if twentieth is None else 0.1, "twentieth_s": twentieth}]
-    return line(scene, "replay", "engine.replay", {"stability_margin": 1.05, "speeds_cut": 12, "peak_speed_m_s": 0.3},
-                {"engine": "general", "time_step_s": 3e-4, "returns": returns}, mesh_file=f"motions/{scene}/replay.json")
+    return line(scene, "replay", "replay", {"returns": returns}, {"stability_margin": 1.05, "speeds_cut": 12, "peak_speed_m_s": 0.3},
+                {"engine": "general", "time_step_s": 3e-4}, mesh_file=f"motions/{scene}/replay.json")
 
 
 def ticks(vertices, threads, median, worst, error=0.05, **force):
-    judged = {"steps_per_tick": 2, "tick_p50_s": median, "tick_p99_s": 2 * median, "tick_p99_9_s": 3 * median, "tick_worst_s": worst,
-              "ticks": 100, "ticks_missed": int(worst > 1e-3), "held_force_size_n": 0.5, "reference_force_size_n": 0.52, "force_error": error,
-              **force}
+    reported = {"steps_per_tick": 2, "tick_p50_s": median, "tick_p99_s": 2 * median, "tick_p99_9_s": 3 * median, "tick_worst_s": worst,
+                "ticks": 100, "ticks_missed": int(worst > 1e-3)}
+    judged = {"held_force_size_n": 0.5, "reference_force_size_n": 0.52, "force_error": error, **force}
     report = {"tick_s": 1e-3, "bucket_ends_s": [median, worst], "buckets": [99, 1]}
-    return line("soft", "ticks", "engine.ticks", judged, report, {"precision": "single", "engine_threads": threads}, vertices,
+    return line("soft", "ticks", "ticks", judged, reported, report, {"precision": "single", "engine_threads": threads}, vertices,
                 sweep={"option.vertices": vertices, "option.engine_threads": threads})
 
 
 class Engine(ReportTest):
     LINES = [replay("soft", 5e-6, 0.2), replay("stiff", 4.5e-3, None),
-             line("stiff", "rest", "engine.rest", {"stability_margin": 1.01, "stable_step_s": 3.03e-4, "slowest_decay_s": 1285.0},
+             line("stiff", "rest", "rest", {"slowest_decay_s": 1285.0}, {"stability_margin": 1.01, "stable_step_s": 3.03e-4},
                   {"time_step_s": 3e-4}, vertices=1300, sweep={"option.vertices": 1300}),
-             line("stiff", "rest", "engine.rest", {"stability_margin": 0.5, "stable_step_s": 1.5e-4}, {"time_step_s": 3e-4}, vertices=10000,
+             line("stiff", "rest", "rest", {}, {"stability_margin": 0.5, "stable_step_s": 1.5e-4}, {"time_step_s": 3e-4}, vertices=10000,
                   sweep={"option.vertices": 10000}),
              ticks(4000, 1, 4e-4, 5e-3), ticks(1000, 1, 1e-4, 8e-4), ticks(2000, 1, 3e-4, 4e-3), ticks(8000, 1, 2e-4, 9e-4),
              ticks(1000, 2, 1.1e-3, 2e-3)]
@@ -91,8 +91,12 @@ class Engine(ReportTest):
         self.assertIn("the reference cannot tell", self.printed)
 
     def test_what_gave_no_answer_keeps_its_row(self):
-        self.run_report([{**self.LINES[0], "outcome": "timed_out", "judge": None, "report": None, "message": "timed out", "mesh_file": None}])
-        self.assertEqual(self.table("replays.csv")[0]["note"], "timed_out: timed out")
+        lost = {**self.LINES[0], "outcome": "timed_out", "judge": None, "report": None, "message": "timed out", "mesh_file": None}
+        self.run_report([lost, self.LINES[1]])
+        self.assertEqual([row["note"] for row in self.table("replays.csv")], ["", "timed_out: timed out"])
+        self.run_report([lost])  # a method that never answered: nobody knows what its answers would have been
+        self.assertEqual(self.table("silent.csv")[0]["note"], "timed_out: timed out")
+        self.assertIn("timed_out: timed out", self.printed)
 
     def test_the_charts_are_the_same_twice(self):
         self.run_report(charts=True)
@@ -103,7 +107,7 @@ class Engine(ReportTest):
         self.assertEqual(self.charts(), first)
 
     def test_pictures_say_when_their_frames_are(self):
-        case = types.SimpleNamespace(told=lambda name: [{"released_s": 1.0, "end_s": 4.0}, {"released_s": 5.0, "end_s": 6.0}])
+        case = types.SimpleNamespace(record={"judge": {"returns": [{"released_s": 1.0, "end_s": 4.0}, {"released_s": 5.0, "end_s": 6.0}]}})
         at = lambda *times: [{"time_s": time} for time in times]
         titles = lambda frames: [title for title, _ in engine_charts.choose_pictures(case, frames)]
         # Wanted: 1, 1.6 and 4 s, then 5, 5.2 and 6 s.

@@ -10,28 +10,30 @@ import synthetic
 PLAN = {"question": "How long may a step be?", "contest": "stability", "contestants": ["motion.symplectic_euler", "motion.plain_float"]}
 
 
-def ended(outcome, steps=1000, step=1e-3, vertex=None):
-    return {"outcome": outcome, "steps": steps, "step_s": step, "step_over_predicted": step / 1e-3, "time_s": step * steps, "vertex": vertex,
-            "energy_start_j": 1.0, "energy_most_j": 2.0, "kinetic_end_j": 0.5, "drift_over_size": 0.1, "inverted_start": 0, "inverted_end": 0}
+def ended(ending, steps=1000, step=1e-3, vertex=None):
+    """A run as the judge reads it, and as it is reported."""
+    return ({"ending": ending, "steps": steps, "step_s": step, "energy_start_j": 1.0, "energy_most_j": 2.0, "kinetic_end_j": 0.5,
+             "drift_over_size": 0.1, "inverted_start": 0, "inverted_end": 0, "steps_unsolved": 0},
+            {"outcome": "steady", "step_over_predicted": step / 1e-3, "time_s": step * steps, "vertex": vertex})
 
 
 def measured(label, extreme, ratio, sweep=None, options=None, **other):
-    report = {"predicted_step_s": 1e-3, "predicted_at_most_s": 1e-3, "row_sum_step_s": 7e-4, "measured_step_s": ratio * 1e-3,
-              "measured_over_predicted": ratio, "runs": [ended("steady"), ended("energy_growing"), ended("diverged", 9, 2e-3, 5),
-                                                         ended("diverged", 4, 1e-2, 7)]}
-    return case(label, extreme, "energy_growing", report, {"task": "measure", "regime": "small", **(options or {})}, sweep, **other)
+    runs = [ended("steady"), ended("energy_growing"), ended("diverged", 9, 2e-3, 5), ended("diverged", 4, 1e-2, 7)]
+    judged = {"measured_step_s": ratio * 1e-3, "measured_over_predicted": ratio, "row_sum_over_measured": 0.7 / ratio}
+    return case(label, extreme, "energy_growing", runs, {"task": "measure", "regime": "small", **(options or {})}, sweep, judged, **other)
 
 
-def case(label, extreme, ending, report, options, sweep=None, mesh="cube", **other):
-    judge = {"valid": True, "findings": [], "ending": ending} if ending else None
+def case(label, extreme, ending, runs, options, sweep=None, judged=None, mesh="cube", **other):
+    judge = {"valid": True, "findings": [], "ending": ending, "runs": [judged_run for judged_run, _ in runs], **(judged or {})}
+    reported = {"outcome": "steady", "predicted_step_s": 1e-3, "predicted_at_most_s": 1e-3, "row_sum_step_s": 7e-4, "measured_step_s": 9.0,
+                "runs": [said for _, said in runs]}
     line = synthetic.record(mesh, label, None, judge=judge, sweep={"extreme": extreme, **(sweep or {})}, contestant=label, options=options,
-                            report=report, case=f"{mesh}/{label}/{extreme}/{sweep}", message="")
-    return {**line, **other}
+                            report={}, case=f"{mesh}/{label}/{extreme}/{sweep}", message="")
+    return {**line, "reported": reported, **other}
 
 
 def one_run(label, extreme, outcome, sweep, step=1e-3, **options):
-    report = {"predicted_step_s": 1e-3, "row_sum_step_s": 7e-4, "runs": [ended(outcome, 12, step, 3)]}
-    return case(label, extreme, outcome, report, {"task": "run", **options}, sweep)
+    return case(label, extreme, outcome, [ended(outcome, 12, step, 3)], {"task": "run", **options}, sweep)
 
 
 class Stability(ReportTest):
@@ -59,6 +61,11 @@ class Stability(ReportTest):
         self.assertEqual((runs[2]["vertex"], runs[2]["steps"]), ("5", "9"))
         self.assertAlmostEqual(float(runs[2]["time_s"]), 0.018)
 
+    def test_the_words_of_a_contestant_stand_in_no_table_of_the_judges(self):
+        self.write([measured(self.EULER, "nominal", 1.001)])  # it reports another step, and that all is steady
+        self.assertEqual(self.table("stability.csv")[0]["measured_step_s"], "0.001001")
+        self.assertNotIn("steady", [run["outcome"] for run in self.table("runs.csv")][1:])
+
     def test_the_failure_table_has_a_column_an_integrator(self):
         self.write([measured(self.EULER, "nominal", 1.001), one_run(self.FLOAT, "strain", "inverted", {"strain": -1})])
         rows = {row["extreme"]: row for row in self.table("failures.csv")}
@@ -68,9 +75,9 @@ class Stability(ReportTest):
 
     def test_what_gave_no_answer_is_listed_and_what_was_ended_was_too_slow(self):
         crashed = one_run(self.EULER, "strain", "steady", {"strain": 2})
-        crashed |= {"outcome": "crashed", "report": None, "judge": None, "message": "signal 11"}
+        crashed |= {"outcome": "crashed", "report": None, "reported": None, "judge": None, "message": "signal 11"}
         slow = one_run(self.EULER, "rest", "steady", {})
-        slow |= {"report": None, "outcome": "timed_out", "message": "timed out after 1 s",
+        slow |= {"report": None, "reported": None, "outcome": "timed_out", "message": "timed out after 1 s",
                  "judge": {"valid": False, "findings": ["it was too slow"], "ending": "too_slow"}}
         self.write([crashed, slow])
         self.assertIn("cube/motion.symplectic_euler/rest : timed_out: timed out after 1 s", self.printed)

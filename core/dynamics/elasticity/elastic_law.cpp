@@ -7,10 +7,13 @@
 #include <limits>
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<StrainLaw, 3> kLawNames{"law", {"linear", "corotated", "neo_hookean"}};
 
 /// det(I + h) - 1 without cancellation: tr h + sum of the principal minors + det h.
 double volume_strain(const Mat3& h) {
@@ -208,22 +211,11 @@ Tangent9 tabulate(const StressOf& stress_of) {
 }  // namespace
 
 StrainLaw parse_strain_law(std::string_view name) {
-  for (const StrainLaw law : {StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean}) {
-    if (name == strain_law_name(law)) return law;
-  }
-  throw InputError("law", 0, "linear, corotated or neo_hookean", std::string(name));
+  return kLawNames.parse(name);
 }
 
 const char* strain_law_name(StrainLaw law) {
-  switch (law) {
-    case StrainLaw::kLinear:
-      return "linear";
-    case StrainLaw::kCorotated:
-      return "corotated";
-    case StrainLaw::kNeoHookean:
-      return "neo_hookean";
-  }
-  throw ContractError("a strain law without a name");
+  return kLawNames.of(law);
 }
 
 Mat3 nearest_rotation(const Mat3& f) {

@@ -19,6 +19,7 @@ enum class StrainLaw { kLinear, kCorotated, kNeoHookean };
 
 /// "linear", "corotated" or "neo_hookean". Throws: InputError.
 StrainLaw parse_strain_law(std::string_view name);
+/// The name that parse_strain_law reads.
 const char* strain_law_name(StrainLaw law);
 
 /// Lame's moduli of one energy, in Pa; either may be zero, or negative where another energy makes up for it.

@@ -4,12 +4,15 @@
 #include <array>
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<StrainDomain, 4> kDomainNames{"domain", {"tet", "face", "edge", "node"}};
 
 /// The domains that each tet gives a share of its volume to: `per_tet` of them a tet.
 struct Membership {
@@ -94,25 +97,11 @@ std::vector<Index> group(const Membership& members, std::vector<Index>& offsets)
 }  // namespace
 
 StrainDomain parse_strain_domain(std::string_view name) {
-  for (const StrainDomain domain :
-       {StrainDomain::kTet, StrainDomain::kFace, StrainDomain::kEdge, StrainDomain::kNode}) {
-    if (name == strain_domain_name(domain)) return domain;
-  }
-  throw InputError("domain", 0, "tet, face, edge or node", std::string(name));
+  return kDomainNames.parse(name);
 }
 
 const char* strain_domain_name(StrainDomain domain) {
-  switch (domain) {
-    case StrainDomain::kTet:
-      return "tet";
-    case StrainDomain::kFace:
-      return "face";
-    case StrainDomain::kEdge:
-      return "edge";
-    case StrainDomain::kNode:
-      return "node";
-  }
-  throw ContractError("a strain domain without a name");
+  return kDomainNames.of(domain);
 }
 
 StrainOperator build_strain_operator(const TetMesh& mesh, StrainDomain domain) {

@@ -18,6 +18,7 @@ enum class StrainDomain { kTet, kFace, kEdge, kNode };
 
 /// "tet", "face", "edge" or "node". Throws: InputError.
 StrainDomain parse_strain_domain(std::string_view name);
+/// The name that parse_strain_domain reads.
 const char* strain_domain_name(StrainDomain domain);
 
 /// A linear map from displacements to one displacement gradient a domain:

@@ -38,9 +38,7 @@ VolumeForce build_volume_force(const TetMesh& mesh, double mean_spring_stiffness
                                double stiffness_ratio) {
   if (!(stiffness_ratio >= 0.0) || !std::isfinite(stiffness_ratio))
     throw InputError("volume_force_ratio", 0, "a finite number >= 0", std::to_string(stiffness_ratio));
-  const BoundingBox box = bounding_box(mesh.points);
-  const Vec3 size = box.high - box.low;
-  const double half = 0.5 * std::max({size.x, size.y, size.z});
+  const double half = 0.5 * longest_side(bounding_box(mesh.points));
   VolumeForce out{stiffness_ratio * mean_spring_stiffness_n_per_m / (half * half), 0.0, mesh.tets,
                   std::vector<double>(mesh.points.size())};
   const double share = 0.25 / static_cast<double>(mesh.tets.size());

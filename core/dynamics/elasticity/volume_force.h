@@ -46,6 +46,7 @@ struct VolumeForceTangent {
   std::vector<Vec3> volume_gradient;
   std::vector<std::array<double, 6>> turning;
 };
+/// The parts of the derivative at `displacement` (one entry a vertex, in m). Linear time.
 VolumeForceTangent differentiate_volume_force(const VolumeForce& volume_force, std::span<const Vec3> rest,
                                               std::span<const Vec3> displacement);
 

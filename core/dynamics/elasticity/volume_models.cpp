@@ -4,10 +4,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<VolumeModel, 5> kVolumeNames{"volume",
+                                                 {"none", "thesis", "tet", "node_average", "node_smoothed"}};
 
 void check_material(const Material& material) {
   if (!(material.young_modulus_pa > 0.0) || !std::isfinite(material.young_modulus_pa))
@@ -90,27 +94,11 @@ void add_node_smoothed(const TetMesh& mesh, const Material& material, const Spri
 }  // namespace
 
 VolumeModel parse_volume_model(std::string_view name) {
-  for (const VolumeModel model : {VolumeModel::kNone, VolumeModel::kThesis, VolumeModel::kTet,
-                                  VolumeModel::kNodeAverage, VolumeModel::kNodeSmoothed}) {
-    if (name == volume_model_name(model)) return model;
-  }
-  throw InputError("volume", 0, "none, thesis, tet, node_average or node_smoothed", std::string(name));
+  return kVolumeNames.parse(name);
 }
 
 const char* volume_model_name(VolumeModel model) {
-  switch (model) {
-    case VolumeModel::kNone:
-      return "none";
-    case VolumeModel::kThesis:
-      return "thesis";
-    case VolumeModel::kTet:
-      return "tet";
-    case VolumeModel::kNodeAverage:
-      return "node_average";
-    case VolumeModel::kNodeSmoothed:
-      return "node_smoothed";
-  }
-  throw ContractError("a volume model without a name");
+  return kVolumeNames.of(model);
 }
 
 Material spring_material(const Material& material, VolumeModel volume) {

@@ -23,8 +23,10 @@ enum class VolumeModel { kNone, kThesis, kTet, kNodeAverage, kNodeSmoothed };
 
 /// "none", "thesis", "tet", "node_average" or "node_smoothed". Throws: InputError.
 VolumeModel parse_volume_model(std::string_view name);
+/// The name that parse_volume_model reads.
 const char* volume_model_name(VolumeModel model);
 
+/// What build_spring_model adds to the springs, and where.
 struct SpringModelOptions {
   VolumeModel volume = VolumeModel::kNone;
   StrainSize strain = StrainSize::kSmall;       ///< small: linearised springs and the linear law
@@ -56,6 +58,7 @@ Material spring_material(const Material& material, VolumeModel volume);
 BuiltModel build_spring_model(const TetMesh& mesh, SpringNetwork springs, const Material& material,
                               const SpringModelOptions& options);
 
+/// What build_blend_model mixes, in which shares.
 struct BlendOptions {
   StrainSize strain = StrainSize::kSmall;
   StrainLaw large_law = StrainLaw::kNeoHookean;

@@ -13,6 +13,7 @@ namespace palpate::dynamics {
 /// kAuto takes the factorisation for matrices of few blocks.
 enum class LinearMethod { kAuto, kDirect, kConjugateGradients };
 
+/// How a symmetric system is solved.
 struct LinearOptions {
   LinearMethod method = LinearMethod::kAuto;
   double tolerance = 1e-10;        ///< conjugate gradients: |r| / |b|
@@ -23,6 +24,7 @@ struct LinearOptions {
 /// kIndefinite: a pivot, or a direction of the conjugate gradients, has a curvature <= 0.
 enum class LinearStatus { kSolved, kIndefinite, kNotConverged };
 
+/// How a solve ended.
 struct LinearResult {
   LinearStatus status = LinearStatus::kSolved;
   std::size_t iterations = 0;  ///< 0 for the factorisation

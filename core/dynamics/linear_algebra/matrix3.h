@@ -27,16 +27,20 @@ struct Mat3 {
   }
 };
 
+/// I.
 inline constexpr Mat3 kIdentity{{1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}};
 
+/// a - b.
 constexpr Mat3 operator-(const Mat3& a, const Mat3& b) {
   return a + (-1.0) * b;
 }
 
+/// a^T.
 constexpr Mat3 transpose(const Mat3& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
+/// a v.
 constexpr Vec3 operator*(const Mat3& a, const Vec3& v) {
   return {dot(a.row(0), v), dot(a.row(1), v), dot(a.row(2), v)};
 }
@@ -62,6 +66,7 @@ constexpr double contract(const Mat3& a, const Mat3& b) {
   return sum;
 }
 
+/// a_11 + a_22 + a_33.
 constexpr double trace(const Mat3& a) {
   return a.m[0] + a.m[4] + a.m[8];
 }
@@ -74,6 +79,7 @@ constexpr Mat3 cofactors(const Mat3& a) {
   return {{x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z}};
 }
 
+/// det(a), by the first row.
 constexpr double determinant(const Mat3& a) {
   return dot(a.row(0), cross(a.row(1), a.row(2)));
 }

@@ -4,14 +4,16 @@
 #include <optional>
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/dynamics/motion/implicit_step.h"
 
 namespace palpate::dynamics {
 namespace {
 
-constexpr std::array<const char*, 6> kNames{"explicit_euler", "symplectic_euler", "velocity_verlet",
-                                            "runge_kutta_4",  "implicit_euler",   "prefactored"};
+constexpr EnumNames<IntegratorKind, 6> kNames{"integrator",
+                                              {"explicit_euler", "symplectic_euler", "velocity_verlet",
+                                               "runge_kutta_4", "implicit_euler", "prefactored"}};
 
 /// a + s b, entry by entry, into `out`.
 void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, std::vector<Vec3>& out) {
@@ -21,16 +23,11 @@ void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, s
 }  // namespace
 
 IntegratorKind parse_integrator(std::string_view name) {
-  std::string known;
-  for (std::size_t k = 0; k < kNames.size(); ++k) {
-    if (name == kNames[k]) return kIntegrators[k];
-    known += (k == 0 ? "" : (k + 1 < kNames.size() ? ", " : " or ")) + std::string(kNames[k]);
-  }
-  throw InputError("integrator", 0, known, std::string(name));
+  return kNames.parse(name);
 }
 
 const char* integrator_name(IntegratorKind kind) {
-  return kNames.at(static_cast<std::size_t>(kind));
+  return kNames.of(kind);
 }
 
 struct Integrator::Work {

@@ -45,8 +45,10 @@ inline constexpr std::array<IntegratorKind, 6> kIntegrators{
 /// "explicit_euler", "symplectic_euler", "velocity_verlet", "runge_kutta_4", "implicit_euler" or
 /// "prefactored". Throws: InputError.
 IntegratorKind parse_integrator(std::string_view name);
+/// The name that parse_integrator reads.
 const char* integrator_name(IntegratorKind kind);
 
+/// Which integrator, and how it solves where it has to.
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kSymplecticEuler;
   int threads = 1;

@@ -74,6 +74,7 @@ void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, Tan
 /// changes with `u`, of springs and of strain terms at large strain, and the part that never does, of
 /// environment and linear strain terms.
 void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix);
+/// The part that never changes; see add_changing_damping.
 void add_constant_damping(const MotionModel& model, BlockMatrix& matrix);
 
 }  // namespace palpate::dynamics

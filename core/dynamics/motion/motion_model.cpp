@@ -4,11 +4,14 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<SpringDamping, 2> kDampingNames{"spring damping", {"axial", "isotropic"}};
 
 void check_sizes(const MotionModel& model) {
   const std::size_t n = model.elastic.rest.size();
@@ -38,13 +41,11 @@ double component(const Vec3& v, std::size_t axis) {
 }  // namespace
 
 SpringDamping parse_spring_damping(std::string_view name) {
-  if (name == "axial") return SpringDamping::kAxial;
-  if (name == "isotropic") return SpringDamping::kIsotropic;
-  throw InputError("spring damping", 0, "axial or isotropic", std::string(name));
+  return kDampingNames.parse(name);
 }
 
 const char* spring_damping_name(SpringDamping damping) {
-  return damping == SpringDamping::kAxial ? "axial" : "isotropic";
+  return kDampingNames.of(damping);
 }
 
 void validate(const MotionModel& model) {

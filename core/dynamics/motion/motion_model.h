@@ -20,6 +20,7 @@ enum class SpringDamping { kAxial, kIsotropic };
 
 /// "axial" or "isotropic". Throws: InputError.
 SpringDamping parse_spring_damping(std::string_view name);
+/// The name that parse_spring_damping reads.
 const char* spring_damping_name(SpringDamping damping);
 
 /// Loads that grow and shrink together: dead loads, and how far supports and held vertices are moved, are
@@ -87,7 +88,9 @@ struct MotionEnergy {
   double load_j = 0.0;
   double total_j() const { return kinetic_j + elastic_j + load_j; }
 };
+/// Energies of a state, in J.
 MotionEnergy measure_energy(const MotionModel& model, const MotionState& state);
+/// Sum over the vertices of m v, in kg m/s.
 Vec3 measure_momentum(const MotionModel& model, const MotionState& state);
 
 /// Deformed volume in m^3 and the tets that are not positive.
@@ -96,6 +99,7 @@ struct VolumeCount {
   std::size_t inverted = 0;
   Index first_inverted = kNoIndex;
 };
+/// Volume and inverted tets of a state, by the rounded volume of each tet.
 VolumeCount count_volume(const MotionModel& model, const MotionState& state);
 
 /// A hash (FNV-1a, 64 bits) of the bits of time, displacements and velocities: equal states have equal

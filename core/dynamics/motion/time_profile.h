@@ -23,6 +23,7 @@ struct ProfileValue {
   double acceleration_per_s2 = 0.0;
 };
 
+/// The profile at time_s. Logarithmic in the number of times.
 ProfileValue value_at(const TimeProfile& profile, double time_s);
 
 /// Throws: InputError unless times and shares are finite, as many, at least one, and the times increase.

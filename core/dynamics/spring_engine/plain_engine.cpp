@@ -11,12 +11,13 @@
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/base/lanes.h"
 #include "core/base/large_pages.h"
-#include "core/dynamics/spring_engine/lanes.h"
 #include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/dynamics/spring_engine/plain_layout.h"
 #include "core/dynamics/spring_engine/plain_loads.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/space_order.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -66,7 +67,7 @@ struct PlainEngine<Real>::Body {
     use_avx2 = std::is_same_v<Real, float> && !given.portable && has_avx2();
     const BoundingBox box = bounding_box(rest);
     center = 0.5 * (box.low + box.high);
-    order = order_along_morton_curve(rest);
+    order = order_in_space(rest);
     place.resize(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) place[order[k]] = static_cast<Index>(k);
     const SpringBlocks layout = build_spring_blocks(model.elastic.springs.springs, place, kBlockVertices);

@@ -10,6 +10,7 @@
 
 namespace palpate::dynamics {
 
+/// How the plain engine runs, and what it watches.
 struct PlainOptions {
   int threads = 1;
   double speed_limit_m_s = 0.0;  ///< 0: no limit; held vertices are not cut

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/dynamics/spring_engine/lanes.h"
+#include "core/base/lanes.h"
 
 namespace palpate::dynamics {
 namespace {

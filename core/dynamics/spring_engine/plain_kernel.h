@@ -84,7 +84,9 @@ inline constexpr std::size_t kGroupsAhead = 24;
 /// Whether this processor, and this build, can do the above.
 bool has_avx2();
 
+/// Compiled once, in plain_kernel.cpp.
 extern template float add_spring_forces(const BlockSprings<float>&, float*);
+/// Compiled once, in plain_kernel.cpp.
 extern template double add_spring_forces(const BlockSprings<double>&, double*);
 
 }  // namespace palpate::dynamics

@@ -1,24 +1,10 @@
 #include "core/dynamics/spring_engine/plain_layout.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <numeric>
 #include <utility>
-
-#include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
-
-/// Spreads 21 bits so that two zeros follow each.
-std::uint64_t spread_bits(std::uint64_t x) {
-  x &= 0x1fffffULL;
-  x = (x | (x << 32U)) & 0x1f00000000ffffULL;
-  x = (x | (x << 16U)) & 0x1f0000ff0000ffULL;
-  x = (x | (x << 8U)) & 0x100f00f00f00f00fULL;
-  x = (x | (x << 4U)) & 0x10c30c30c30c30c3ULL;
-  return (x | (x << 2U)) & 0x1249249249249249ULL;
-}
 
 /// Puts item i n / 8 + k, i < 8, at place 8 k + i.
 template <typename Item>
@@ -88,25 +74,6 @@ std::vector<SpringFan> build_fans(const std::vector<Index>& sorted, std::span<co
 }
 
 }  // namespace
-
-std::vector<Index> order_along_morton_curve(std::span<const Vec3> points) {
-  const BoundingBox box = bounding_box(points);
-  const Vec3 size = box.high - box.low;
-  const double longest = std::max({size.x, size.y, size.z});
-  const double scale = longest > 0.0 ? 2097151.0 / longest : 0.0;
-  std::vector<std::uint64_t> key(points.size());
-  for (std::size_t v = 0; v < points.size(); ++v) {
-    const Vec3 at = scale * (points[v] - box.low);
-    key[v] = spread_bits(static_cast<std::uint64_t>(at.x)) |
-             (spread_bits(static_cast<std::uint64_t>(at.y)) << 1U) |
-             (spread_bits(static_cast<std::uint64_t>(at.z)) << 2U);
-  }
-  std::vector<Index> order(points.size());
-  std::iota(order.begin(), order.end(), Index{0});
-  std::sort(order.begin(), order.end(),
-            [&](Index a, Index b) { return key[a] != key[b] ? key[a] < key[b] : a < b; });
-  return order;
-}
 
 SpringBlocks build_spring_blocks(std::span<const Edge> springs, std::span<const Index> place,
                                  std::size_t block_vertices) {

@@ -10,12 +10,6 @@
 
 namespace palpate::dynamics {
 
-/// Vertices along Morton's curve through their bounding box, 21 bits an axis; ties by number. Neighbours in
-/// space are then mostly neighbours in memory.
-///
-/// Returns: order[k], the vertex that comes k-th.
-std::vector<Index> order_along_morton_curve(std::span<const Vec3> points);
-
 /// Up to four springs with one end in common, by their numbers; kNoIndex behind the last one.
 struct SpringFan {
   Index hub = kNoIndex;  ///< the vertex at which they meet

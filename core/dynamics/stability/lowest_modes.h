@@ -34,6 +34,7 @@ struct ModeShares {
   double vertices = 0.0;
   double stiffness = 0.0;
 };
+/// The shares of a mode (one entry a vertex) that has x^T M x = 1.
 ModeShares measure_mode(const MotionModel& model, const std::vector<Vec3>& mode);
 
 }  // namespace palpate::dynamics

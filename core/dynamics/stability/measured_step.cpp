@@ -42,15 +42,23 @@ class Trials {
       held_[held.vertex] = static_cast<std::uint8_t>(held_[held.vertex] | (1U << held.axis));
   }
 
-  bool grows(double step_s, std::uint64_t& steps) {
+  bool grows(double step_s, MeasuredTrial& trial) {
     const MotionState start = make_start(step_s);
     const MotionEnergy energy = measure_energy(stepper_.model(), start);
-    const double far = options_.growth_factor * (energy.kinetic_j + energy.elastic_j);
+    trial.start_j = energy.kinetic_j + energy.elastic_j;
+    const double far = options_.growth_factor * trial.start_j;
     stepper_.set_state(start);
     greatest_ = peak_ = 0.0;
     std::uint64_t done = 0;
-    double before = run_stretch(step_s, kFirstStretch / 2, done);
-    double now = run_stretch(step_s, kFirstStretch / 2, done);
+    const auto run_next = [&](std::uint64_t count) {
+      stretch_peak_ = 0.0;
+      const double mean = run_stretch(step_s, count, done);
+      const std::uint64_t before = trial.stretches.empty() ? 0 : trial.stretches.back().until;
+      trial.stretches.push_back({before + count, mean, stretch_peak_});
+      return mean;
+    };
+    double before = run_next(kFirstStretch / 2);
+    double now = run_next(kFirstStretch / 2);
     double last_ratio = 1.0;
     for (;;) {
       const bool is_slow_counted = options_.counts_slow_growth;
@@ -59,12 +67,12 @@ class Trials {
       const bool is_slow = !is_slow_counted || now <= kSlow * before;
       if (is_over || is_gone || done >= options_.horizon_most ||
           (is_slow && done >= options_.horizon_least)) {
-        steps += done;
+        trial.steps = done;
         return is_over || (!is_gone && !is_slow && now >= last_ratio * before);
       }
       last_ratio = std::max(kSlow, now / before);
       before = now;
-      now = run_stretch(step_s, done, done);
+      now = run_next(done);
     }
   }
 
@@ -93,10 +101,14 @@ class Trials {
       const MotionState& state = stepper_.state();
       for (std::size_t v = 0; v < held_.size(); ++v)
         kinetic += 0.5 * stepper_.model().mass_kg[v] * length_sq(state.velocity_m_s[v]);
-      if (!(kinetic < kHuge)) return std::numeric_limits<double>::infinity();
+      if (!(kinetic < kHuge)) {
+        stretch_peak_ = std::numeric_limits<double>::infinity();
+        return stretch_peak_;
+      }
       sum += kinetic;
-      peak_ = std::max(peak_, kinetic);
+      stretch_peak_ = std::max(stretch_peak_, kinetic);
     }
+    peak_ = std::max(peak_, stretch_peak_);
     const double mean = sum / static_cast<double>(count);
     greatest_ = std::max(greatest_, mean);
     return mean;
@@ -105,19 +117,23 @@ class Trials {
   BodyStepper& stepper_;
   const MeasureStepOptions& options_;
   std::vector<std::uint8_t> held_;
-  double greatest_ = 0.0;  ///< mean kinetic energy of a stretch
-  double peak_ = 0.0;      ///< kinetic energy of a step
+  double greatest_ = 0.0;      ///< mean kinetic energy of a stretch
+  double peak_ = 0.0;          ///< kinetic energy of a step
+  double stretch_peak_ = 0.0;  ///< of the last stretch
 };
 
 /// Multiplies or divides the first step by `stride` until it is bracketed, then halves the bracket.
 MeasuredStep bisect(double first, double stride, int most_strides, double tolerance,
-                    const std::function<bool(double, std::uint64_t&)>& grows) {
+                    const std::function<bool(double, MeasuredTrial&)>& grows) {
   MeasuredStep out;
   out.unstable_s = std::numeric_limits<double>::infinity();
   const auto attempt = [&](double step) {
     ++out.trials;
-    const bool is_unstable = grows(step, out.steps);
+    MeasuredTrial trial;
+    const bool is_unstable = grows(step, trial);
+    out.steps += trial.steps;
     (is_unstable ? out.unstable_s : out.stable_s) = step;
+    (is_unstable ? out.unstable : out.stable) = std::move(trial);
     return is_unstable;
   };
   double step = first;
@@ -162,7 +178,7 @@ MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions&
                      std::to_string(options.horizon_least) + " and " + std::to_string(options.horizon_most));
   Trials trials(stepper, options);
   return bisect(options.first_step_s, options.stride, options.most_strides, options.tolerance,
-                [&](double step, std::uint64_t& steps) { return trials.grows(step, steps); });
+                [&](double step, MeasuredTrial& trial) { return trials.grows(step, trial); });
 }
 
 MeasuredStep measure_stable_step_from(BodyStepper& stepper, const MotionState& start,
@@ -170,13 +186,13 @@ MeasuredStep measure_stable_step_from(BodyStepper& stepper, const MotionState& s
   check_positive("first step", options.first_step_s);
   check_positive("tolerance", options.tolerance);
   check_positive("energy factor", options.energy_factor);
-  const auto grows = [&](double step, std::uint64_t& steps) {
+  const auto grows = [&](double step, MeasuredTrial& trial) {
     WatchOptions watch;
     watch.step_s = step;
     watch.steps = options.steps;
     watch.energy_factor = options.energy_factor;
     const WatchedRun run = watch_motion(stepper, start, watch);
-    steps += run.steps;
+    trial.steps = run.steps;
     return is_unstable(run.outcome);
   };
   return bisect(options.first_step_s, 2.0, options.most_doublings, options.tolerance, grows);

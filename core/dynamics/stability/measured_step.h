@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/dynamics/time_loop/body_stepper.h"
 
@@ -12,6 +13,7 @@ namespace palpate::dynamics {
 /// no linear form.
 MotionModel linearise(MotionModel model);
 
+/// How measure_stable_step tries steps, and when it calls one too long.
 struct MeasureStepOptions {
   double first_step_s = 0.0;           ///< where the search starts; any will do
   double amplitude_m = 1e-6;           ///< of the random displacements, and of the velocities times the step
@@ -25,12 +27,30 @@ struct MeasureStepOptions {
   int most_strides = 24;  ///< at most so often
 };
 
+/// A stretch of a trial: its last step, and the mean and the greatest kinetic energy over its steps (infinity
+/// where it is no number).
+struct TrialStretch {
+  std::uint64_t until = 0;
+  double mean_kinetic_j = 0.0;
+  double most_kinetic_j = 0.0;
+};
+
+/// What was seen of one tried step.
+struct MeasuredTrial {
+  std::uint64_t steps = 0;
+  double start_j = 0.0;  ///< kinetic and elastic energy of the start; of trials about rest alone
+  std::vector<TrialStretch> stretches;  ///< of trials about rest alone
+  double growth = 0.0;                  ///< |z|^2 - 1, of measure_stable_step_by_map alone
+};
+
 /// The bracket that is left. No stable step found: stable_s is 0. No unstable one: unstable_s is infinity.
 struct MeasuredStep {
   double stable_s = 0.0;    ///< the longest step that was seen to be stable
   double unstable_s = 0.0;  ///< the shortest that was not
   std::uint64_t trials = 0;
   std::uint64_t steps = 0;  ///< over all trials
+  MeasuredTrial stable;     ///< that of stable_s
+  MeasuredTrial unstable;   ///< that of unstable_s
 
   bool is_found() const;
   /// sqrt(stable_s x unstable_s). Requires: is_found().
@@ -61,6 +81,7 @@ struct MeasuredStep {
 /// zero, a stride that is not above 1, or a horizon below 512 steps.
 MeasuredStep measure_stable_step(BodyStepper& stepper, const MeasureStepOptions& options);
 
+/// How measure_stable_step_from tries steps.
 struct MeasureLargeOptions {
   double first_step_s = 0.0;
   std::uint64_t steps = 2000;  ///< of a trial

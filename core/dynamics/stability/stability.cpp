@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "core/dynamics/linear_algebra/extreme_eigen.h"
+#include "core/dynamics/stability/extreme_eigen.h"
 
 namespace palpate::dynamics {
 namespace {

@@ -96,8 +96,10 @@ MeasuredStep measure_stable_step_by_map(BodyStepper& stepper, const MeasureMapOp
   out.unstable_s = std::numeric_limits<double>::infinity();
   const auto attempt = [&](double step) {
     ++out.trials;
-    const bool grows = measure_map_growth(stepper, step) > 0.0;
+    const double growth = measure_map_growth(stepper, step);
+    const bool grows = growth > 0.0;
     (grows ? out.unstable_s : out.stable_s) = step;
+    (grows ? out.unstable : out.stable).growth = growth;
     return grows;
   };
   constexpr int kMostStrides = 12;

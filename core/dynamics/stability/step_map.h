@@ -15,6 +15,7 @@ namespace palpate::dynamics {
 ///           but its state (velocity Verlet carries an acceleration along). `step_s` finite and above zero.
 double measure_map_growth(BodyStepper& stepper, double step_s);
 
+/// How measure_stable_step_by_map tries steps.
 struct MeasureMapOptions {
   double first_step_s = 0.0;
   double first_stride =

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
@@ -12,6 +13,9 @@
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<StaticOutcome, 5> kOutcomeNames{
+    "an equilibrium's outcome", {"converged", "buckled", "inverted", "diverged", "not_converged"}};
 
 using Field = std::vector<Vec3>;
 
@@ -294,19 +298,7 @@ StaticSolution Search::linearise() {
 }  // namespace
 
 const char* static_outcome_name(StaticOutcome outcome) {
-  switch (outcome) {
-    case StaticOutcome::kConverged:
-      return "converged";
-    case StaticOutcome::kBuckled:
-      return "buckled";
-    case StaticOutcome::kInverted:
-      return "inverted";
-    case StaticOutcome::kDiverged:
-      return "diverged";
-    case StaticOutcome::kNotConverged:
-      return "not_converged";
-  }
-  throw ContractError("an outcome without a name");
+  return kOutcomeNames.of(outcome);
 }
 
 StaticSolution solve_static(const TetMesh& mesh, const ElasticModel& model, const Loads& loads,

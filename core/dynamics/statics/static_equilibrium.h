@@ -23,6 +23,7 @@ enum class StaticOutcome {
 /// "converged", "buckled", "inverted", "diverged" or "not_converged".
 const char* static_outcome_name(StaticOutcome outcome);
 
+/// How Newton's method goes, and when it is done.
 struct StaticOptions {
   bool linearised = false;           ///< one solve with the tangent at rest
   int load_steps = 1;                ///< loads and held displacements grow in so many equal steps
@@ -32,6 +33,7 @@ struct StaticOptions {
   LinearOptions linear;
 };
 
+/// What became of a search for an equilibrium.
 struct StaticReport {
   StaticOutcome outcome = StaticOutcome::kNotConverged;
   std::size_t iterations = 0;         ///< Newton's, all load steps
@@ -46,6 +48,7 @@ struct StaticReport {
   std::vector<double> residuals;    ///< residual_relative at each iterate of the last load step
 };
 
+/// The displacement that was found, with its report.
 struct StaticSolution {
   std::vector<Vec3> displacement_m;  ///< one a vertex, finite; zero where the outcome is kDiverged
   StaticReport report;

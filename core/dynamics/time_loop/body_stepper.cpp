@@ -2,11 +2,14 @@
 
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<Precision, 2> kPrecisionNames{"precision", {"double", "float"}};
 
 constexpr double kDoubleRounding = 1e-14;
 constexpr double kSingleRounding = 1e-6;
@@ -55,13 +58,11 @@ class PlainStepper : public BodyStepper {
 }  // namespace
 
 Precision parse_precision(std::string_view name) {
-  if (name == "double") return Precision::kDouble;
-  if (name == "float") return Precision::kSingle;
-  throw InputError("precision", 0, "double or float", std::string(name));
+  return kPrecisionNames.parse(name);
 }
 
 const char* precision_name(Precision precision) {
-  return precision == Precision::kDouble ? "double" : "float";
+  return kPrecisionNames.of(precision);
 }
 
 std::unique_ptr<BodyStepper> make_stepper(const MotionModel& model, const IntegratorOptions& options) {

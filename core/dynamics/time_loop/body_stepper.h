@@ -9,10 +9,12 @@
 
 namespace palpate::dynamics {
 
+/// In which numbers the plain engine computes.
 enum class Precision { kDouble, kSingle };
 
 /// "double" or "float". Throws: InputError.
 Precision parse_precision(std::string_view name);
+/// The name that parse_precision reads.
 const char* precision_name(Precision precision);
 
 /// Steps one body, for those who watch it without caring how.

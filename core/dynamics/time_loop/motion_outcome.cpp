@@ -7,17 +7,20 @@
 #include <string>
 #include <vector>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
 
-constexpr std::array<const char*, 8> kNames{"steady",   "oscillating", "energy_growing", "diverged",
-                                            "inverted", "non_finite",  "too_slow",       "growing_slowly"};
+constexpr EnumNames<WatchedOutcome, 8> kNames{"a watched motion's outcome",
+                                              {"steady", "oscillating", "energy_growing", "diverged",
+                                               "inverted", "non_finite", "too_slow", "growing_slowly"}};
 constexpr double kGrowth = 1.1;
 constexpr double kSteady = 1e-6;
 constexpr double kVisible = 1e-3;
+constexpr std::uint64_t kRows = 40;
 constexpr double kMostSpeed = 1e140;  // m/s; beyond, energies are no numbers any more
 
 void check(const WatchOptions& options) {
@@ -32,9 +35,7 @@ void check(const WatchOptions& options) {
 }
 
 double size_of(const MotionModel& model) {
-  const BoundingBox box = bounding_box(model.elastic.rest);
-  const Vec3 size = box.high - box.low;
-  return std::max({size.x, size.y, size.z});
+  return longest_side(bounding_box(model.elastic.rest));
 }
 
 /// The kinetic energy of a motion that rounding alone explains: a body whose springs are stretched by it.
@@ -70,10 +71,60 @@ struct Sample {
   Index fastest = kNoIndex;
 };
 
+double number_or_nan(double value) {
+  return std::isfinite(value) ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Gathers samples into rows: one of the start, one a fortieth of the steps, one of the end.
+class RowKeeper {
+ public:
+  RowKeeper(BodyStepper& stepper, std::uint64_t steps) : stepper_(stepper), steps_(steps) {}
+
+  void add(std::uint64_t step, const MotionEnergy& energy, std::size_t inverted,
+           std::vector<WatchedRow>& rows) {
+    const std::uint64_t part = std::min(kRows - 1, kRows * step / steps_);
+    const bool is_same_part = rows.size() > 1 && part == part_;
+    if (!is_same_part) start_row(rows);
+    part_ = part;
+    WatchedRow& row = rows.back();
+    row.step = step;
+    row.energy = {number_or_nan(energy.kinetic_j), number_or_nan(energy.elastic_j),
+                  number_or_nan(energy.load_j)};
+    row.inverted = inverted;
+    row.unsolved = stepper_.steps_unsolved();
+    row.farthest_m = 0.0;
+    row.is_finite = true;
+    const MotionState& state = stepper_.state();
+    for (std::size_t v = 0; v < state.displacement_m.size(); ++v) {
+      row.is_finite = row.is_finite && is_number(state, v);
+      row.farthest_m = std::max(row.farthest_m, length(state.displacement_m[v]));
+    }
+    if (!row.is_finite) row.farthest_m = std::numeric_limits<double>::quiet_NaN();
+    // std::fmax and fmin leave out what is no number.
+    row.most_kinetic_j = std::fmax(row.most_kinetic_j, row.energy.kinetic_j);
+    row.most_total_j = std::fmax(row.most_total_j, number_or_nan(energy.total_j()));
+    row.least_total_j = std::fmin(row.least_total_j, number_or_nan(energy.total_j()));
+  }
+
+ private:
+  static void start_row(std::vector<WatchedRow>& rows) {
+    WatchedRow row;
+    row.most_kinetic_j = row.most_total_j = row.least_total_j = std::numeric_limits<double>::quiet_NaN();
+    rows.push_back(row);
+  }
+
+  BodyStepper& stepper_;
+  std::uint64_t steps_;
+  std::uint64_t part_ = 0;
+};
+
 class Watch {
  public:
   Watch(BodyStepper& stepper, const WatchOptions& options)
-      : stepper_(stepper), options_(options), bound_(options.escape_ratio * size_of(stepper.model())) {}
+      : stepper_(stepper),
+        options_(options),
+        bound_(options.escape_ratio * size_of(stepper.model())),
+        keeper_(stepper, options.steps) {}
 
   WatchedRun run(const MotionState& start) {
     stepper_.set_state(start);
@@ -131,6 +182,9 @@ class Watch {
     const Index bad = find_bad(state);
     if (bad == kNoIndex) return true;
     end_at(is_number(state, bad) ? WatchedOutcome::kDiverged : WatchedOutcome::kNonFinite, step, bad);
+    if (options_.keeps_rows)
+      keeper_.add(step, measure_energy(stepper_.model(), state),
+                  count_volume(stepper_.model(), state).inverted, run_.rows);
     return false;
   }
 
@@ -140,6 +194,7 @@ class Watch {
     const MotionState& state = stepper_.state();
     const MotionEnergy energy = measure_energy(model, state);
     const VolumeCount tets = count_volume(model, state);
+    if (options_.keeps_rows) keeper_.add(step, energy, tets.inverted, run_.rows);
     run_.inverted_end = tets.inverted;
     if (step == 0) run_.inverted_start = tets.inverted;
     if (tets.inverted > 0 && first_inverted_ == kNoIndex) {
@@ -236,6 +291,7 @@ class Watch {
   BodyStepper& stepper_;
   const WatchOptions& options_;
   double bound_;
+  RowKeeper keeper_;
   WatchedRun run_;
   MotionState before_;
   std::array<Quarter, 4> quarters_;
@@ -248,7 +304,7 @@ class Watch {
 }  // namespace
 
 const char* watched_outcome_name(WatchedOutcome outcome) {
-  return kNames.at(static_cast<std::size_t>(outcome));
+  return kNames.of(outcome);
 }
 
 bool is_unstable(WatchedOutcome outcome) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "core/dynamics/time_loop/body_stepper.h"
 
@@ -42,6 +43,7 @@ const char* watched_outcome_name(WatchedOutcome outcome);
 /// Whether the outcome says that the step was too long.
 bool is_unstable(WatchedOutcome outcome);
 
+/// How long a run is watched, and what ends it.
 struct WatchOptions {
   double step_s = 0.0;
   std::uint64_t steps = 0;
@@ -50,6 +52,21 @@ struct WatchOptions {
   bool is_known_to_grow = false;  ///< small motions grow with this step, however slowly
   std::uint64_t samples = 400;  ///< at which energies and inverted tets are looked at, evenly over the steps
   std::function<bool()> give_up;  ///< asked at every sample; may be empty
+  bool keeps_rows = false;        ///< fills WatchedRun::rows
+};
+
+/// The body at one sample, and the greatest and least energies of the samples since the row before. What is
+/// no finite number is NaN.
+struct WatchedRow {
+  std::uint64_t step = 0;
+  MotionEnergy energy;
+  double most_kinetic_j = 0.0;
+  double most_total_j = 0.0;
+  double least_total_j = 0.0;
+  double farthest_m = 0.0;  ///< largest displacement
+  std::size_t inverted = 0;
+  bool is_finite = true;  ///< displacements and velocities
+  std::uint64_t unsolved = 0;
 };
 
 /// What was seen. Energies are finite: where one was not, the run had ended before.
@@ -67,6 +84,7 @@ struct WatchedRun {
   double drift_m = 0.0;            ///< largest displacement at the end; 0 if that is not finite
   std::size_t inverted_start = 0;  ///< tets that are not positive
   std::size_t inverted_end = 0;
+  std::vector<WatchedRow> rows;  ///< the start, the last sample of each fortieth of the steps, the end
 };
 
 /// Takes up to `options.steps` steps from `start`. Throws: InputError for a step that is not a finite number

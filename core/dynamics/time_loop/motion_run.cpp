@@ -5,11 +5,15 @@
 #include <limits>
 #include <string>
 
+#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
+
+constexpr EnumNames<MotionOutcome, 5> kOutcomeNames{
+    "a motion's outcome", {"completed", "inverted", "diverged", "unsolved", "stopped"}};
 
 /// The largest squared speed and whether all is finite and within bounds.
 struct Scan {
@@ -74,19 +78,7 @@ MotionOutcome name_end(const MotionReport& report, bool is_good, bool is_stopped
 }
 
 const char* motion_outcome_name(MotionOutcome outcome) {
-  switch (outcome) {
-    case MotionOutcome::kCompleted:
-      return "completed";
-    case MotionOutcome::kInverted:
-      return "inverted";
-    case MotionOutcome::kDiverged:
-      return "diverged";
-    case MotionOutcome::kUnsolved:
-      return "unsolved";
-    case MotionOutcome::kStopped:
-      return "stopped";
-  }
-  throw ContractError("a motion's outcome without a name");
+  return kOutcomeNames.of(outcome);
 }
 
 MotionReport run_motion(Integrator& integrator, MotionState& state, const MotionRunOptions& options,
@@ -94,9 +86,7 @@ MotionReport run_motion(Integrator& integrator, MotionState& state, const Motion
   if (!(options.step_s > 0.0) || !std::isfinite(options.step_s))
     throw InputError("time_step_s", 0, "a finite number above zero", std::to_string(options.step_s));
   const MotionModel& model = integrator.forces().model();
-  const BoundingBox box = bounding_box(model.elastic.rest);
-  const Vec3 size = box.high - box.low;
-  const double bound = options.escape_ratio * std::max({size.x, size.y, size.z});
+  const double bound = options.escape_ratio * longest_side(bounding_box(model.elastic.rest));
   const double bound_sq = bound > 0.0 ? bound * bound : std::numeric_limits<double>::max();
   MotionReport report;
   Scan seen = scan(state, bound_sq);

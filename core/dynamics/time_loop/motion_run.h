@@ -20,6 +20,7 @@ enum class MotionOutcome {
 /// "completed", "inverted", "diverged", "unsolved" or "stopped".
 const char* motion_outcome_name(MotionOutcome outcome);
 
+/// How long a run goes, who looks on, and what ends it.
 struct MotionRunOptions {
   double step_s = 0.0;
   std::uint64_t steps = 0;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/motion/motion_forces.h"
 #include "core/mesh/geometry.h"
 
@@ -16,9 +16,7 @@ namespace {
 
 /// How far from the centre a vertex may go; at least one metre for a body without size.
 double find_escape(const MotionModel& model, double ratio) {
-  const BoundingBox box = bounding_box(model.elastic.rest);
-  const Vec3 size = box.high - box.low;
-  const double bound = ratio * std::max({size.x, size.y, size.z});
+  const double bound = ratio * longest_side(bounding_box(model.elastic.rest));
   return bound > 0.0 ? bound : ratio;
 }
 
@@ -55,11 +53,11 @@ class Stretch {
 
   template <typename Work>
   PlainReport time(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const PlainReport report = work();
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    if (took.count() > kMost && steps_ > 1) steps_ /= 2;
-    if (took.count() < 0.25 * kMost) steps_ = std::min<std::uint64_t>(2 * steps_, std::uint64_t{1} << 40U);
+    const double took_s = watch.seconds();
+    if (took_s > kMost && steps_ > 1) steps_ /= 2;
+    if (took_s < 0.25 * kMost) steps_ = std::min<std::uint64_t>(2 * steps_, std::uint64_t{1} << 40U);
     return report;
   }
 

@@ -6,6 +6,7 @@
 
 namespace palpate::dynamics {
 
+/// A run with the plain engine.
 struct PlainRunOptions {
   MotionRunOptions run;
   int threads = 1;

@@ -55,15 +55,17 @@ struct DisplacementError {
 DisplacementError compare_displacement(const TetMesh& mesh, std::span<const Vec3> field,
                                        std::span<const Vec3> truth, double lambda_pa, double mu_pa);
 
-/// A field of `source`, linear in each tet (n rows) or quadratic (n + e rows), evaluated at `points`: by its
-/// shape functions inside; outside, at the nearest point of the nearest boundary face. `outside` counts those
-/// that are farther out than rounding (1e-12 of the box's diagonal). Time: a search in trees of boxes for
-/// each point. Throws: ContractError for other sizes or no tets, InputError for numbers that are not finite.
+/// A field at other points than those it was given at.
 struct TransferredField {
-  std::vector<Vec3> value;
-  std::size_t outside = 0;
-  double farthest_outside = 0.0;  ///< largest distance of a point from `source`, in m
+  std::vector<Vec3> value;        ///< one a point
+  std::size_t outside = 0;        ///< points farther out than rounding (1e-12 of the box's diagonal)
+  double farthest_outside = 0.0;  ///< largest distance of a point from the field's mesh, in m
 };
+
+/// A field of `source`, linear in each tet (n rows) or quadratic (n + e rows), evaluated at `points`: by its
+/// shape functions inside; outside, at the nearest point of the nearest boundary face. Time: a search in
+/// trees of boxes for each point. Throws: ContractError for other sizes or no tets, InputError for numbers
+/// that are not finite.
 TransferredField transfer_field(const TetMesh& source, std::span<const Vec3> field,
                                 std::span<const Vec3> points);
 

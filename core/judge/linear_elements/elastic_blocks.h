@@ -42,6 +42,7 @@ struct TetGradients {
   double volume = 0.0;
   std::array<Vec3, 4> gradient;
 };
+/// Those of one tet of the mesh.
 TetGradients tet_gradients(const TetMesh& mesh, const Tet& tet);
 
 /// The stiffness of linear elements, integral of lambda div u div v + 2 mu e(u) : e(v), of the free body.

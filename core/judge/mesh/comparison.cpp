@@ -24,18 +24,11 @@ PointBits bits_of(const Vec3& p) {
 /// The boundary faces as sorted bit patterns.
 std::vector<FaceBits> boundary_bits(const TetMesh& mesh) {
   std::vector<FaceBits> faces;
-  const Stars stars = build_stars(mesh);
-  VertexLink link(mesh, stars);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    link.move_to(static_cast<Index>(v));
-    link.for_each_face([&](LinkFace face) {
-      if (face.size() != 1 || link.vertex() > face[0].low) return;
-      const Triangle t = link.outward_face(face[0]);
-      FaceBits bits{bits_of(mesh.points[t[0]]), bits_of(mesh.points[t[1]]), bits_of(mesh.points[t[2]])};
-      std::rotate(bits.begin(), std::min_element(bits.begin(), bits.end()), bits.end());
-      faces.push_back(bits);
-    });
-  }
+  for_each_boundary_face(mesh, [&](const Triangle& t) {
+    FaceBits bits{bits_of(mesh.points[t[0]]), bits_of(mesh.points[t[1]]), bits_of(mesh.points[t[2]])};
+    std::rotate(bits.begin(), std::min_element(bits.begin(), bits.end()), bits.end());
+    faces.push_back(bits);
+  });
   std::sort(faces.begin(), faces.end());
   return faces;
 }

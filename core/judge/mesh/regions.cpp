@@ -74,19 +74,12 @@ bool are_within(std::span<const Vec3> p, std::span<const Vec3> q, double reach) 
 /// The boundary faces with a vertex in the ball.
 std::vector<std::array<Vec3, 3>> faces_of_patch(const TetMesh& mesh, const Region& region) {
   std::vector<std::array<Vec3, 3>> faces;
-  const Stars stars = build_stars(mesh);
-  VertexLink link(mesh, stars);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    link.move_to(static_cast<Index>(v));
-    link.for_each_face([&](LinkFace face) {
-      if (face.size() != 1 || link.vertex() > face[0].low) return;
-      const Triangle t = link.outward_face(face[0]);
-      const std::array<Vec3, 3> corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
-      if (std::any_of(corners.begin(), corners.end(),
-                      [&](const Vec3& p) { return length(p - region.vector) <= region.size; }))
-        faces.push_back(corners);
-    });
-  }
+  for_each_boundary_face(mesh, [&](const Triangle& t) {
+    const std::array<Vec3, 3> corners{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+    if (std::any_of(corners.begin(), corners.end(),
+                    [&](const Vec3& p) { return length(p - region.vector) <= region.size; }))
+      faces.push_back(corners);
+  });
   return faces;
 }
 

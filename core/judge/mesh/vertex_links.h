@@ -24,6 +24,7 @@ struct Stars {
     return {tets.data() + offsets[vertex], offsets[vertex + 1] - offsets[vertex]};
   }
 };
+/// The stars of all vertices. Linear time and memory.
 Stars build_stars(const TetMesh& mesh);
 
 /// A side of a link triangle: the face (v, low, high) of `tet`, v being the vertex whose link it is.
@@ -87,6 +88,20 @@ class VertexLink {
   Index visit_ = 0;
   std::vector<Index> seen_at_;  // one a vertex of the mesh: the last visit whose link had it
 };
+
+/// Calls visit(Triangle) for each face that one tet alone has, counter-clockwise seen from outside, in the
+/// order of their smallest vertices.
+template <typename Visit>
+void for_each_boundary_face(const TetMesh& mesh, Visit&& visit) {
+  const Stars stars = build_stars(mesh);
+  VertexLink link(mesh, stars);
+  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
+    link.move_to(static_cast<Index>(v));
+    link.for_each_face([&](LinkFace face) {
+      if (face.size() == 1 && link.vertex() <= face[0].low) visit(link.outward_face(face[0]));
+    });
+  }
+}
 
 /// Disjoint sets over 0 .. size - 1.
 class DisjointSets {

@@ -255,18 +255,10 @@ void unscale(DirectedDistance& distance, int exponent) {
 SurfaceMesh build_boundary(const TetMesh& mesh) {
   SurfaceMesh surface;
   surface.points = mesh.points;
-  const Stars stars = build_stars(mesh);
-  VertexLink link(mesh, stars);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    link.move_to(static_cast<Index>(v));
-    link.for_each_face([&](LinkFace face) {
-      if (face.size() != 1 || link.vertex() > face[0].low) return;
-      const Triangle t = link.outward_face(face[0]);
-      if (std::all_of(t.begin(), t.end(), [&](Index i) { return is_finite(mesh.points[i]); })) {
-        surface.triangles.push_back(t);
-      }
-    });
-  }
+  for_each_boundary_face(mesh, [&](const Triangle& t) {
+    if (std::all_of(t.begin(), t.end(), [&](Index i) { return is_finite(mesh.points[i]); }))
+      surface.triangles.push_back(t);
+  });
   return surface;
 }
 

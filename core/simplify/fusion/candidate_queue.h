@@ -82,6 +82,7 @@ enum class State : std::uint8_t {
   kKept      ///< has a vertex that the sizing field keeps
 };
 
+/// Whether a candidate waits on its witness.
 inline bool is_parked(State s) {
   return s == State::kParkedFlip || s == State::kParkedQuality;
 }

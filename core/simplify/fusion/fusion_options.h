@@ -1,5 +1,5 @@
-// Options and report of the simplifiers that fuse: the thesis's (hierarchical.h) and the one by outcome
-// (outcome.h).
+// Options and report of the simplifiers that fuse: the thesis's (hierarchical.h) and the one that
+// fuses where it costs least (cheapest_first.h).
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,7 @@ struct FusionChecks {
   bool quality = true;  ///< check 3: every moved tet keeps at least `drop` of its former quality
 };
 
+/// How tets are fused: what may be, what is checked, and when it stops.
 struct SimplifyOptions {
   LevelAdjacency levels = LevelAdjacency::kVertex;
   double drop = 0.01;  ///< least share of its quality that a moved tet keeps, in [0, 1]; the thesis's 1/100
@@ -52,6 +53,7 @@ struct Rejections {
   std::uint64_t kept = 0;                ///< kept by the sizing field, or with a vertex of such a tet
 };
 
+/// What was done.
 struct SimplifyReport {
   std::uint64_t vertices_in = 0;
   std::uint64_t vertices_out = 0;
@@ -67,13 +69,14 @@ struct SimplifyReport {
 void validate_options(const SimplifyOptions& options);
 
 /// What a fusion is held to cost.
-enum class OutcomeObjective {
+enum class CostObjective {
   kMovedLoss,  ///< quality that the moved tets lose
   kTotalLoss   ///< the same, and what the removed tets had above the mean quality of the input
 };
 
-struct OutcomeOptions {
-  OutcomeOptions() {
+/// How tets are fused where it costs least.
+struct CheapestFirstOptions {
+  CheapestFirstOptions() {
     common.drop = 0.5;
     common.last_level = 1;
     common.skip_touched = true;
@@ -81,7 +84,7 @@ struct OutcomeOptions {
   /// As for the thesis's simplifier, with other defaults: drop 0.5; last_level 1, any tet without a boundary
   /// vertex; skip_touched. Both checks are always made, and the ideal volume is the input's.
   SimplifyOptions common;
-  OutcomeObjective objective = OutcomeObjective::kMovedLoss;
+  CostObjective objective = CostObjective::kMovedLoss;
   /// With skip_touched: when no candidate is left, the marks of touched tets are cleared and it goes on,
   /// until that finds none either.
   bool many_passes = true;

@@ -10,6 +10,7 @@
 #include "core/base/parallel.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/fusion/candidate_queue.h"
+#include "core/simplify/fusion/fusion_driver.h"
 #include "core/simplify/fusion/parking.h"
 
 namespace palpate::simplify {
@@ -23,25 +24,17 @@ struct Verdict {
 
 class Run {
  public:
-  Run(FusionMesh& mesh, std::vector<std::uint16_t> level, const SimplifyOptions& options,
-      const SizingField& sizing, double ideal_volume)
-      : mesh_(mesh),
+  Run(FusionStart& start, const SimplifyOptions& options)
+      : mesh_(start.mesh),
         options_(options),
-        growth_(sizing, ideal_volume),
-        level_(std::move(level)),
-        state_(mesh.tets.size(), State::kIdle),
-        parking_(mesh.tets.size()),
-        qualities_(mesh, options, ideal_volume),
-        queue_(mesh, qualities_, state_),
-        total_volume_(ideal_volume * static_cast<double>(mesh.tets.size())),
+        growth_(start.sizing, start.ideal_volume),
+        level_(start.level),
+        state_(start.state),
+        parking_(mesh_.tets.size()),
+        qualities_(mesh_, options, start.ideal_volume),
+        queue_(mesh_, qualities_, state_),
+        total_volume_(start.ideal_volume * static_cast<double>(mesh_.tets.size())),
         drop_cubed_(options.drop * options.drop * options.drop) {}
-
-  /// No tet that has one of these vertices (one flag each, by the input's numbers) is a candidate.
-  void keep_vertices(const std::vector<std::uint8_t>& is_kept) {
-    for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (has_flagged_vertex(mesh_, t, is_kept)) state_[t] = State::kKept;
-    }
-  }
 
   void simplify(SimplifyReport& report) {
     report.stop = "limit";
@@ -50,7 +43,6 @@ class Run {
       growth_.start_pass(pass);
       if (!simplify_levels(report)) break;
     }
-    count_rejections(report.rejected);
   }
 
   /// Fuses level by level. Returns whether all were gone through: false when a stop was reached.
@@ -68,25 +60,6 @@ class Run {
       end_level();
     }
     return true;
-  }
-
-  void count_rejections(Rejections& rejected) const {
-    for (Index t = 0; t < mesh_.tets.size(); ++t) {
-      if (!mesh_.is_alive(t)) continue;
-      if (level_[t] == 0) {
-        ++rejected.boundary;
-      } else if (level_[t] < options_.last_level) {
-        ++rejected.boundary_neighbour;
-      } else if (state_[t] == State::kTouched) {
-        ++rejected.touched;
-      } else if (state_[t] == State::kKept) {
-        ++rejected.kept;
-      } else if (state_[t] == State::kParkedFlip || state_[t] == State::kRefusedFlip) {
-        ++rejected.flip;
-      } else if (state_[t] == State::kParkedQuality || state_[t] == State::kRefusedQuality) {
-        ++rejected.quality;
-      }
-    }
   }
 
  private:
@@ -219,17 +192,10 @@ class Run {
         if (waits) queue_.push(t);
       }
     }
-    for (const MovedTet& m : plan_.moved) wake_parked_on(m.tet);
-    for (const Index t : plan_.dead) wake_parked_on(t);
-  }
-
-  void wake_parked_on(Index witness) {
-    Index t = std::exchange(parking_.first[witness], kNoIndex);
-    while (t != kNoIndex) {
+    parking_.wake_witnesses_of(plan_, [this](Index t) {
       state_[t] = State::kWaiting;
       queue_.push(t);
-      t = parking_.next[t];
-    }
+    });
   }
 
   /// A growing ideal volume can heal a loss of quality though neither tet changes: where the moved tet is
@@ -267,8 +233,8 @@ class Run {
   FusionMesh& mesh_;
   const SimplifyOptions& options_;
   GrowthBound growth_;
-  std::vector<std::uint16_t> level_;
-  std::vector<State> state_;
+  const std::vector<std::uint16_t>& level_;
+  std::vector<State>& state_;
   Parking parking_;
   Qualities qualities_;
   CandidateQueue queue_;
@@ -285,26 +251,9 @@ class Run {
 
 SimplifyReport simplify_hierarchical(TetMesh& mesh, const SimplifyOptions& options) {
   validate_options(options);
-  SimplifyReport report;
-  report.vertices_in = mesh.points.size();
-  report.tets_in = mesh.tets.size();
-
-  const double ideal_volume = mean_tet_volume(mesh);
-  const SizingField sizing(options.sizing, mesh);
-  const std::vector<std::uint8_t> is_kept = build_kept_vertices(build_kept_tets(sizing, mesh), mesh);
-  const std::vector<std::uint8_t> is_boundary = build_boundary_vertex_flags(mesh, options.threads);
-  FusionMesh work = build_fusion_mesh(std::move(mesh), options.storage, options.threads);
-  std::vector<std::uint16_t> level = build_levels(work, is_boundary, options.levels);
-  report.level_sizes = count_levels(level);
-  {
-    Run run(work, std::move(level), options, sizing, ideal_volume);
-    if (!is_kept.empty()) run.keep_vertices(is_kept);
-    run.simplify(report);
-  }
-  mesh = extract_mesh(std::move(work));
-  report.vertices_out = mesh.points.size();
-  report.tets_out = mesh.tets.size();
-  return report;
+  return simplify_by_fusions(mesh, options, [&](FusionStart& start, SimplifyReport& report) {
+    Run(start, options).simplify(report);
+  });
 }
 
 }  // namespace palpate::simplify

@@ -11,6 +11,9 @@ namespace palpate::simplify {
 /// What makes two tets neighbours. The thesis does not say; its pre-check 2 fits `vertex`.
 enum class LevelAdjacency { kVertex, kEdge, kFace };
 
+/// The level of a tet that no chain of neighbours joins to level 0.
+inline constexpr std::uint16_t kNoLevel = 0xffff;
+
 /// Levels of all tets.
 ///
 ///   level 0:      has a boundary vertex
@@ -18,7 +21,6 @@ enum class LevelAdjacency { kVertex, kEdge, kFace };
 ///
 /// Shape:    one entry a tet, in storage order. A tet that no chain of neighbours joins to level 0 has
 /// kNoLevel. Requires: a mesh before its first fusion; one flag a vertex, by the input's numbers.
-inline constexpr std::uint16_t kNoLevel = 0xffff;
 std::vector<std::uint16_t> build_levels(const FusionMesh& mesh,
                                         const std::vector<std::uint8_t>& is_boundary_vertex,
                                         LevelAdjacency adjacency);

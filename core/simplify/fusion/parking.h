@@ -1,9 +1,11 @@
 // Refused candidates, each parked on the tet that failed it.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/simplify/fusion/fusion.h"
 
 namespace palpate::simplify {
 
@@ -32,6 +34,22 @@ struct Parking {
       next[previous[candidate]] = next[candidate];
     }
     if (next[candidate] != kNoIndex) previous[next[candidate]] = previous[candidate];
+  }
+
+  /// Calls wake(candidate) for all that are parked on a tet that the fusion moved or removed, and takes them
+  /// off it.
+  template <typename Wake>
+  void wake_witnesses_of(const FusionPlan& plan, Wake&& wake) {
+    const auto wake_all_on = [&](Index tet) {
+      Index candidate = std::exchange(first[tet], kNoIndex);
+      while (candidate != kNoIndex) {
+        const Index following = next[candidate];  // wake may park it anew
+        wake(candidate);
+        candidate = following;
+      }
+    };
+    for (const MovedTet& m : plan.moved) wake_all_on(m.tet);
+    for (const Index t : plan.dead) wake_all_on(t);
   }
 };
 

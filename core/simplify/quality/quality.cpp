@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
-#include "core/base/error.h"
 #include "core/mesh/orientation.h"
 
 namespace palpate::simplify {
@@ -48,12 +46,6 @@ double mean_ratio_shape(const Vec3& u, const Vec3& v, const Vec3& w, double six_
       length_sq(u) + length_sq(v) + length_sq(w) + length_sq(v - u) + length_sq(w - u) + length_sq(w - v);
   const double half = 0.5 * six_volume;  // 3 V
   return 1728.0 * half * half / (sum * sum * sum);
-}
-
-QualityMetric metric_by_name(std::string_view name) {
-  if (name == "thesis") return kThesisMetric;
-  if (name == "mean_ratio") return kMeanRatioMetric;
-  throw InputError("metric", 0, "thesis or mean_ratio", std::string(name));
 }
 
 TetFigures measure_tet(const QualityMetric& metric, const Vec3& a, const Vec3& b, const Vec3& c,

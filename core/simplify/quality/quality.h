@@ -1,8 +1,6 @@
 // The quality factor of a tet, as the simplifiers see it. (The judge measures with arithmetic of its own.)
 #pragma once
 
-#include <string_view>
-
 #include "core/base/types.h"
 
 namespace palpate::simplify {
@@ -35,11 +33,10 @@ double thesis_shape(const Vec3& u, const Vec3& v, const Vec3& w, double six_volu
 /// back. Source: Liu and Joe, BIT 34 (1994).
 double mean_ratio_shape(const Vec3& u, const Vec3& v, const Vec3& w, double six_volume);
 
+/// "thesis".
 inline constexpr QualityMetric kThesisMetric{thesis_shape, true};
+/// "mean_ratio".
 inline constexpr QualityMetric kMeanRatioMetric{mean_ratio_shape, false};
-
-/// The metric called "thesis" or "mean_ratio". Throws: InputError for any other name.
-QualityMetric metric_by_name(std::string_view name);
 
 /// The figures of tet (a, b, c, d); the sign is exact, shape and volume are rounded.
 TetFigures measure_tet(const QualityMetric& metric, const Vec3& a, const Vec3& b, const Vec3& c,

@@ -24,14 +24,14 @@ void check(bool condition, const char* what, const char* expected, double found)
   if (!condition) throw InputError(what, 0, expected, number_text(found));
 }
 
-void check_region(const KeepRegion& r) {
-  const bool has_center = r.kind != KeepRegion::Kind::kHalfSpace;
+void check_region(const KeptRegion& r) {
+  const bool has_center = r.kind != KeptRegion::Kind::kHalfSpace;
   if (has_center && !is_finite(r.center)) throw InputError("keep", 0, "a finite center", "one that is not");
   if (has_center)
     check(r.radius > 0.0 && std::isfinite(r.radius), "keep", "a radius above 0, finite", r.radius);
-  if (r.kind == KeepRegion::Kind::kSurfacePatch)
+  if (r.kind == KeptRegion::Kind::kSurfacePatch)
     check(r.depth >= 0.0 && std::isfinite(r.depth), "keep", "a depth of at least 0, finite", r.depth);
-  if (r.kind == KeepRegion::Kind::kHalfSpace) {
+  if (r.kind == KeptRegion::Kind::kHalfSpace) {
     const double size = length(r.normal);
     check(size > 0.0 && std::isfinite(size), "keep", "a normal that is finite and not 0", size);
     check(std::isfinite(r.offset / size), "keep", "a finite offset", r.offset);
@@ -39,7 +39,7 @@ void check_region(const KeepRegion& r) {
 }
 
 /// The boundary faces that have a vertex in the ball around the region's center.
-std::vector<Triangle> faces_of_patch(const KeepRegion& region, const TetMesh& mesh,
+std::vector<Triangle> faces_of_patch(const KeptRegion& region, const TetMesh& mesh,
                                      const std::vector<Triangle>& boundary) {
   const auto is_in = [&](Index v) { return length(mesh.points[v] - region.center) <= region.radius; };
   std::vector<Triangle> faces;
@@ -76,17 +76,17 @@ SizingField::SizingField(const SizingOptions& options, const TetMesh& mesh) {
         options.near_size);
   check(options.reach >= 0.0 && std::isfinite(options.reach), "reach", "a finite number of at least 0",
         options.reach);
-  for (const KeepRegion& region : options.keep) check_region(region);
+  for (const KeptRegion& region : options.keep) check_region(region);
   if (options.keep.empty()) return;
   std::vector<Triangle> boundary;
-  for (const KeepRegion& given : options.keep) {
+  for (const KeptRegion& given : options.keep) {
     Region region{given, 0};
-    if (given.kind == KeepRegion::Kind::kHalfSpace) {
+    if (given.kind == KeptRegion::Kind::kHalfSpace) {
       const double size = length(given.normal);
       region.shape.normal = (1.0 / size) * given.normal;
       region.shape.offset = given.offset / size;
     }
-    if (given.kind == KeepRegion::Kind::kSurfacePatch) {
+    if (given.kind == KeptRegion::Kind::kSurfacePatch) {
       if (boundary.empty()) boundary = build_boundary(mesh);
       region.patch = patches_.size();
       patches_.emplace_back(mesh.points, faces_of_patch(given, mesh, boundary));
@@ -100,11 +100,11 @@ SizingField::SizingField(const SizingOptions& options, const TetMesh& mesh) {
 
 double SizingField::distance_to(const Region& region, const Vec3& x, double bound) const {
   switch (region.shape.kind) {
-    case KeepRegion::Kind::kSphere:
+    case KeptRegion::Kind::kSphere:
       return std::max(0.0, length(x - region.shape.center) - region.shape.radius);
-    case KeepRegion::Kind::kHalfSpace:
+    case KeptRegion::Kind::kHalfSpace:
       return std::max(0.0, dot(region.shape.normal, x) - region.shape.offset);
-    case KeepRegion::Kind::kSurfacePatch:
+    case KeptRegion::Kind::kSurfacePatch:
       return std::max(0.0,
                       patches_[region.patch].distance(x, bound + region.shape.depth) - region.shape.depth);
   }
@@ -127,14 +127,14 @@ double SizingField::relative_size(const Vec3& x) const {
 
 bool SizingField::meets(const std::array<Vec3, 4>& tet) const {
   return std::any_of(regions_.begin(), regions_.end(), [&](const Region& region) {
-    const KeepRegion& r = region.shape;
+    const KeptRegion& r = region.shape;
     switch (r.kind) {
-      case KeepRegion::Kind::kSphere:
+      case KeptRegion::Kind::kSphere:
         return meets_sphere(tet, r.center, r.radius);
-      case KeepRegion::Kind::kHalfSpace:
+      case KeptRegion::Kind::kHalfSpace:
         return std::any_of(tet.begin(), tet.end(),
                            [&](const Vec3& p) { return dot(r.normal, p) <= r.offset; });
-      case KeepRegion::Kind::kSurfacePatch:
+      case KeptRegion::Kind::kSurfacePatch:
         return patches_[region.patch].is_within(tet, r.depth);
     }
     throw ContractError("SizingField: a kind of region that is none");

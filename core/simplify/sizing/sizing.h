@@ -12,7 +12,7 @@
 namespace palpate::simplify {
 
 /// A part of space whose tets are left alone. Lengths in the mesh's own unit.
-struct KeepRegion {
+struct KeptRegion {
   enum class Kind {
     kSphere,       ///< |x - center| <= radius
     kHalfSpace,    ///< normal . x <= offset: the normal points out of what is kept
@@ -28,7 +28,7 @@ struct KeepRegion {
 
 /// What to keep, and how sizes grade from there.
 struct SizingOptions {
-  std::vector<KeepRegion> keep;
+  std::vector<KeptRegion> keep;
   double near_size = 0.5;  ///< relative size at a region's border, in (0, 1]
   double reach =
       0.0;  ///< distance at which the relative size is 1; 0: a quarter of the bounding box's diagonal
@@ -68,7 +68,7 @@ class SizingField {
 
  private:
   struct Region {
-    KeepRegion shape;     ///< its normal is of unit length
+    KeptRegion shape;     ///< its normal is of unit length
     std::size_t patch{};  ///< number of its tree, for a patch
   };
   double distance_to(const Region& region, const Vec3& x, double bound) const;

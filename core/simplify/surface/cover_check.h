@@ -12,6 +12,7 @@
 
 namespace palpate::simplify {
 
+/// The corners of a triangle.
 using TriangleCorners = std::array<Vec3, 3>;
 
 /// Answers one such question after another.

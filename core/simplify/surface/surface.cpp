@@ -47,7 +47,7 @@ struct Run {
   double volume = 0.0;
   WorkingMesh mesh;
   std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
-  Skin skin;
+  GuardedBoundary boundary;
   SurfaceRunReport report;
   double area = 0.0;
   ScoreRule scores;
@@ -58,20 +58,20 @@ struct Run {
         volume(total_volume(input)),
         mesh(build_working_mesh(std::move(input), field)),
         level(given.sparing ? 0 : kErrorLevels.size() - 1),
-        skin(mesh, kErrorLevels[level] * given.max_surface_error),
+        boundary(mesh, kErrorLevels[level] * given.max_surface_error),
         scores(scale_of_ideal_volume(1.0), field) {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
-    report.boundary_faces_in = skin.size();
-    report.input_contact = skin.find_contact(mesh);
-    for (Index f = 0; f < skin.slots(); ++f) {
-      const Triangle& t = skin.face(f);
+    report.boundary_faces_in = boundary.size();
+    report.input_contact = boundary.find_contact(mesh);
+    for (Index f = 0; f < boundary.slots(); ++f) {
+      const Triangle& t = boundary.face(f);
       const Vec3& p = mesh.points[t[0]];
       area += 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
     }
   }
 
-  bool has_changed_skin() const { return report.surface.collapses > 0; }
+  bool has_changed_boundary() const { return report.surface.collapses > 0; }
 
   void aim_at(double tets) {
     scores = ScoreRule(scale_of_ideal_volume(volume / std::max(1.0, tets)), field);
@@ -86,7 +86,7 @@ struct Run {
 
   /// The other way round: tets that go with the boundary as it is.
   double tets_for_faces() const {
-    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(skin.size())));
+    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
     const double inner = edge / options.boundary_size;
     return volume / (kTetShare * inner * inner * inner);
   }
@@ -100,11 +100,11 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
   options.face_target = faces;
   options.tet_target = tets;
   for (;; ++run.level) {
-    run.skin.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
+    run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
     for (const double least : kLeastScores) {
-      if (run.skin.size() <= faces || run.mesh.alive <= tets) return;
+      if (run.boundary.size() <= faces || run.mesh.alive <= tets) return;
       options.least_score = least;
-      collapse_boundary_edges(run.mesh, run.skin, run.scores, options, run.report.surface);
+      collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
     }
     if (run.level + 1 == kErrorLevels.size()) return;
   }
@@ -124,15 +124,15 @@ void coarsen_inside(Run& run, std::uint64_t tets) {
 void even_out(Run& run) {
   Smoother smoother(run.mesh, run.scores);
   smoother.sweep(2);
-  if (!run.has_changed_skin()) return;
-  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  if (!run.has_changed_boundary()) return;
+  BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
-  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
+  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
 }
 
 /// Down to a little more than the target: the rest is left to simplify_refined.
 void coarsen_to(Run& run, double target) {
-  if (run.faces_for(target) >= run.skin.size()) return;  // the skin is coarse enough: all is refined's
+  if (run.faces_for(target) >= run.boundary.size()) return;  // the skin is coarse enough: all is refined's
   const auto tets_in = static_cast<double>(run.report.tets_in);
   const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
   const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
@@ -150,13 +150,13 @@ void coarsen_to_limit(Run& run) {
   double tets = static_cast<double>(run.report.tets_in);
   std::size_t before = 0;
   do {
-    before = run.skin.size();
+    before = run.boundary.size();
     tets = std::max(1.0, kStage * tets);
     run.aim_at(tets);
     coarsen_boundary(run, run.faces_for(tets), 0);
     coarsen_inside(run, static_cast<std::uint64_t>(kLeftToRefined * run.tets_for_faces()));
     even_out(run);
-  } while (run.skin.size() < before || run.faces_for(tets) > run.skin.size());
+  } while (run.boundary.size() < before || run.faces_for(tets) > run.boundary.size());
 }
 
 /// The boundary vertices, in the order of the mesh that extract_mesh would give.
@@ -187,7 +187,7 @@ RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& optio
     require(run.mesh.points[after[i]] == places[i], "surface: the boundary moved inside");
     new_number[before[i]] = after[i];
   }
-  run.skin.renumber(new_number, run.mesh.points.size());
+  run.boundary.renumber(new_number, run.mesh.points.size());
   return report;
 }
 
@@ -206,12 +206,13 @@ void polish(Run& run, std::uint64_t target) {
   FlipRule rule;
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
-  BoundaryFlipper flipper(run.mesh, run.skin, run.scores);
+  BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
   Repairer repairer(run.mesh, run.scores, rule, {});
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
-    if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.skin, run.scores, run.report.surface);
+    if (run.options.boundary_smoothing)
+      smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
     repairer.round(kRepairScore, kCompoundScore, 2);
   }
 }
@@ -247,15 +248,15 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   RefinedOptions inside;
   target = std::max<std::uint64_t>(1, target);
   // Refined may end 0.5% below; some collapses from a little above get closer.
-  const double aim = run.has_changed_skin() ? kAimOfRefined : 1.0;
+  const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
   const RefinedReport refined = refine_inside(run, mesh, inside);
   press_on(run, target);
-  if (run.has_changed_skin()) polish(run, target);
-  run.report.boundary_faces_out = run.skin.size();
+  if (run.has_changed_boundary()) polish(run, target);
+  run.report.boundary_faces_out = run.boundary.size();
   mesh = extract_mesh(std::move(run.mesh));
   SurfaceRunReport report = std::move(run.report);
   report.inner.collapses += refined.collapses.collapses;

@@ -14,6 +14,7 @@
 
 namespace palpate::simplify {
 
+/// How far boundary and inside are coarsened, and by which means.
 struct SurfaceOptions {
   StopRule stop;                   ///< tets or ratio; neither: as coarse as the bound permits; no `fusions`
   double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
@@ -25,6 +26,7 @@ struct SurfaceOptions {
   SizingOptions sizing;
 };
 
+/// What was done.
 struct SurfaceRunReport {
   std::uint64_t vertices_in = 0;
   std::uint64_t vertices_out = 0;

@@ -4,27 +4,14 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/simplify/fusion/fusion.h"
+#include "core/simplify/tet_operations/edge_heap.h"
 
 namespace palpate::simplify {
 namespace {
-
-/// An edge that waits, with the versions of its ends when it was entered: older entries are void.
-struct Candidate {
-  double key;
-  Index a;
-  Index b;
-  std::uint32_t versions;
-  std::uint64_t refused_at = 0;  ///< collapses before it was refused last
-
-  /// Makes std heaps give the smallest key first; ties by vertex numbers.
-  friend bool operator<(const Candidate& l, const Candidate& r) {
-    if (l.key != r.key) return l.key > r.key;
-    return l.a != r.a ? l.a > r.a : l.b > r.b;
-  }
-};
 
 /// Sum of squared distances from planes, weighted by the squares of twice the faces' areas, about an origin
 /// near them:  E(p) = p.A p - 2 b.p + c.  And the volume below the faces, linear in p:  g.p = h keeps it.
@@ -93,207 +80,201 @@ bool has(const Triangle& t, Index v) {
 
 class BoundaryCollapser {
  public:
-  BoundaryCollapser(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+  BoundaryCollapser(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                     const SurfaceCollapseOptions& options, SurfaceReport& report)
       : mesh_(mesh),
-        skin_(skin),
+        boundary_(boundary),
         scores_(scores),
-        field_(scores.field()),
         options_(options),
         report_(report),
-        versions_(mesh.points.size(), 0),
+        edges_(mesh, scores.field()),
         changed_at_(mesh.points.size(), 0) {}
 
   void run() {
-    for (Index f = 0; f < skin_.slots(); ++f) {
-      if (!skin_.is_alive(f)) continue;
-      const Triangle& t = skin_.face(f);
+    for (Index f = 0; f < boundary_.slots(); ++f) {
+      if (!boundary_.is_alive(f)) continue;
+      const Triangle& t = boundary_.face(f);
       for (std::size_t k = 0; k < 3; ++k) {
-        if (t[k] < t[(k + 1) % 3]) enter(t[k], t[(k + 1) % 3]);  // the other face has it the other way round
+        const Index a = t[k];
+        const Index b = t[(k + 1) % 3];
+        if (a < b && may_collapse(a, b)) edges_.append(a, b);  // the other face has it the other way round
       }
     }
-    std::make_heap(heap_.begin(), heap_.end());
+    edges_.heapify();
     std::uint64_t before = 0;
     do {
       before = report_.collapses;
-      while (!is_done() && !heap_.empty()) {
-        std::pop_heap(heap_.begin(), heap_.end());
-        Candidate c = heap_.back();
-        heap_.pop_back();
-        if (c.versions != versions_[c.a] + versions_[c.b]) continue;
-        if (has_changed_since(c) && try_collapse(c.a, c.b)) continue;
-        c.refused_at = report_.collapses + 1;
-        parked_.push_back(c);
-      }
-      heap_.swap(parked_);  // what was refused is looked at again, as stars have changed
-      parked_.clear();
-      std::make_heap(heap_.begin(), heap_.end());
+      empty_heap();
+      edges_.start_over();  // what was refused is looked at again, as stars have changed
     } while (!is_done() && report_.collapses > before);
   }
 
  private:
-  bool is_done() const { return skin_.size() <= options_.face_target || mesh_.alive <= options_.tet_target; }
-
-  /// Whether the star of an end has changed since the candidate was refused.
-  bool has_changed_since(const Candidate& c) const {
-    return c.refused_at == 0 || std::max(changed_at_[c.a], changed_at_[c.b]) >= c.refused_at;
-  }
-
-  void enter(Index a, Index b) {
-    if (is_frozen(mesh_, a) && is_frozen(mesh_, b)) return;
-    double key = length_sq(mesh_.points[b] - mesh_.points[a]);
-    if (!field_.is_empty()) {
-      const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
-      key /= size * size;
+  void empty_heap() {
+    while (!is_done()) {
+      std::optional<WaitingEdge> edge = edges_.pop();
+      if (!edge) return;
+      if (has_changed_since(*edge) && try_collapse(edge->a, edge->b)) continue;
+      edge->refused_at = static_cast<std::uint32_t>(report_.collapses + 1);
+      edges_.park(*edge);
     }
-    heap_.push_back({key, std::min(a, b), std::max(a, b), versions_[a] + versions_[b], 0});
   }
+
+  bool is_done() const {
+    return boundary_.size() <= options_.face_target || mesh_.alive <= options_.tet_target;
+  }
+
+  /// Whether the star of an end has changed since the edge was refused: refused_at is one more than the
+  /// number of collapses before that.
+  bool has_changed_since(const WaitingEdge& edge) const {
+    return edge.refused_at == 0 || std::max(changed_at_[edge.a], changed_at_[edge.b]) >= edge.refused_at;
+  }
+
+  bool may_collapse(Index a, Index b) const { return !is_frozen(mesh_, a) || !is_frozen(mesh_, b); }
 
   /// The link condition of the boundary: the ends' common neighbours on it are the two apexes of the edge's
   /// faces, and not both ends have a face with these apexes: that would be the skin of a single tet.
-  bool boundary_stays_manifold(Index gone, Index kept) {
-    constexpr std::uint32_t kAtKept = 1;
+  bool boundary_stays_manifold(Index gone, Index survivor) {
+    constexpr std::uint32_t kAtSurvivor = 1;
     constexpr std::uint32_t kApex = 2;
     marks_.clear(mesh_.points.size());
-    for (const Index f : skin_.faces_of(kept)) {
-      for (const Index v : skin_.face(f)) marks_.set(v, kAtKept);
+    for (const Index f : boundary_.faces_of(survivor)) {
+      for (const Index v : boundary_.face(f)) marks_.set(v, kAtSurvivor);
     }
     std::size_t at_edge = 0;
-    for (const Index f : skin_.faces_of(gone)) {
-      if (!has(skin_.face(f), kept)) continue;
+    for (const Index f : boundary_.faces_of(gone)) {
+      if (!has(boundary_.face(f), survivor)) continue;
       ++at_edge;
-      for (const Index v : skin_.face(f)) {
-        if (v != gone && v != kept) marks_.set(v, kApex);
+      for (const Index v : boundary_.face(f)) {
+        if (v != gone && v != survivor) marks_.set(v, kApex);
       }
     }
     if (at_edge != 2) return false;
     const auto joins_apexes = [&](Index f) {
-      const Triangle& t = skin_.face(f);
+      const Triangle& t = boundary_.face(f);
       return std::count_if(t.begin(), t.end(), [&](Index v) { return marks_.of(v) == kApex; }) == 2;
     };
     bool gone_joins = false;
-    for (const Index f : skin_.faces_of(gone)) {
-      for (const Index v : skin_.face(f)) {
-        if (v != gone && v != kept && marks_.of(v) == kAtKept) return false;
+    for (const Index f : boundary_.faces_of(gone)) {
+      for (const Index v : boundary_.face(f)) {
+        if (v != gone && v != survivor && marks_.of(v) == kAtSurvivor) return false;
       }
       gone_joins = gone_joins || joins_apexes(f);
     }
-    const auto at_kept = skin_.faces_of(kept);
-    return !gone_joins || std::none_of(at_kept.begin(), at_kept.end(), joins_apexes);
+    const auto at_survivor = boundary_.faces_of(survivor);
+    return !gone_joins || std::none_of(at_survivor.begin(), at_survivor.end(), joins_apexes);
   }
 
-  void plan(Index gone, Index kept, bool kept_moves) {
+  void plan(Index gone, Index survivor, bool survivor_moves) {
     change_.removed.clear();
     change_.fresh.clear();
-    change_.moved = kept;
+    change_.moved = survivor;
     planes_ = {};
-    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[kept]);
+    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[survivor]);
     const auto take = [&](Index f, bool is_fresh) {
-      Triangle t = skin_.face(f);
+      Triangle t = boundary_.face(f);
       planes_.add(mesh_.points[t[0]] - origin, mesh_.points[t[1]] - origin, mesh_.points[t[2]] - origin);
       change_.removed.push_back(f);
       if (!is_fresh) return;
-      std::replace(t.begin(), t.end(), gone, kept);
+      std::replace(t.begin(), t.end(), gone, survivor);
       change_.fresh.push_back(t);
     };
-    for (const Index f : skin_.faces_of(gone)) take(f, !has(skin_.face(f), kept));
-    if (!kept_moves) return;
-    for (const Index f : skin_.faces_of(kept)) {
-      if (!has(skin_.face(f), gone)) take(f, true);
+    for (const Index f : boundary_.faces_of(gone)) take(f, !has(boundary_.face(f), survivor));
+    if (!survivor_moves) return;
+    for (const Index f : boundary_.faces_of(survivor)) {
+      if (!has(boundary_.face(f), gone)) take(f, true);
     }
   }
 
   /// Places for the new vertex, the most promising first. Returns how many.
-  std::size_t list_places(Index gone, Index kept, bool kept_moves, std::array<Vec3, 3>& places) const {
-    places[0] = mesh_.points[kept];
-    if (!kept_moves) return 1;
-    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[kept]);
+  std::size_t list_places(Index gone, Index survivor, bool survivor_moves,
+                          std::array<Vec3, 3>& places) const {
+    places[0] = mesh_.points[survivor];
+    if (!survivor_moves) return 1;
+    const Vec3 origin = 0.5 * (mesh_.points[gone] + mesh_.points[survivor]);
     const Vec3 best = planes_.best_place();
-    places = {origin + best, mesh_.points[kept], mesh_.points[gone]};
+    places = {origin + best, mesh_.points[survivor], mesh_.points[gone]};
     if (planes_.cost(places[2] - origin) < planes_.cost(places[1] - origin)) std::swap(places[1], places[2]);
     return 3;
   }
 
   bool is_well_shaped(const Vec3& place) const {
-    const double worst = cone_.evaluate(place, options_.least_score).worst;
-    return worst > options_.least_score && cone_.is_positive(place);
+    const double worst = star_.evaluate(place, options_.least_score).worst;
+    return worst > options_.least_score && star_.is_positive(place);
   }
 
   bool try_collapse(Index a, Index b) {
     Index gone = a;
-    Index kept = b;
-    if (is_frozen(mesh_, gone)) std::swap(gone, kept);
-    const bool kept_moves = !is_frozen(mesh_, kept);
-    if (!boundary_stays_manifold(gone, kept) || !meets_link_condition(mesh_, gone, kept, marks_)) {
+    Index survivor = b;
+    if (is_frozen(mesh_, gone)) std::swap(gone, survivor);
+    const bool survivor_moves = !is_frozen(mesh_, survivor);
+    if (!boundary_stays_manifold(gone, survivor) || !meets_link_condition(mesh_, gone, survivor, marks_)) {
       ++report_.rejected_link;
       return false;
     }
-    cone_.start(scores_.at(mesh_.points[kept]), mesh_.points[kept]);
-    add_star(mesh_, gone, kept, cone_);
-    if (kept_moves) add_star(mesh_, kept, gone, cone_);
-    if (cone_.size() == 0) return false;
-    cone_.close();
-    plan(gone, kept, kept_moves);
+    star_.start(scores_.at(mesh_.points[survivor]), mesh_.points[survivor]);
+    add_star(mesh_, gone, survivor, star_);
+    if (survivor_moves) add_star(mesh_, survivor, gone, star_);
+    if (star_.size() == 0) return false;
+    star_.close();
+    plan(gone, survivor, survivor_moves);
     std::array<Vec3, 3> places;
-    const std::size_t count = list_places(gone, kept, kept_moves, places);
-    SkinVerdict verdict = SkinVerdict::kAllowed;
+    const std::size_t count = list_places(gone, survivor, survivor_moves, places);
+    BoundaryVerdict verdict = BoundaryVerdict::kAllowed;
     bool any_shape = false;
     for (std::size_t i = 0; i < count; ++i) {
       if (!is_well_shaped(places[i])) continue;
       any_shape = true;
       change_.to = places[i];
-      verdict = skin_.check(mesh_, change_);
-      if (verdict != SkinVerdict::kAllowed) continue;
-      collapse(gone, kept);
+      verdict = boundary_.check(mesh_, change_);
+      if (verdict != BoundaryVerdict::kAllowed) continue;
+      collapse(gone, survivor);
       return true;
     }
-    ++(!any_shape                         ? report_.rejected_shape
-       : verdict == SkinVerdict::kContact ? report_.rejected_contact
-                                          : report_.rejected_distance);
+    ++(!any_shape                             ? report_.rejected_shape
+       : verdict == BoundaryVerdict::kContact ? report_.rejected_contact
+                                              : report_.rejected_distance);
     return false;
   }
 
-  void collapse(Index gone, Index kept) {
-    skin_.apply(mesh_, change_);
-    apply_collapse(mesh_, gone, kept, change_.to);
+  void collapse(Index gone, Index survivor) {
+    boundary_.apply(mesh_, change_);
+    apply_collapse(mesh_, gone, survivor, change_.to);
     ++report_.collapses;
-    for (const Index t : mesh_.star(kept)) {
+    for (const Index t : mesh_.star(survivor)) {
       for (const Index v : mesh_.tets[t]) changed_at_[v] = report_.collapses;
     }
-    ++versions_[gone];
-    ++versions_[kept];
-    for (const Index f : skin_.faces_of(kept)) {
-      const Triangle& t = skin_.face(f);
-      const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), kept) - t.begin());
-      enter(kept, t[(at + 1) % 3]);  // each neighbour follows on `kept` in one face
-      std::push_heap(heap_.begin(), heap_.end());
+    edges_.renew(gone);
+    edges_.renew(survivor);
+    for (const Index f : boundary_.faces_of(survivor)) {
+      const Triangle& t = boundary_.face(f);
+      const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), survivor) - t.begin());
+      const Index next = t[(at + 1) % 3];  // each neighbour follows on the survivor in one face
+      if (may_collapse(survivor, next)) edges_.push(std::min(survivor, next), std::max(survivor, next));
     }
   }
 
   WorkingMesh& mesh_;
-  Skin& skin_;
+  GuardedBoundary& boundary_;
   const ScoreRule& scores_;
-  const SizingField& field_;
   const SurfaceCollapseOptions& options_;
   SurfaceReport& report_;
-  std::vector<std::uint32_t> versions_;
+  EdgeHeap edges_;
   std::vector<std::uint64_t> changed_at_;  ///< number of the last collapse that changed the vertex's star
-  std::vector<Candidate> heap_;
-  std::vector<Candidate> parked_;
   VertexMarks marks_;
-  Cone cone_;
+  StarQuality star_;
   PlaneSum planes_;
-  SkinChange change_;
+  BoundaryChange change_;
 };
 
 /// Of the faces at v: middle of their middles, weighted by area, brought back into the tangent plane.
-Vec3 tangential_target(const WorkingMesh& mesh, const Skin& skin, Index v) {
+Vec3 tangential_target(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
   const Vec3 p = mesh.points[v];
   Vec3 normal;
   Vec3 middle;
   double weight = 0.0;
-  for (const Index f : skin.faces_of(v)) {
-    const Triangle& t = skin.face(f);
+  for (const Index f : boundary.faces_of(v)) {
+    const Triangle& t = boundary.face(f);
     const Vec3 n = cross(mesh.points[t[1]] - mesh.points[t[0]], mesh.points[t[2]] - mesh.points[t[0]]);
     const double area = length(n);
     normal = normal + n;
@@ -308,34 +289,35 @@ Vec3 tangential_target(const WorkingMesh& mesh, const Skin& skin, Index v) {
 
 }  // namespace
 
-void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+void collapse_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report) {
-  BoundaryCollapser(mesh, skin, scores, options, report).run();
+  BoundaryCollapser(mesh, boundary, scores, options, report).run();
 }
 
-void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report) {
-  Cone cone;
-  SkinChange change;
+void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
+                     SurfaceReport& report) {
+  StarQuality star;
+  BoundaryChange change;
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v) || is_frozen(mesh, v)) continue;
     const Vec3 from = mesh.points[v];
-    cone.start(scores.at(from), from);
-    add_star(mesh, v, kNoIndex, cone);
-    cone.close();
-    const ConeFigures now = cone.evaluate(from);
+    star.start(scores.at(from), from);
+    add_star(mesh, v, kNoIndex, star);
+    star.close();
+    const StarFigures now = star.evaluate(from);
     if (now.worst > kWellShaped) continue;
-    const Vec3 target = tangential_target(mesh, skin, v);
-    change.removed.assign(skin.faces_of(v).begin(), skin.faces_of(v).end());
+    const Vec3 target = tangential_target(mesh, boundary, v);
+    change.removed.assign(boundary.faces_of(v).begin(), boundary.faces_of(v).end());
     change.fresh.clear();
-    for (const Index f : change.removed) change.fresh.push_back(skin.face(f));
+    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
     change.moved = v;
     for (const double step : {1.0, 0.4}) {
       change.to = (1.0 - step) * from + step * target;
-      const ConeFigures then = cone.evaluate(change.to);
-      if (!(then.worst >= kWorthAMove * now.worst) || !cone.is_positive(change.to) ||
-          skin.check(mesh, change) != SkinVerdict::kAllowed)
+      const StarFigures then = star.evaluate(change.to);
+      if (!(then.worst >= kWorthAMove * now.worst) || !star.is_positive(change.to) ||
+          boundary.check(mesh, change) != BoundaryVerdict::kAllowed)
         continue;
-      skin.apply(mesh, change);
+      boundary.apply(mesh, change);
       apply_move(mesh, v, change.to);
       ++report.moves;
       break;

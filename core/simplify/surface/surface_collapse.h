@@ -1,14 +1,16 @@
-// Collapses of boundary edges, and moves of boundary vertices along the skin, under the guard of a Skin.
+// Collapses of boundary edges, and moves of boundary vertices along the skin, under the guard of a
+// GuardedBoundary.
 #pragma once
 
 #include <cstdint>
 
-#include "core/simplify/surface/skin.h"
+#include "core/simplify/surface/guarded_boundary.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
 
+/// When a collapse is refused, and when enough are made.
 struct SurfaceCollapseOptions {
   double least_score = 0.0;       ///< a collapse may leave no tet below this
   std::uint64_t face_target = 0;  ///< stop at the first state with at most so many boundary faces ...
@@ -30,11 +32,12 @@ struct SurfaceReport {
 /// nothing more can go. The new vertex is put where the planes of the faces around are nearest while the
 /// volume is kept, or at one of the ends. Source: Lindstrom and Turk, IEEE Visualization 1998, for the
 /// volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
-void collapse_boundary_edges(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores,
+void collapse_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report);
 
 /// One sweep over the boundary vertices: each is moved towards the middle of its faces, within the tangent
 /// plane, if the tets around it get better by it.
-void smooth_boundary(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores, SurfaceReport& report);
+void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
+                     SurfaceReport& report);
 
 }  // namespace palpate::simplify

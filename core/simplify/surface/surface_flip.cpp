@@ -33,8 +33,8 @@ bool BoundaryFlipper::find_fan(Index a, Index b, EdgeFan& fan) const {
   fan.b = b;
   fan.size = 0;
   std::size_t at_edge = 0;
-  for (const Index f : skin_.faces_of(a)) {
-    const Triangle& t = skin_.face(f);
+  for (const Index f : boundary_.faces_of(a)) {
+    const Triangle& t = boundary_.face(f);
     if (!has(t, b)) continue;
     if (++at_edge > 2) return false;
     const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), a) - t.begin());
@@ -42,8 +42,8 @@ bool BoundaryFlipper::find_fan(Index a, Index b, EdgeFan& fan) const {
     fan.faces[is_first ? 0 : 1] = f;
   }
   if (at_edge != 2) return false;
-  const Index last = third(skin_.face(fan.faces[1]), a, b);
-  fan.fan[0] = third(skin_.face(fan.faces[0]), a, b);
+  const Index last = third(boundary_.face(fan.faces[1]), a, b);
+  fan.fan[0] = third(boundary_.face(fan.faces[0]), a, b);
   Index tet = kNoIndex;
   while (fan.fan[fan.size] != last) {
     if (fan.size == EdgeFan::kMostTets) return false;
@@ -108,8 +108,8 @@ void BoundaryFlipper::list_tets(const EdgeFan& fan, std::size_t i, std::size_t k
 bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
   const Index first = fan.fan[0];
   const Index last = fan.fan[fan.size];
-  for (const Index f : skin_.faces_of(first)) {
-    if (has(skin_.face(f), last)) return false;
+  for (const Index f : boundary_.faces_of(first)) {
+    if (has(boundary_.face(f), last)) return false;
   }
   if (fan.size > 1) {
     collect_edge_star(mesh_, first, last, added_);
@@ -118,7 +118,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
   change_.removed.assign(fan.faces.begin(), fan.faces.end());
   change_.fresh = {{fan.a, first, last}, {first, fan.b, last}};
   change_.moved = kNoIndex;
-  return skin_.check(mesh_, change_) == SkinVerdict::kAllowed;
+  return boundary_.check(mesh_, change_) == BoundaryVerdict::kAllowed;
 }
 
 bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
@@ -140,16 +140,16 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
     return orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) > 0;
   };
   if (!std::all_of(fresh_.begin(), fresh_.end(), is_positive) || !is_permitted(fan)) return false;
-  skin_.apply(mesh_, change_);
+  boundary_.apply(mesh_, change_);
   apply_flip(mesh_, std::span<const Index>(fan.tets.data(), fan.size), fresh_, added_);
   return true;
 }
 
 std::uint64_t BoundaryFlipper::pass(double threshold) {
   std::uint64_t flips = 0;
-  for (Index f = 0; f < skin_.slots(); ++f) {
-    for (std::size_t k = 0; k < 3 && skin_.is_alive(f); ++k) {
-      const Triangle t = skin_.face(f);
+  for (Index f = 0; f < boundary_.slots(); ++f) {
+    for (std::size_t k = 0; k < 3 && boundary_.is_alive(f); ++k) {
+      const Triangle t = boundary_.face(f);
       const Index a = std::min(t[k], t[(k + 1) % 3]);
       const Index b = std::max(t[k], t[(k + 1) % 3]);
       if (try_flip(a, b, threshold)) ++flips;

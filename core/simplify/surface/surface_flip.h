@@ -1,11 +1,11 @@
-// Flips of boundary edges under the guard of a Skin.
+// Flips of boundary edges under the guard of a GuardedBoundary.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/surface/skin.h"
+#include "core/simplify/surface/guarded_boundary.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
@@ -31,8 +31,8 @@ struct EdgeFan {
 /// off.
 class BoundaryFlipper {
  public:
-  BoundaryFlipper(WorkingMesh& mesh, Skin& skin, const ScoreRule& scores)
-      : mesh_(mesh), skin_(skin), scores_(scores) {}
+  BoundaryFlipper(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores)
+      : mesh_(mesh), boundary_(boundary), scores_(scores) {}
 
   /// Peeling takes a tet away, flips of fans of more than two add some: only within this range of counts.
   void set_range(std::uint64_t fewest, std::uint64_t most) {
@@ -55,12 +55,12 @@ class BoundaryFlipper {
   bool is_permitted(const EdgeFan& fan);
 
   WorkingMesh& mesh_;
-  Skin& skin_;
+  GuardedBoundary& boundary_;
   const ScoreRule& scores_;
   ScoreScale scale_;  ///< at the edge under examination
   std::uint64_t fewest_tets_ = 0;
   std::uint64_t most_tets_ = ~std::uint64_t{0};
-  SkinChange change_;
+  BoundaryChange change_;
   std::vector<Tet> fresh_;
   std::vector<Index> added_;
   std::array<std::array<std::size_t, EdgeFan::kMostTets + 1>, EdgeFan::kMostTets + 1> apex_{};

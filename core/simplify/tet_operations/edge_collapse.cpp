@@ -1,34 +1,20 @@
 #include "core/simplify/tet_operations/edge_collapse.h"
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/edge_heap.h"
+#include "core/simplify/tet_operations/star_quality.h"
 
 namespace palpate::simplify {
 namespace {
 
-/// An edge that waits, with the versions of its ends when it was entered: older entries are void.
-struct Candidate {
-  double key;
-  Index a;
-  Index b;
-  std::uint32_t versions;
-
-  /// Makes std heaps give the smallest key first; ties by vertex numbers.
-  friend bool operator<(const Candidate& l, const Candidate& r) {
-    if (l.key != r.key) return l.key > r.key;
-    return l.a != r.a ? l.a > r.a : l.b > r.b;
-  }
-};
-
 class Collapser {
  public:
   Collapser(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options)
-      : mesh_(mesh), rule_(rule), options_(options), versions_(mesh.points.size(), 0) {}
+      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field()) {}
 
   CollapseReport run() {
     enter_all();
@@ -36,43 +22,30 @@ class Collapser {
     do {
       before = report_.collapses;
       empty_heap();
-      heap_.swap(parked_);  // what was refused is looked at again, as stars have changed
-      parked_.clear();
-      std::make_heap(heap_.begin(), heap_.end());
+      edges_.start_over();  // what was refused is looked at again, as stars have changed
     } while (mesh_.alive > options_.target && report_.collapses > before);
     return report_;
   }
 
  private:
   void enter_all() {
-    heap_.reserve(8 * mesh_.points.size());
+    edges_.reserve(8 * mesh_.points.size());
     for (Index a = 0; a < mesh_.points.size(); ++a) {
       if (!mesh_.is_vertex_alive(a)) continue;
       collect_neighbours(a);
       for (const Index b : neighbours_) {
-        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) heap_.push_back({key_of(a, b), a, b, 0});
+        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) edges_.append(a, b);
       }
     }
-    std::make_heap(heap_.begin(), heap_.end());
+    edges_.heapify();
   }
 
   void empty_heap() {
-    while (mesh_.alive > options_.target && !heap_.empty()) {
-      std::pop_heap(heap_.begin(), heap_.end());
-      const Candidate c = heap_.back();
-      heap_.pop_back();
-      if (c.versions == versions_of(c.a, c.b) && !try_collapse(c.a, c.b)) parked_.push_back(c);
+    while (mesh_.alive > options_.target) {
+      const std::optional<WaitingEdge> edge = edges_.pop();
+      if (!edge) return;
+      if (!try_collapse(edge->a, edge->b)) edges_.park(*edge);
     }
-  }
-
-  /// Both versions only ever grow, so their sum tells whether either has.
-  std::uint32_t versions_of(Index a, Index b) const { return versions_[a] + versions_[b]; }
-
-  double key_of(Index a, Index b) const {
-    const double key = length_sq(mesh_.points[b] - mesh_.points[a]);
-    if (rule_.field().is_empty()) return key;
-    const double size = rule_.field().relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
-    return key / (size * size);
   }
 
   void collect_neighbours(Index v) {
@@ -88,14 +61,14 @@ class Collapser {
     }
   }
 
-  /// Mean of the cone's base vertices, counted as often as they occur.
-  Vec3 link_centroid(Index gone, Index kept) {
+  /// Mean of the star's base vertices, counted as often as they occur.
+  Vec3 link_centroid(Index gone, Index survivor) {
     Vec3 sum{};
     std::size_t count = 0;
-    for (const Index center : {gone, kept}) {
+    for (const Index center : {gone, survivor}) {
       collect_neighbours(center);
       for (const Index v : neighbours_) {
-        if (v != gone && v != kept) sum = sum + mesh_.points[v];
+        if (v != gone && v != survivor) sum = sum + mesh_.points[v];
       }
       count += neighbours_.size() - 1;
     }
@@ -103,15 +76,15 @@ class Collapser {
   }
 
   /// Whether there is a place where all tets are good enough; `place_` is set to it.
-  bool find_place(Index gone, Index kept) {
+  bool find_place(Index gone, Index survivor) {
     const Vec3 at_gone = mesh_.points[gone];
-    const Vec3 at_kept = mesh_.points[kept];
-    if (!mesh_.is_free(kept)) return try_place(at_kept, options_.least_score) > options_.least_score;
-    double best = try_place(0.5 * (at_gone + at_kept), options_.least_score);
+    const Vec3 at_survivor = mesh_.points[survivor];
+    if (!mesh_.is_free(survivor)) return try_place(at_survivor, options_.least_score) > options_.least_score;
+    double best = try_place(0.5 * (at_gone + at_survivor), options_.least_score);
     const bool passes = best > options_.least_score;
     if (options_.placement == CollapsePlacement::kMidpoint) return passes;
     if (options_.placement == CollapsePlacement::kFirst && passes) return true;
-    for (const Vec3& place : {link_centroid(gone, kept), at_kept, at_gone}) {
+    for (const Vec3& place : {link_centroid(gone, survivor), at_survivor, at_gone}) {
       best = try_place(place, best);
       if (options_.placement == CollapsePlacement::kFirst && best > options_.least_score) return true;
     }
@@ -120,7 +93,7 @@ class Collapser {
 
   /// The larger of `best` and the worst score with the apex at `place`, which is taken if that is larger.
   double try_place(const Vec3& place, double best) {
-    const double worst = cone_.evaluate(place, best).worst;
+    const double worst = star_.evaluate(place, best).worst;
     if (!(worst > best)) return best;
     place_ = place;
     return worst;
@@ -128,46 +101,43 @@ class Collapser {
 
   bool try_collapse(Index a, Index b) {
     Index gone = a;
-    Index kept = b;
-    if (!mesh_.is_free(gone)) std::swap(gone, kept);
-    cone_.start(rule_.at(mesh_.points[kept]), mesh_.points[kept]);
-    add_star(mesh_, gone, kept, cone_);
-    if (mesh_.is_free(kept)) add_star(mesh_, kept, gone, cone_);
-    if (cone_.size() == 0) return false;
-    cone_.close();
-    if (!find_place(gone, kept) || !cone_.is_positive(place_)) {
+    Index survivor = b;
+    if (!mesh_.is_free(gone)) std::swap(gone, survivor);
+    star_.start(rule_.at(mesh_.points[survivor]), mesh_.points[survivor]);
+    add_star(mesh_, gone, survivor, star_);
+    if (mesh_.is_free(survivor)) add_star(mesh_, survivor, gone, star_);
+    if (star_.size() == 0) return false;
+    star_.close();
+    if (!find_place(gone, survivor) || !star_.is_positive(place_)) {
       ++report_.rejected_shape;
       return false;
     }
-    if (!meets_link_condition(mesh_, gone, kept, marks_)) {
+    if (!meets_link_condition(mesh_, gone, survivor, marks_)) {
       ++report_.rejected_link;
       return false;
     }
-    apply_collapse(mesh_, gone, kept, place_);
+    apply_collapse(mesh_, gone, survivor, place_);
     ++report_.collapses;
-    ++versions_[kept];
-    ++versions_[gone];
-    collect_neighbours(kept);
-    for (const Index w : neighbours_) enter(kept, w);
+    edges_.renew(survivor);
+    edges_.renew(gone);
+    collect_neighbours(survivor);
+    for (const Index w : neighbours_) enter(survivor, w);
     return true;
   }
 
   void enter(Index a, Index b) {
     if (!mesh_.is_free(a) && !mesh_.is_free(b)) return;
-    heap_.push_back({key_of(a, b), a, b, versions_of(a, b)});
-    std::push_heap(heap_.begin(), heap_.end());
+    edges_.push(a, b);
   }
 
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
   const CollapseOptions& options_;
   CollapseReport report_;
-  std::vector<std::uint32_t> versions_;
-  std::vector<Candidate> heap_;
-  std::vector<Candidate> parked_;
+  EdgeHeap edges_;
   std::vector<Index> neighbours_;
   VertexMarks marks_;
-  Cone cone_;
+  StarQuality star_;
   Vec3 place_;
 };
 

@@ -15,6 +15,7 @@ enum class CollapsePlacement {
   kMidpoint  ///< the midpoint alone
 };
 
+/// Where edges collapse to, when one is refused, and when enough are.
 struct CollapseOptions {
   CollapsePlacement placement = CollapsePlacement::kFirst;
   double least_score = 0.0;  ///< a collapse may leave no tet at or below this

@@ -182,17 +182,17 @@ bool Flipper::try_edges_of(Index tet) {
 void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues& value) {
   const std::size_t n = ring.size;
   const ScoreScale scale = scores_.at(mesh_.points[ring.a]);
-  cone_.start(scale, mesh_.points[ring.a]);
+  star_.start(scale, mesh_.points[ring.a]);
   for (std::size_t i = 0; i + 2 < n; ++i) {
     for (std::size_t k = i + 1; k + 1 < n; ++k) {
       for (std::size_t j = k + 1; j < n; ++j) {
-        cone_.add(mesh_.points[ring.ring[i]], mesh_.points[ring.ring[k]], mesh_.points[ring.ring[j]]);
+        star_.add(mesh_.points[ring.ring[i]], mesh_.points[ring.ring[k]], mesh_.points[ring.ring[j]]);
       }
     }
   }
-  cone_.close();
-  cone_.scores(mesh_.points[ring.a], scores_a_);
-  cone_.scores_from_behind(mesh_.points[ring.b], scores_b_);
+  star_.close();
+  star_.scores(mesh_.points[ring.a], scores_a_);
+  star_.scores_from_behind(mesh_.points[ring.b], scores_b_);
   std::size_t at = 0;
   for (std::size_t i = 0; i + 2 < n; ++i) {
     for (std::size_t k = i + 1; k + 1 < n; ++k) {
@@ -248,11 +248,11 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   const std::array<Index, 2> old{tet, other};
   const Before before = measure_before(old.data(), old.size());
   const ScoreScale scale = scores_.at(mesh_.points[p]);
-  cone_.start(scale, mesh_.points[p]);
+  star_.start(scale, mesh_.points[p]);
   fresh_.assign({Tet{p, a, b, q}, Tet{p, b, c, q}, Tet{p, c, a, q}});
-  for (const Tet& f : fresh_) cone_.add(mesh_.points[f[1]], mesh_.points[f[2]], mesh_.points[f[3]]);
-  cone_.close();
-  cone_.scores(mesh_.points[p], fresh_scores_);
+  for (const Tet& f : fresh_) star_.add(mesh_.points[f[1]], mesh_.points[f[2]], mesh_.points[f[3]]);
+  star_.close();
+  star_.scores(mesh_.points[p], fresh_scores_);
   double sum = 0.0;
   for (const double score : fresh_scores_) {
     if (score <= 0.0 || score < rule_.least_of_worst * before.worst) return false;

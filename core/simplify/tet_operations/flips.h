@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/tet_operations/cone.h"
 #include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -34,15 +34,19 @@ bool order_edge_ring(const WorkingMesh& mesh, Index a, Index b, const Index* tet
 /// kept tet.
 bool find_edge_ring(const WorkingMesh& mesh, Index a, Index b, EdgeRing& ring);
 
+/// What a triangle is worth that may not be.
+inline constexpr double kForbidden = -1e300;
+/// value[i][k][j]: what the triangle of the ring's vertices i < k < j is worth.
+using RingValues = std::array<std::array<std::array<double, kLargestRing>, kLargestRing>, kLargestRing>;
+/// Places in the ring.
+using RingTriangle = std::array<std::size_t, 3>;
+
 /// The best way to fill a ring of `size` vertices with triangles, by dynamic programming over its arcs.
 ///
 /// value[i][k][j], i < k < j, is what triangle (i, k, j) is worth, or kForbidden; the best sum is wanted.
 /// Returns it, or kForbidden if there is no filling; `triangles` gets the size - 2 triangles.
 /// Source: Klincsek, Ann. Discrete Math. 9 (1980); Shewchuk, "Two discrete optimization algorithms for the
 /// topological improvement of tetrahedral meshes" (2002).
-inline constexpr double kForbidden = -1e300;
-using RingValues = std::array<std::array<std::array<double, kLargestRing>, kLargestRing>, kLargestRing>;
-using RingTriangle = std::array<std::size_t, 3>;
 double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles);
 
 /// When a flip is made.
@@ -104,7 +108,7 @@ class Flipper {
   WorkingMesh& mesh_;
   const ScoreRule& scores_;
   FlipRule rule_;
-  Cone cone_;
+  StarQuality star_;
   RingValues value_{};
   std::vector<RingTriangle> triangles_;
   std::vector<double> scores_a_;

@@ -12,8 +12,10 @@
 
 namespace palpate::simplify {
 
+/// The highest effort.
 inline constexpr int kMostEffort = 5;
 
+/// How far the mesh is coarsened, and by which means.
 struct RefinedOptions {
   StopRule stop;   ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
   int effort = 1;  ///< 0 .. kMostEffort: more passes and higher thresholds, better and slower
@@ -24,6 +26,7 @@ struct RefinedOptions {
   SizingOptions sizing;
 };
 
+/// What was done.
 struct RefinedReport {
   std::uint64_t vertices_in = 0;
   std::uint64_t vertices_out = 0;

@@ -169,10 +169,10 @@ bool Repairer::try_shift(const EdgeRing& ring, Index v, double score, int steps)
   const Vec3 away = from - 0.5 * (mesh_.points[ring.a] + mesh_.points[ring.b]);
   for (const double share : kShifts) {
     const Vec3 to = from + share * away;
-    cone_.start(scores_.at(from), from);
-    add_star(mesh_, v, kNoIndex, cone_);
-    cone_.close();
-    if (!cone_.is_positive(to)) continue;
+    star_.start(scores_.at(from), from);
+    add_star(mesh_, v, kNoIndex, star_);
+    star_.close();
+    if (!star_.is_positive(to)) continue;
     apply_move(mesh_, v, to);
     if (trial_.try_remove_edge(ring.a, ring.b)) {
       if (keep_if_better(score, steps, false)) {

@@ -65,7 +65,7 @@ class Repairer {
   Flipper flipper_;
   Flipper trial_;  ///< makes flips that may be bad, for a trial
   RepairCounts counts_;
-  Cone cone_;
+  StarQuality star_;
   std::vector<std::pair<double, Index>> bad_;
   std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
   std::vector<double> hopeless_at_;  ///< the score at which compound moves helped nothing either

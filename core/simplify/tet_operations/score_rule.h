@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/simplify/sizing/sizing.h"
-#include "core/simplify/tet_operations/cone.h"
+#include "core/simplify/tet_operations/star_quality.h"
 
 namespace palpate::simplify {
 

@@ -23,7 +23,7 @@ constexpr double kLeastOfWorst = 0.5;
 
 bool Smoother::try_place(const Vec3& place) {
   const double least = kLeastOfWorst * figures_.worst;
-  const ConeFigures there = cone_.evaluate(place, least);
+  const StarFigures there = star_.evaluate(place, least);
   if (!(there.worst > 0.0) || there.worst < least || !(there.sum > figures_.sum)) return false;
   place_ = place;
   figures_ = there;
@@ -31,14 +31,14 @@ bool Smoother::try_place(const Vec3& place) {
 }
 
 void Smoother::climb(int steps) {
-  const Tet& tet = mesh_.tets[cone_tet_];
+  const Tet& tet = mesh_.tets[star_tet_];
   const double edge = length(mesh_.points[tet[0]] - mesh_.points[tet[1]]);
   double step = kFirstStep * edge;
   const double d = kDifference * edge;
   for (int i = 0; i < steps; ++i) {
-    const Vec3 gradient{cone_.evaluate(place_ + Vec3{d, 0.0, 0.0}).sum - figures_.sum,
-                        cone_.evaluate(place_ + Vec3{0.0, d, 0.0}).sum - figures_.sum,
-                        cone_.evaluate(place_ + Vec3{0.0, 0.0, d}).sum - figures_.sum};
+    const Vec3 gradient{star_.evaluate(place_ + Vec3{d, 0.0, 0.0}).sum - figures_.sum,
+                        star_.evaluate(place_ + Vec3{0.0, d, 0.0}).sum - figures_.sum,
+                        star_.evaluate(place_ + Vec3{0.0, 0.0, d}).sum - figures_.sum};
     const double norm = length(gradient);
     if (!(norm > 0.0)) return;
     bool better = false;
@@ -52,21 +52,21 @@ void Smoother::climb(int steps) {
 
 double Smoother::smooth(Index v, int steps) {
   const Vec3 before = mesh_.points[v];
-  cone_.start(rule_.at(before), before);
-  add_star(mesh_, v, kNoIndex, cone_);
-  cone_.close();
-  cone_tet_ = mesh_.star(v)[0];
+  star_.start(rule_.at(before), before);
+  add_star(mesh_, v, kNoIndex, star_);
+  star_.close();
+  star_tet_ = mesh_.star(v)[0];
   place_ = before;
-  figures_ = cone_.evaluate(before);
+  figures_ = star_.evaluate(before);
   const double sum_before = figures_.sum;
-  const Vec3 centroid = cone_.volume_centroid(before);
+  const Vec3 centroid = star_.volume_centroid(before);
   for (const double step : kCentroidSteps) {
     if (try_place(before + step * (centroid - before))) break;
   }
   climb(steps);
-  if (!(figures_.sum > sum_before) || !cone_.is_positive(place_)) return 0.0;
+  if (!(figures_.sum > sum_before) || !star_.is_positive(place_)) return 0.0;
   mesh_.points[v] = place_;
-  cone_.scores(place_, scores_);
+  star_.scores(place_, scores_);
   std::size_t i = 0;
   for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0, scores_[i++]);
   return figures_.sum - sum_before;

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/tet_operations/cone.h"
 #include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -32,10 +32,10 @@ class Smoother {
 
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
-  Cone cone_;
-  Index cone_tet_ = kNoIndex;  ///< one of the star
+  StarQuality star_;
+  Index star_tet_ = kNoIndex;  ///< one of the star
   Vec3 place_;
-  ConeFigures figures_;
+  StarFigures figures_;
   std::vector<double> scores_;
 };
 

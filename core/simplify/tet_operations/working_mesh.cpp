@@ -212,25 +212,25 @@ void apply_move(WorkingMesh& mesh, Index v, const Vec3& to) {
   for (const Index t : mesh.star(v)) mesh.score[t] = WorkingMesh::kNoScore;
 }
 
-std::size_t apply_collapse(WorkingMesh& mesh, Index gone, Index kept, const Vec3& to) {
-  reserve_row(mesh, kept, mesh.star_size[kept] + mesh.star_size[gone]);
+std::size_t apply_collapse(WorkingMesh& mesh, Index gone, Index survivor, const Vec3& to) {
+  reserve_row(mesh, survivor, mesh.star_size[survivor] + mesh.star_size[gone]);
   const std::size_t before = mesh.alive;
   for (const Index t : mesh.star(gone)) {
     Tet& tet = mesh.tets[t];
-    if (has_vertex(tet, kept)) {
+    if (has_vertex(tet, survivor)) {
       for (const Index v : tet) {
         if (v != gone) erase_from_star(mesh, v, t);
       }
       kill_slot(mesh, t);
     } else {
       require(!mesh.is_kept(t), "apply_collapse: a kept tet would change");
-      *std::find(tet.begin(), tet.end(), gone) = kept;
-      mesh.star_tets[mesh.star_begin[kept] + mesh.star_size[kept]++] = t;
+      *std::find(tet.begin(), tet.end(), gone) = survivor;
+      mesh.star_tets[mesh.star_begin[survivor] + mesh.star_size[survivor]++] = t;
     }
   }
   mesh.star_size[gone] = 0;
   mesh.free_vertices.push_back(gone);
-  apply_move(mesh, kept, to);
+  apply_move(mesh, survivor, to);
   return before - mesh.alive;
 }
 
@@ -314,20 +314,20 @@ void collect_boundary_faces(const WorkingMesh& mesh, Index v, std::vector<Triang
   }
 }
 
-bool meets_link_condition(const WorkingMesh& mesh, Index gone, Index kept, VertexMarks& marks) {
+bool meets_link_condition(const WorkingMesh& mesh, Index gone, Index survivor, VertexMarks& marks) {
   constexpr std::uint32_t kInLinkOfKept = 1;
   constexpr std::uint32_t kInRing = 2;
   marks.clear(mesh.points.size());
-  for (const Index t : mesh.star(kept)) {
+  for (const Index t : mesh.star(survivor)) {
     for (const Index v : mesh.tets[t]) marks.set(v, kInLinkOfKept);
   }
   for (const Index t : mesh.star(gone)) {
-    if (!has_vertex(mesh.tets[t], kept)) continue;
+    if (!has_vertex(mesh.tets[t], survivor)) continue;
     for (const Index v : mesh.tets[t]) marks.set(v, kInRing);
   }
   for (const Index t : mesh.star(gone)) {
     const Tet& tet = mesh.tets[t];
-    if (has_vertex(tet, kept)) continue;
+    if (has_vertex(tet, survivor)) continue;
     std::array<Index, 3> ring{};
     std::size_t in_ring = 0;
     for (const Index v : tet) {
@@ -337,18 +337,18 @@ bool meets_link_condition(const WorkingMesh& mesh, Index gone, Index kept, Verte
       if (mark == kInRing) ring[in_ring++] = v;
     }
     // Edges between ring vertices in the link of `gone` must be those of tets that have both ends, or be
-    // missing in the link of `kept`.
+    // missing in the link of `survivor`.
     for (std::size_t i = 0; i + 1 < in_ring; ++i) {
       for (std::size_t j = i + 1; j < in_ring; ++j) {
         bool in_both = false;
-        bool in_link_of_kept = false;
-        for (const Index s : mesh.star(kept)) {
+        bool in_link_of_survivor = false;
+        for (const Index s : mesh.star(survivor)) {
           const Tet& other = mesh.tets[s];
           if (!has_vertex(other, ring[i]) || !has_vertex(other, ring[j])) continue;
-          in_link_of_kept = true;
+          in_link_of_survivor = true;
           in_both = in_both || has_vertex(other, gone);
         }
-        if (in_link_of_kept && !in_both) return false;
+        if (in_link_of_survivor && !in_both) return false;
       }
     }
   }

@@ -65,12 +65,11 @@ TetMesh extract_mesh(WorkingMesh&& mesh);
 /// Moves vertex v; the scores around it become unknown.
 void apply_move(WorkingMesh& mesh, Index v, const Vec3& to);
 
-/// Collapses edge (gone, kept): the tets that have both die, in the others `gone` becomes `kept`, which moves
-/// to `to`. Flags stay those of `kept`.
-/// Requires: the edge exists and meets the link condition (see meets_link_condition); no tet that dies is
-/// kept. The caller has made sure that the tets left are positive.
-/// Returns:  how many tets died.
-std::size_t apply_collapse(WorkingMesh& mesh, Index gone, Index kept, const Vec3& to);
+/// Collapses edge (gone, survivor): the tets that have both die, in the others `gone` becomes `survivor`,
+/// which moves to `to`. Flags stay those of `survivor`. Requires: the edge exists and meets the link
+/// condition (see meets_link_condition); no tet that dies is kept. The caller has made sure that the tets
+/// left are positive. Returns:  how many tets died.
+std::size_t apply_collapse(WorkingMesh& mesh, Index gone, Index survivor, const Vec3& to);
 
 /// Replaces a set of tets by another that fills the same space, such as a flip does. `added` gets the slots
 /// of `fresh`, in the same order. No vertex may lose its last tet. Requires: the tets of `old` are alive and
@@ -115,11 +114,11 @@ class VertexMarks {
   std::uint32_t stamp_ = 0;
 };
 
-/// Whether collapsing edge (gone, kept) keeps the mesh a manifold: the links of the two ends have no vertex
-/// and no edge in common but those of the edge's own link. For an edge inside (one end may be on the
+/// Whether collapsing edge (gone, survivor) keeps the mesh a manifold: the links of the two ends have no
+/// vertex and no edge in common but those of the edge's own link. For an edge inside (one end may be on the
 /// boundary) this is the whole condition; between two boundary vertices the caller must also see to the
 /// boundary's own link condition.
 /// Source: Dey, Edelsbrunner, Guha and Nekhayev, Publ. Inst. Math. 66 (1999).
-bool meets_link_condition(const WorkingMesh& mesh, Index gone, Index kept, VertexMarks& marks);
+bool meets_link_condition(const WorkingMesh& mesh, Index gone, Index survivor, VertexMarks& marks);
 
 }  // namespace palpate::simplify

@@ -30,11 +30,13 @@ enum class SpringMethod {
 
 /// "isotropy_patch" and so on, as on the command line, in the order of the enumeration.
 const std::vector<std::string>& spring_method_names();
+/// The name that parse_spring_method reads.
 const char* spring_method_name(SpringMethod method);
 
 /// The method of that name. Throws: InputError that lists the names.
 SpringMethod parse_spring_method(std::string_view name);
 
+/// Options of the methods; each says whose it is.
 struct IdentifyOptions {
   bool face_opposite = false;  ///< also a spring between the two apexes of each interior face
   std::optional<double>

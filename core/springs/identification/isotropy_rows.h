@@ -25,7 +25,9 @@
 
 namespace palpate::springs {
 
+/// Rows a vertex: monomials of degree 4 in three variables.
 inline constexpr std::size_t kIsotropyRows = 15;
+/// Rows a vertex: monomials of degree 3.
 inline constexpr std::size_t kPatchRows = 10;
 
 /// Coefficients of one spring in the isotropy rows of its end: sqrt(4! / (i! j! k!)) x^i y^j z^k, i + j + k =
@@ -42,6 +44,7 @@ std::array<double, kPatchRows> patch_coefficients(const Vec3& direction);
 /// The tensor (d_jk A_i + d_ij A_k + d_ik A_j) in the patch rows' coordinates.
 std::array<double, kPatchRows> patch_target(const Vec3& area);
 
+/// Which rows, with which weights.
 struct IsotropyOptions {
   bool patch = false;         ///< also the patch rows
   double patch_length = 1.0;  ///< weight of the patch rows, in mean rest lengths at the vertex

@@ -35,6 +35,7 @@ IsotropySystem build_isotropy_system(const TetMesh& mesh, const SpringNetwork& n
 
 /// y = A w, rows_a_vertex entries a place; and w = A^T y.
 void apply_isotropy_rows(const IsotropySystem& system, std::span<const double> w, std::span<double> y);
+/// w = A^T y, of the same system.
 void apply_isotropy_rows_transposed(const IsotropySystem& system, std::span<const double> y,
                                     std::span<double> w);
 

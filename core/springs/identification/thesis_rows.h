@@ -22,6 +22,7 @@ namespace palpate::springs {
 /// S6 and so on: docs/errata.md.
 enum class ThesisRows { kPrinted, kB4Sign, kSubstituted, kCorrected };
 
+/// Rows a vertex, without the stiffness row.
 inline constexpr std::size_t kThesisRows = 17;
 
 /// The only transverse strain ratio that springs alone can have (thesis 3.4).
@@ -39,6 +40,7 @@ std::array<double, kThesisRows> thesis_row_coefficients(const Vec3& direction, T
 /// kidney alone have singular values from 0.14 to 2.5, with opposite springs they go down to nothing.
 inline constexpr double kOppositeRidge = 0.01;
 
+/// How appendix B is read, and with which weights it is solved.
 struct ThesisOptions {
   ThesisRows rows = ThesisRows::kCorrected;
   double stiffness_row_weight = 1.0;  ///< the row sum of w = 12 E V_m is multiplied by this; > 0

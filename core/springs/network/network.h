@@ -49,21 +49,26 @@ struct VertexSprings {
     return {springs.data() + offsets[vertex], springs.data() + offsets[vertex + 1]};
   }
 };
+/// The springs at each of `vertices` vertices. Linear time and memory.
 VertexSprings build_vertex_springs(const SpringNetwork& network, std::size_t vertices);
 
 /// Unit direction of each spring, from its first vertex to its second.
 std::vector<Vec3> build_spring_directions(const TetMesh& mesh, const SpringNetwork& network);
 
+/// The bound of find_degenerate_vertices.
+inline constexpr double kFlatFan = 0.03;
+
 /// Vertices whose constants rest on too few directions: those of one tet, and flat fans, whose springs lie
 /// within kFlatFan of a plane (root mean square of the sine of the angle between spring and plane). Sorted.
-inline constexpr double kFlatFan = 0.03;
 std::vector<Index> find_degenerate_vertices(const TetMesh& mesh, const SpringNetwork& network);
+
+/// The bound of find_hanging_vertices.
+inline constexpr double kHanging = 1e-6;
 
 /// Vertices that their springs don't hold: the least eigenvalue of sum k e e^T over the springs at the vertex
 /// is below kHanging of what it is on average where they are as stiff as the solid, 4 E V_m / (mean U^2).
 /// Such a vertex can move without resistance while all others stand still, so the network has no stable
 /// equilibrium. Sorted. Requires: young_modulus_pa > 0.
-inline constexpr double kHanging = 1e-6;
 std::vector<Index> find_hanging_vertices(const TetMesh& mesh, const SpringNetwork& network,
                                          double young_modulus_pa);
 

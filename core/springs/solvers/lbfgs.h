@@ -8,6 +8,7 @@
 
 namespace palpate::springs {
 
+/// When the search stops, and how far it steps.
 struct LbfgsOptions {
   std::size_t max_iterations = 200;
   std::size_t memory = 12;           ///< pairs of steps and gradient changes that are kept
@@ -16,8 +17,11 @@ struct LbfgsOptions {
   double first_step = 1.0;           ///< largest change of an entry in the first step
 };
 
+/// Why it stopped: the gradient or the decrease is below its tolerance, too many iterations, or no step
+/// lowers f.
 enum class LbfgsStop { kGradient, kDecrease, kIterations, kNoDescent };
 
+/// What became of the search.
 struct LbfgsReport {
   std::size_t iterations = 0;
   std::size_t evaluations = 0;

@@ -31,6 +31,7 @@ struct NormalEquations {
   std::function<void(std::span<const float> x, std::span<float> y)> apply_single;
 };
 
+/// When the search stops, and what is added to the problem.
 struct NonnegativeOptions {
   double tolerance = 1e-10;          ///< of the relative KKT residual
   std::size_t max_iterations = 0;    ///< outer; 0: 500
@@ -38,6 +39,7 @@ struct NonnegativeOptions {
   std::span<const double> toward{};  ///< one a column, or empty: zero
 };
 
+/// What became of the search.
 struct NonnegativeReport {
   std::size_t iterations = 0;     ///< outer
   std::size_t cg_iterations = 0;  ///< all inner ones

@@ -53,12 +53,14 @@ struct CaseResult {
 std::vector<CaseResult> solve_cases(const RankOneTerms& terms, std::span<const double> constant,
                                     const TrainingSet& set);
 
+/// The weight of the prior, and how the objective is minimised.
 struct TrainingOptions {
   double ridge = 0.0;
   LbfgsOptions lbfgs;
   std::function<void()> before_evaluation;  ///< if there is one; what it throws ends the fit
 };
 
+/// The fitted constants, and how well they fit.
 struct TrainingReport {
   std::vector<double> constant;  ///< one a term
   LbfgsReport lbfgs;

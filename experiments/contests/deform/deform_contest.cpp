@@ -13,15 +13,13 @@
 #include "experiments/contests/pad_force.h"
 #include "experiments/files/output_file.h"
 #include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-
-json or_null(const std::optional<double>& value) {
-  return value ? json(*value) : json();
-}
+using reference::or_null;
 
 double largest(const std::vector<Vec3>& field) {
   double most = 0.0;
@@ -241,15 +239,11 @@ class DeformContest : public Contest {
   }
 
   json build_reference_record(const DeformInput& input, const DeformReference& reference) const {
-    std::string id = input.scene + "/reference";
-    for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
-    json record = start_input_record(
-        setting_.plan, mesh_facts(input.scene, input.own.mesh, input.own.mesh_hash), id, "reference");
-    record["sweep"] = input.sweep;
+    json record =
+        start_reference_record(setting_.plan, mesh_facts(input.scene, input.own.mesh, input.own.mesh_hash),
+                               input.scene, input.sweep, reference.outcome, reference.failure);
     record["scene"] = scene_facts(input);
     record["judge"] = describe_reference(reference);
-    record["outcome"] = reference.outcome;
-    record["message"] = reference.failure;
     if (reference.failure.empty())
       record["mesh_file"] = std::filesystem::relative(setting_.folder.paths().reference(input.id),
                                                       setting_.folder.paths().folder)

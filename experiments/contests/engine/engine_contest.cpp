@@ -1,17 +1,13 @@
 #include "experiments/contests/engine/engine_contest.h"
 
-#include <algorithm>
-#include <array>
 #include <map>
 
-#include "core/judge/displacement/reference_estimate.h"
 #include "core/mesh/geometry.h"
-#include "core/mesh/io/medit.h"
+#include "experiments/contests/engine/engine_judge.h"
 #include "experiments/contests/engine/plan_engine.h"
 #include "experiments/contests/pad_force.h"
 #include "experiments/contests/problem_files.h"
-#include "experiments/files/file_hash.h"
-#include "experiments/files/output_file.h"
+#include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
 
 namespace palpate::experiments {
@@ -24,32 +20,16 @@ struct EngineInput {
   std::string id;  ///< "kidney_hold/vertices=1503"
   std::string scene;
   Scene placed;
+  reference::MovingBody body;
   ProblemFiles files;
 };
 
-/// The figures of a report that the judge takes over where they are there: what a repeat gives is what is
-/// judged.
-constexpr std::array kFigures{
-    "peak_speed_m_s",        "speeds_cut",    "inverted_tets_most", "real_time_factor",
-    "tick_real_time_factor", "stable_step_s", "stability_margin",   "slowest_decay_s",
-    "steps_per_tick",        "tick_p50_s",    "tick_p99_s",         "tick_p99_9_s",
-    "tick_worst_s",          "ticks",         "ticks_missed",       "held_force_size_n"};
-
-/// The worst of the returns; a time that one of them did not reach is left out.
-void add_returns(const json& returns, json& figures) {
-  if (!returns.is_array() || returns.empty()) return;
-  const auto worst = [&](const char* key, const char* name) {
-    double most = 0.0;
-    for (const json& each : returns) {
-      if (!each.at(key).is_number()) return;
-      most = std::max(most, each.at(key).get<double>());
-    }
-    figures[name] = most;
-  };
-  worst("error", "return_error");
-  worst("rms_error", "return_rms_error");
-  worst("half_s", "half_return_s");
-  worst("twentieth_s", "twentieth_return_s");
+/// The points that the tools push, as probes after the scene's own.
+void add_tool_probes(EngineInput& input) {
+  for (const SceneLoad& load : input.placed.loads) {
+    if (load.kind == SceneLoad::Kind::kDisplace && load.region.kind == Region::Kind::kSphere)
+      input.body.motion.probes.push_back(nearest_point(input.files.mesh.points, load.region.center));
+  }
 }
 
 class EngineContest : public Contest {
@@ -75,7 +55,8 @@ class EngineContest : public Contest {
     for (auto& [id, force] : forces_) {
       setting_.progress.show("force of the reference on " + id);
       const EngineInput& input = inputs_.at(id);
-      force = solve_pad_force(input.placed, input.files.mesh, setting_.folder.paths().problem(id), setting_);
+      force = solve_pad_force(input.placed, input.files.mesh,
+                              setting_.folder.paths().problem(id + "/reference"), setting_);
       if (force.interrupted) return false;
       json record = build_force_record(input, force);
       if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));
@@ -96,10 +77,15 @@ class EngineContest : public Contest {
     json record =
         start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
     record["scene"] = scene_facts(input);
-    // Times differ from one repeat to the next, so each is judged by its own report.
-    const auto judge = [&](const std::filesystem::path&) { return figures_of(input, answer.report); };
+    const auto judge = [&](const std::filesystem::path& file) {
+      json figures = judge_engine_file(input.body.motion, input.files.mesh, answer.report, file);
+      const auto force = forces_.find(input.id);
+      if (force != forces_.end() && force->second.failure.empty())
+        compare_force({force->second.force_n, force->second.change}, figures);
+      return figures;
+    };
     judge_answer({judge, [](json&) {}, "motion"}, facts, answer, earlier, record);
-    if (record.at("judge").is_object()) record["judge"] = figures_of(input, answer.report);
+    if (record.at("judge").is_object()) record["reported"] = reported_figures(answer.report);
     return record;
   }
 
@@ -124,18 +110,15 @@ class EngineContest : public Contest {
 
   EngineInput build_input(const Case& run_case, const std::string& id) const {
     const PlanScene& scene = setting_.plan.scenes[run_case.subject];
-    EngineInput input{id, scene.name, {}, {}};
+    EngineInput input{id, scene.name, {}, {}, {}};
     std::optional<std::uint64_t> vertices;
     if (vertices_of(run_case) > 0) vertices = vertices_of(run_case);
     input.files.mesh = build_scene_mesh(scene.scene.mesh, vertices).mesh;
     input.placed = place_scene(scene.scene, input.files.mesh);
-    const std::filesystem::path folder = setting_.folder.paths().problem(id);
-    create_folder(folder);
-    input.files.mesh_file = std::filesystem::absolute(folder / "in.mesh");
-    write_medit(input.files.mesh_file, input.files.mesh);
-    input.files.mesh_hash = hash_file(input.files.mesh_file);
-    input.files.problem_file = std::filesystem::absolute(scene.scene.file);
-    input.files.problem_hash = hash_file(input.files.problem_file);
+    input.body = build_moving_body(input.placed, input.files.mesh, setting_.registry);
+    add_tool_probes(input);
+    write_problem(input.files, reference::moving_body_to_json(input.body),
+                  setting_.folder.paths().problem(id));
     return input;
   }
 
@@ -146,34 +129,6 @@ class EngineContest : public Contest {
             {"strain", input.placed.strain == StrainSize::kSmall ? "small" : "large"},
             {"young_modulus_pa", material.young_modulus_pa},
             {"poisson_ratio", material.poisson_ratio}};
-  }
-
-  json figures_of(const EngineInput& input, const json& report) const {
-    json figures = {{"kind", "engine"}, {"valid", true}, {"findings", json::array()}};
-    const std::string outcome = report.at("outcome").get<std::string>();
-    if (outcome != "completed") {
-      figures["valid"] = false;
-      figures["findings"].push_back("its outcome is " + outcome);
-    }
-    for (const char* name : kFigures) {
-      if (report.value(name, json()).is_number()) figures[name] = report.at(name);
-    }
-    add_returns(report.value("returns", json()), figures);
-    const auto force = forces_.find(input.id);
-    if (force == forces_.end() || !force->second.failure.empty() || !report.contains("held_force_n"))
-      return figures;
-    const auto held = report.at("held_force_n").get<std::vector<double>>();
-    const Vec3& expected = force->second.force_n;
-    const double size = length(expected);
-    figures["reference_force_size_n"] = size;
-    const std::optional<double>& change = force->second.change;
-    if (change) figures["reference_force_change"] = *change;
-    if (size > 0.0) {
-      const double error = length(Vec3{held.at(0), held.at(1), held.at(2)} - expected) / size;
-      figures["force_error"] = error;
-      figures["reference_too_coarse"] = judge::is_reference_too_coarse(error, change);
-    }
-    return figures;
   }
 
   json build_force_record(const EngineInput& input, const PadForce& force) const {

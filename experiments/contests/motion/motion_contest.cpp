@@ -131,15 +131,11 @@ class MotionContest : public Contest {
   }
 
   json build_reference_record(const MotionInput& input, const MotionReference& reference) const {
-    std::string id = input.scene + "/reference";
-    for (const auto& [name, value] : input.sweep.items()) id += "/" + name + "=" + value.dump();
-    json record = start_input_record(
-        setting_.plan, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), id, "reference");
-    record["sweep"] = input.sweep;
+    json record = start_reference_record(setting_.plan,
+                                         mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash),
+                                         input.scene, input.sweep, reference.outcome, reference.failure);
     record["scene"] = scene_facts(input);
     record["judge"] = describe_reference(reference);
-    record["outcome"] = reference.outcome;
-    record["message"] = reference.failure;
     if (reference.failure.empty())
       record["mesh_file"] =
           reference.history_file.lexically_relative(setting_.folder.paths().folder).string();

@@ -6,7 +6,7 @@
 #include "core/base/error.h"
 #include "experiments/contestants/solution.h"
 #include "experiments/files/output_file.h"
-#include "experiments/scene_reader/scene_problem.h"
+#include "experiments/scene_reader/scene_motion.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -32,25 +32,6 @@ void check_scene(const Scene& scene) {
   if (dynamic.mass_per_vertex_kg) refuse("the material's masses");
   if (dynamic.speed_limit_m_s) refuse("no speed limit");
   if (dynamic.probes_m.empty()) refuse("at least one of probes_m");
-}
-
-/// The scene with one of its loads alone, or with its clamps alone.
-BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const SceneLoad* load) {
-  Scene part = placed;
-  part.loads.clear();
-  if (load != nullptr) {
-    part.clamps.clear();
-    part.loads.push_back(*load);
-  }
-  return resolve_problem(part, mesh);
-}
-
-Index nearest_vertex(const TetMesh& mesh, const Vec3& point) {
-  const auto nearer = [&](const Vec3& a, const Vec3& b) {
-    return length_sq(a - point) < length_sq(b - point);
-  };
-  return static_cast<Index>(std::min_element(mesh.points.begin(), mesh.points.end(), nearer) -
-                            mesh.points.begin());
 }
 
 /// One solution of the reference.
@@ -102,23 +83,9 @@ void add_errors(const json& errors, double factor, json& own) {
 
 }  // namespace
 
-MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh) {
+MotionProblem build_compared_problem(const Scene& placed, const TetMesh& mesh) {
   check_scene(placed);
-  MotionProblem problem;
-  problem.body = resolve_part(placed, mesh, nullptr);
-  for (const SceneLoad& load : placed.loads) {
-    MotionLoad part;
-    part.part = resolve_part(placed, mesh, &load);
-    part.profile = load.profile.value_or(dynamics::TimeProfile{});
-    part.from_s = load.from_s;
-    part.until_s = load.until_s;
-    problem.loads.push_back(std::move(part));
-  }
-  problem.damping_stiffness_s = placed.dynamic.damping_stiffness_s;
-  problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
-  problem.duration_s = placed.dynamic.duration_s;
-  problem.samples = placed.dynamic.samples;
-  for (const Vec3& probe : placed.dynamic.probes_m) problem.probes.push_back(nearest_vertex(mesh, probe));
+  MotionProblem problem = build_motion_problem(placed, mesh);
   problem.frequencies = kComparedFrequencies;
   return problem;
 }
@@ -144,7 +111,7 @@ MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const 
   input.id = problem_id(scene.name, sweep);
   SweptScene swept = place_swept_scene(scene.scene, input.sweep);
   input.files.mesh = std::move(swept.mesh);
-  input.problem = build_motion_problem(swept.placed, input.files.mesh);
+  input.problem = build_compared_problem(swept.placed, input.files.mesh);
   write_problem(input.files, reference::motion_to_json(input.problem), folder);
   return input;
 }

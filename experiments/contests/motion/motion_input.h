@@ -23,7 +23,7 @@ inline constexpr std::size_t kComparedFrequencies = 10;
 /// Throws: InputError for what the contest cannot ask of all contestants alike: a preset, large strain,
 /// damping by absolute constants or of the isotropic kind, masses a vertex, a speed limit, no probe; and as
 /// resolve_problem does.
-reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh);
+reference::MotionProblem build_compared_problem(const Scene& placed, const TetMesh& mesh);
 
 /// The stretch of time in which a probe's oscillation is fitted: from the last change of the loads to the
 /// end, or, where that is less than a fifth of the motion (loads that never rest), its second half.

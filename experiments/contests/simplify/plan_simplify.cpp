@@ -1,6 +1,6 @@
 #include "experiments/contests/simplify/plan_simplify.h"
 
-#include "experiments/judging/keep.h"
+#include "experiments/judging/kept_regions.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_mesh.h"
 #include "experiments/plan_reader/plan_report.h"
@@ -82,7 +82,7 @@ void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& re
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
   plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
   auto part = std::make_shared<SimplifyPart>();
-  if (const auto region = fields.find("region")) part->region = read_keep(*region);
+  if (const auto region = fields.find("region")) part->region = read_kept_regions(*region);
   if (const auto equal_count = fields.find("equal_count")) part->equal_count = equal_count->number(1e-6, 0.1);
   if (const auto claim = fields.find("claim")) part->claim = read_claim(*claim, plan.contestants);
   if (const auto comparisons = fields.find("comparisons"))

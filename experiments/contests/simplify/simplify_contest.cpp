@@ -43,22 +43,7 @@ class SimplifyContest : public Contest {
   explicit SimplifyContest(const ContestSetting& setting) : setting_(setting) {}
 
   json prepare(const std::vector<const Case*>&, const json& earlier) override {
-    json described = json::array();
-    for (const PlanMesh& mesh : setting_.plan.meshes) {
-      const auto file = setting_.folder.paths().mesh(mesh.name + "/input");
-      if (!earlier.is_null()) {
-        meshes_.push_back(reload_mesh(mesh, file, earlier));
-        continue;
-      }
-      setting_.progress.show("mesh " + mesh.name);
-      meshes_.push_back(obtain_mesh(mesh, file));
-      for (const std::string& note : meshes_.back().notes) {
-        const bool named = note.rfind(mesh.name + ":", 0) == 0;
-        setting_.progress.say(named ? note : mesh.name + ": " + note);
-      }
-      described.push_back(describe_mesh(meshes_.back()));
-    }
-    return earlier.is_null() ? json{{"meshes", described}} : json::object();
+    return prepare_meshes(setting_.plan, setting_.folder.paths(), earlier, setting_.progress, meshes_);
   }
 
   bool record_inputs(const std::set<std::string>& recorded,

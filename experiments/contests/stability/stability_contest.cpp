@@ -1,15 +1,19 @@
 #include "experiments/contests/stability/stability_contest.h"
 
-#include <cmath>
 #include <filesystem>
 #include <map>
+#include <utility>
 
+#include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
+#include "experiments/contests/problem_files.h"
 #include "experiments/contests/run_mesh.h"
 #include "experiments/contests/stability/plan_stability.h"
+#include "experiments/contests/stability/stability_input.h"
+#include "experiments/contests/stability/stability_judge.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/text/terminal.h"
+#include "reference/door/stability_problem.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -17,57 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kAgreement = 0.02;
 constexpr double kSimplifierTimeout = 300.0;
-constexpr const char* kEndings[] = {"steady",   "oscillating", "energy_growing", "diverged",
-                                    "inverted", "non_finite",  "too_slow",       "growing_slowly"};
-
-bool is_ending(const json& outcome) {
-  for (const char* ending : kEndings) {
-    if (outcome == ending) return true;
-  }
-  return false;
-}
-
-/// Findings of what is in a report, from what has to be there.
-json judge_report(const json& report) {
-  json figures{{"valid", true}, {"findings", json::array()}, {"ending", report.value("outcome", json())}};
-  json& findings = figures["findings"];
-  if (!is_ending(figures.at("ending"))) findings.push_back("its outcome is none of the eight");
-  const json runs = report.value("runs", json::array());
-  if (!runs.is_array() || runs.empty()) findings.push_back("it reports no run");
-  for (const json& run : runs) {
-    if (!is_ending(run.value("outcome", json()))) findings.push_back("a run's outcome is none of the eight");
-    if (run.value("outcome", json()) == "too_slow")
-      findings.push_back("a run was given up after " + run.value("steps", json()).dump() +
-                         " steps for want of time: how it ends is not known");
-  }
-  const json ratio = report.value("measured_over_predicted", json());
-  if (ratio.is_number()) figures["measured_over_predicted"] = ratio;
-  const json rows = report.value("row_sum_step_s", json());
-  const json measured = report.value("measured_step_s", json());
-  if (rows.is_number() && measured.is_number())
-    figures["row_sum_over_measured"] = rows.get<double>() / measured.get<double>();
-  figures["valid"] = findings.empty();
-  return figures;
-}
-
-/// Of small motions the measured step has to be the predicted one, and row sums no longer than it.
-void add_agreement_violations(json& record) {
-  if (record.at("options").value("regime", "") != "small") return;
-  const json& judge = record.at("judge");
-  const json ratio = judge.value("measured_over_predicted", json());
-  // Where the prediction is no more than a safe one, the measured step may be longer.
-  const bool is_exact = record.at("report").value("predicted_is_exact", true);
-  const double off = ratio.is_number() ? ratio.get<double>() - 1.0 : 0.0;
-  if (off < -kAgreement || (is_exact && off > kAgreement))
-    record["violations"].push_back("the measured step is " + short_number(ratio.get<double>()) +
-                                   " of the predicted one, within 2% is accepted");
-  const json rows = judge.value("row_sum_over_measured", json());
-  if (rows.is_number() && rows.get<double>() > 1.0 + kAgreement)
-    record["violations"].push_back("the row sums' step is " + short_number(rows.get<double>()) +
-                                   " of the measured one");
-}
 
 class StabilityContest : public Contest {
  public:
@@ -100,7 +54,18 @@ class StabilityContest : public Contest {
       const Simplified& simplified = simplified_.at(simplified_id(run_case));
       if (!simplified.failure.empty()) return simplified.failure;
     }
-    task.mesh_in = fs::absolute(mesh_of(run_case).file);
+    ProblemFiles files;
+    try {
+      StabilityInput input = build_stability_input(mesh_of(run_case).mesh, run_case.options);
+      files.mesh = std::move(input.mesh);
+      write_problem(files, reference::stability_to_json(input.problem),
+                    setting_.folder.paths().problem(run_case.id));
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    task.mesh_in = files.mesh_file;
+    task.problem_in = files.problem_file;
+    task.options = own_options(run_case.options);
     return "";
   }
 
@@ -116,14 +81,17 @@ class StabilityContest : public Contest {
       record["null_reasons"] = {{"report", "timed out"}, {"kernel_s", "timed out"}};
       return record;
     }
-    const auto judge = [&](const fs::path&) { return judge_report(answer.report); };
-    judge_answer({judge, add_agreement_violations, "report"}, facts, answer, earlier, record);
-    if (record.at("judge").is_object()) record["null_reasons"]["output_hash"] = "the report is all there is";
+    if (answer.outcome == "ok") record["reported"] = pick_reported(answer.report);
+    const auto judge = [&](const fs::path& file) {
+      const StabilityInput input = build_stability_input(mesh.mesh, facts.run_case.options);
+      return judge_stability(input, facts.run_case.options, answer.report, file);
+    };
+    judge_answer({judge, add_agreement_violations, "answer"}, facts, answer, earlier, record);
     return record;
   }
 
   fs::path kept_output(const Case& run_case) const override {
-    return setting_.folder.paths().mesh(run_case.id);
+    return setting_.folder.paths().motion(run_case.id);
   }
 
  private:

@@ -43,6 +43,7 @@ int main(int argc, char** argv) {
     report.value = errno;
     return send(report) ? 127 : 126;
   }
+  ::signal(SIGINT, SIG_IGN);  // a program that is asked to end in order is waited for
   while (::wait4(child, &report.value, 0, &report.usage) < 0 && errno == EINTR) {
   }
   report.kind = ChildReport::kEnded;

@@ -1,8 +1,7 @@
 #include "reference/fenicsx/motion/motion_answer.h"
 
-#include <chrono>
-
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/refinement.h"
 #include "reference/door/request_options.h"
 #include "reference/fenicsx/motion/frequencies.h"
@@ -35,10 +34,6 @@ Options read_options(const Request& request) {
   return options;
 }
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 }  // namespace
 
 Response answer_motion(const Request& request) {
@@ -52,12 +47,12 @@ Response answer_motion(const Request& request) {
     mesh = std::move(refined);
   }
   Response response;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   ElasticBody body(mesh, problem.body.material, problem.body.strain,
                    request.method == "moving_fem.p1" ? 1 : 2);
-  const double setup_s = seconds_since(start);
+  const double setup_s = watch.seconds();
   const Motion found = find_motion(mesh, problem, body, options.newmark);
-  response.kernel_s = seconds_since(start);
+  response.kernel_s = watch.seconds();
   response.report = {{"method", request.method},
                      {"outcome", found.outcome},
                      {"refine", options.refine},
@@ -74,9 +69,9 @@ Response answer_motion(const Request& request) {
                      {"assembly_s", setup_s + found.assembly_s},
                      {"solve_s", found.solve_s}};
   if (problem.frequencies > 0) {
-    const auto frequencies_start = std::chrono::steady_clock::now();
+    const Stopwatch frequencies_watch;
     response.report["frequencies_hz"] = find_frequencies(mesh, problem, body, problem.frequencies);
-    response.report["frequencies_s"] = seconds_since(frequencies_start);
+    response.report["frequencies_s"] = frequencies_watch.seconds();
   }
   if (found.outcome == "completed") write_history(request.output, found.history);
   return response;

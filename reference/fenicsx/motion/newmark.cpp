@@ -1,9 +1,9 @@
 #include "reference/fenicsx/motion/newmark.h"
 
-#include <chrono>
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 
 namespace palpate::reference::fenicsx {
 namespace {
@@ -14,10 +14,6 @@ constexpr int kMostIterations = 5000;
 // Where a solution with given factors takes as long as one by conjugate gradients.
 constexpr std::size_t kMostNodesForMumps = 40000;
 constexpr double kMostSteps = 1e8;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 double norm_of(const Vector& v) {
   PetscReal value = 0.0;
@@ -165,9 +161,9 @@ class Stepping {
     moving_.clear_held(groups_, missing);
     Vector found = guess_ ? copy_of(guess_) : zeros_like(missing);
     moving_.clear_held(groups_, found);
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     const double residual = system.solve(missing, options_.tolerance_relative, found, found_);
-    found_.solve_s += seconds_since(start);
+    found_.solve_s += watch.seconds();
     found_.residual_relative = std::max(found_.residual_relative, residual);
     if (!(residual <= std::max(options_.tolerance_relative, kRounding))) return false;
     moving_.clear_held(groups_, found);
@@ -209,7 +205,7 @@ Motion find_motion(const TetMesh& mesh, const MotionProblem& problem, ElasticBod
                    const NewmarkOptions& options) {
   if (problem.body.strain != StrainSize::kSmall)
     throw InputError("strain", 0, "small: finite elements move by linear elasticity", "large");
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const bool direct = options.solver == SolverChoice::kAuto ? body.global_nodes() <= kMostNodesForMumps
                                                             : options.solver == SolverChoice::kMumps;
   Motion found;
@@ -217,7 +213,7 @@ Motion find_motion(const TetMesh& mesh, const MotionProblem& problem, ElasticBod
   found.history.columns = history_columns(problem);
   const MovingBody moving(mesh, problem, body, direct ? "aij" : "baij");
   found.outcome = Stepping(moving, options, direct, found).run() ? "completed" : "not_converged";
-  found.assembly_s = seconds_since(begin) - found.solve_s;
+  found.assembly_s = watch.seconds() - found.solve_s;
   return found;
 }
 

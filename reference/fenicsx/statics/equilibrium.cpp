@@ -1,11 +1,11 @@
 #include "reference/fenicsx/statics/equilibrium.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::reference::fenicsx {
@@ -189,7 +189,7 @@ bool solve_once(const LoadedBody& loaded, TangentSystem& system, double toleranc
 /// Solves for one problem with a system that may be in use for others.
 Equilibrium solve_loaded(const BoundaryProblem& problem, const LoadedBody& loaded, ElasticBody& body,
                          TangentSystem& system, const EquilibriumOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const double solve_before = system.solve_s();
   Equilibrium found;
   found.displacement = body.create_vector();
@@ -202,8 +202,7 @@ Equilibrium solve_loaded(const BoundaryProblem& problem, const LoadedBody& loade
   found.support_energy_j = loaded.terms().support_energy(found.displacement, 1.0);
   found.support_forces_n = loaded.terms().support_forces(found.displacement, 1.0);
   found.solve_s = system.solve_s() - solve_before;
-  found.assembly_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() - found.solve_s;
+  found.assembly_s = watch.seconds() - found.solve_s;
   return found;
 }
 
@@ -231,17 +230,12 @@ bool share_stiffness(const BoundaryProblem& a, const BoundaryProblem& b) {
          std::equal(a.supports.begin(), a.supports.end(), b.supports.begin(), b.supports.end(), same_support);
 }
 
-Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
-                             const EquilibriumOptions& options) {
-  return std::move(find_equilibria(mesh, {&problem, 1}, body, options).front());
-}
-
 std::vector<Equilibrium> find_equilibria(const TetMesh& mesh, std::span<const BoundaryProblem> problems,
                                          ElasticBody& body, const EquilibriumOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const LoadedBody first(mesh, problems.front(), body);
   TangentSystem system(mesh, problems.front(), body, first.terms(), options.solver);
-  const double setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double setup_s = watch.seconds();
   std::vector<Equilibrium> found;
   found.push_back(solve_loaded(problems.front(), first, body, system, options));
   found.front().assembly_s += setup_s;

@@ -34,11 +34,9 @@ struct Equilibrium {
 
 /// Small strain: one linear solve. Large strain: all load at once and then, where that fails, in smaller load
 /// steps; each by Newton's method with a line search on the total energy.
-Equilibrium find_equilibrium(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
-                             const EquilibriumOptions& options);
-
-/// The same for several problems that share_stiffness with the first: its tangent is assembled and factored
-/// once. One equilibrium a problem; times are each one's own, and the first has the assembly.
+///
+/// All problems share_stiffness with the first: its tangent is assembled and factored once. One equilibrium a
+/// problem; times are each one's own, and the first has the assembly.
 std::vector<Equilibrium> find_equilibria(const TetMesh& mesh, std::span<const BoundaryProblem> problems,
                                          ElasticBody& body, const EquilibriumOptions& options);
 

@@ -1,8 +1,8 @@
 #include "reference/fenicsx/statics/linear_solver.h"
 
-#include <chrono>
 #include <unordered_map>
 
+#include "core/base/stopwatch.h"
 #include "reference/fenicsx/statics/rigid_motions.h"
 
 namespace palpate::reference::fenicsx {
@@ -19,10 +19,6 @@ constexpr double kRounding = 1e-15;
 // slender body that bends): they start anew from the true one as long as that pays.
 constexpr int kMostStarts = 6;
 constexpr double kWorthAStart = 0.5;
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /// The interpolation from linear to quadratic shapes: a midpoint takes half of each end of its edge.
 Matrix build_interpolation(const ElasticBody& fine, const ElasticBody& coarse) {
@@ -57,7 +53,7 @@ void use_mumps(PC preconditioner) {
 TangentSystem::TangentSystem(const TetMesh& mesh, const BoundaryProblem& problem, ElasticBody& body,
                              const BoundaryTerms& terms, SolverChoice choice)
     : small_(problem.strain == StrainSize::kSmall) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const bool quadratic = body.global_nodes() > mesh.points.size();
   if (choice == SolverChoice::kAuto) {
     const std::size_t most = quadratic ? kMostQuadraticNodesForMumps : kMostNodesForMumps;
@@ -68,7 +64,7 @@ TangentSystem::TangentSystem(const TetMesh& mesh, const BoundaryProblem& problem
   fine_ = {&body, &terms, body.create_matrix(by_linear ? "baij" : "aij"), body.create_vector()};
   if (by_linear) create_coarse_level(mesh, problem);
   create_solver(mesh);
-  assembly_s_ += seconds_since(start);
+  assembly_s_ += watch.seconds();
 }
 
 TangentSystem::~TangentSystem() = default;
@@ -215,7 +211,7 @@ LinearReport TangentSystem::solve_assembled(const Vector& right, double toleranc
 
 LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, double tolerance_relative,
                                   const Vector& step) {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const bool is_new = !is_ready_;
   if (is_new) assemble(fine_, u, small_);
   Vector right = zeros_like(residual);
@@ -229,9 +225,9 @@ LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, doubl
     hold(coarse_);
   }
   is_ready_ = small_;
-  assembly_s_ += seconds_since(start);
+  assembly_s_ += watch.seconds();
 
-  const auto solve_start = std::chrono::steady_clock::now();
+  const Stopwatch solve_watch;
   if (is_new)
     check(KSPSetOperators(solver_.get(), fine_.tangent.get(), fine_.tangent.get()), "KSPSetOperators");
   Vector free_step = zeros_like(residual);
@@ -239,7 +235,7 @@ LinearReport TangentSystem::solve(const Vector& u, const Vector& residual, doubl
   update_ghosts(free_step);
   check(VecAXPY(step.get(), 1.0, free_step.get()), "VecAXPY");
   update_ghosts(step);
-  solve_s_ += seconds_since(solve_start);
+  solve_s_ += solve_watch.seconds();
   return report;
 }
 

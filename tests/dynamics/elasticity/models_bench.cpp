@@ -2,10 +2,10 @@
 // the same mesh, taken in turns: counter "over_springs". And static solves.
 #include <benchmark/benchmark.h>
 
-#include <chrono>
 #include <string>
 #include <vector>
 
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/volume_models.h"
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "core/mesh/shapes/shapes.h"
@@ -48,9 +48,9 @@ void bench_forces(benchmark::State& state, const std::string& name) {
   const std::vector<Vec3> u = testing_support::make_random_field(mesh.points.size(), 1e-3, 1);
   std::vector<Vec3> force(u.size());
   const auto seconds = [&](const ElasticModel& each) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     benchmark::DoNotOptimize(add_elastic_forces(each, u, force));
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return watch.seconds();
   };
   double of_plain = 0.0;
   double of_model = 0.0;

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -23,6 +22,7 @@
 #include <vector>
 
 #include "core/base/large_pages.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/motion/integrator.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
 #include "core/mesh/shapes/shapes.h"
@@ -89,9 +89,9 @@ std::array<double, 2> time_medians(benchmark::State& state, int times, const Wor
   while (state.KeepRunning()) {
     for (int k = 0; k < times; ++k) {
       const double cpu_start = seconds_of_this_thread();
-      const auto start = std::chrono::steady_clock::now();
+      const Stopwatch watch;
       work();
-      wall.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+      wall.push_back(watch.seconds());
       cpu.push_back(seconds_of_this_thread() - cpu_start);
     }
     state.SetIterationTime(median(wall));

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "core/dynamics/linear_algebra/extreme_eigen.h"
+#include "core/dynamics/stability/extreme_eigen.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"

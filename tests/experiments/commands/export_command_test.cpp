@@ -13,7 +13,7 @@
 #include "experiments/contestants/contestant.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
-#include "reference/springs/model_request.h"
+#include "reference/elastic_models/model_request.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/motion_cases.h"

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/io/displacement_vtu.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "experiments/meshes/mesh_source.h"
-#include "experiments/simulation/displacement_file.h"
 #include "reference/door/deform_problem.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"

@@ -133,7 +133,7 @@ TEST(ContestantRun, ProgramThatWasNotBuilt) {
       "ghost/contestant.yaml",
       "schema: palpate/contestant/1\ncontest: simplify\nprogram: ghost_program\npackages: [libghost-dev]\n"
       "licence: MIT\nmethods: [{name: ghost.walk, summary: none, stops: [limit]}]\n");
-  const Registry registry({read_contestant(folder / "ghost/contestant.yaml", experiments::program_folder())});
+  const Registry registry(read_description(folder / "ghost/contestant.yaml", experiments::program_folder()));
   ContestantTask task;
   task.method = *registry.find("ghost.walk");
   task.scratch = folder.path();
@@ -188,7 +188,8 @@ TEST(Contestant, MayLiveElsewhere) {
 TEST(Contestant, AProgramIsLookedForBesideItsDescriptionFirst) {
   const test::ScratchFolder folder;
   const auto program_of = [&](const char* program) {
-    return read_contestant(folder.add("contestant.yaml", own_description(program)), "/bin/folder").program;
+    const auto file = folder.add("contestant.yaml", own_description(program));
+    return read_description(file, "/bin/folder").at(0).program;
   };
   EXPECT_EQ(program_of("solver"), "/bin/folder/solver");
   const auto own = folder.add("solver", "");
@@ -205,7 +206,7 @@ std::string description_error(const std::string& methods) {
                  "schema: palpate/contestant/1\ncontest: simplify\nprogram: p\nlicence: MIT\nmethods:\n" +
                      methods + "\n");
   try {
-    read_contestant(file, folder.path());
+    read_description(file, folder.path());
   } catch (const InputError& error) {
     return error.what();
   }
@@ -271,8 +272,43 @@ TEST(Contestant, MethodsHaveTheOptionSetsThatTheyName) {
 
 TEST(Contestant, SameMethodTwiceIsRefused) {
   const auto file = std::filesystem::path(test::test_folder()) / "contestant/contestant.yaml";
-  const Contestant once = read_contestant(file, experiments::program_folder());
+  const Contestant once = read_description(file, experiments::program_folder()).at(0);
   EXPECT_THROW(Registry({once, once}), InputError);
+}
+
+TEST(Contestant, OneDescriptionMayListSeveralContests) {
+  const Registry registry = load_registry();
+  const Contestant& still = *registry.find("springs.isotropy")->contestant;
+  const Contestant& moving = *registry.find("moving_springs.isotropy")->contestant;
+  EXPECT_EQ(still.folder, "springs");
+  EXPECT_EQ(moving.folder, "springs");
+  EXPECT_EQ(still.contest, "deform");
+  EXPECT_EQ(moving.contest, "motion");
+  EXPECT_EQ(still.program, moving.program);
+  const MethodSpec& method = *registry.find("moving_springs.isotropy")->method;
+  EXPECT_NE(method.find_option("integrator"), nullptr) << "belongs to all methods of its contest";
+  EXPECT_NE(method.find_option("calibrate"), nullptr) << "a set of both contests";
+  EXPECT_EQ(method.find_option("load_steps"), nullptr) << "belongs to the other contest";
+}
+
+TEST(Contestant, WhatBelongsToEachContestIsRefusedAboveThem) {
+  const test::ScratchFolder folder;
+  const auto error_of = [&](const std::string& rest) -> std::string {
+    const auto file =
+        folder.add("contestant.yaml", "schema: palpate/contestant/1\nprogram: p\nlicence: MIT\n" + rest);
+    try {
+      read_description(file, folder.path());
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  const std::string one = "contests:\n  - contest: step\n    methods: [{name: a, summary: s}]\n";
+  EXPECT_EQ(error_of(one), "no error");
+  EXPECT_THAT(error_of("contest: step\n" + one), HasSubstr("contest belongs to each of the contests"));
+  EXPECT_THAT(error_of("contests: []\n"), HasSubstr("at least one contest"));
+  EXPECT_THAT(error_of("contests: [{contest: step, methods: [], licence: MIT}]\n"),
+              HasSubstr("unknown key \"licence\""));
 }
 
 }  // namespace

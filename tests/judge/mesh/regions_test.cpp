@@ -51,13 +51,13 @@ TEST(Regions, TheSimplifiersKeepAtLeastWhatTheJudgeAsksFor) {
     const Vec3 at{random.uniform(), random.uniform(), i % 3 == 2 ? 1.0 : random.uniform()};
     const double size = 0.15 + 0.3 * random.uniform();
     Region region{kSphere, at, size, 0.0};
-    simplify::KeepRegion keep{.center = at, .radius = size};
+    simplify::KeptRegion keep{.center = at, .radius = size};
     if (i % 3 == 1) {
       region = {kHalfSpace, at, size, 0.0};
-      keep = {.kind = simplify::KeepRegion::Kind::kHalfSpace, .normal = at, .offset = size};
+      keep = {.kind = simplify::KeptRegion::Kind::kHalfSpace, .normal = at, .offset = size};
     } else if (i % 3 == 2) {
       region = {kSurfacePatch, at, size, 0.1};
-      keep = {.kind = simplify::KeepRegion::Kind::kSurfacePatch, .center = at, .radius = size, .depth = 0.1};
+      keep = {.kind = simplify::KeptRegion::Kind::kSurfacePatch, .center = at, .radius = size, .depth = 0.1};
     }
     const auto kept = simplify::build_kept_tets(simplify::SizingField({{keep}, 0.5, 0.0}, mesh), mesh);
     // Two arithmetics: they can differ only for a tet that touches the border, and random ones do not.

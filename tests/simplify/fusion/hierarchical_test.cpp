@@ -118,8 +118,8 @@ TEST(Hierarchical, StorageOrderDoesNotShow) {
   }
 }
 
-KeepRegion sphere_at(const Vec3& center, double radius) {
-  return {.kind = KeepRegion::Kind::kSphere, .center = center, .radius = radius};
+KeptRegion sphere_at(const Vec3& center, double radius) {
+  return {.kind = KeptRegion::Kind::kSphere, .center = center, .radius = radius};
 }
 
 TEST(Hierarchical, SameBytesAsTheNaiveRescanWithRegionsToKeep) {
@@ -162,8 +162,8 @@ TEST(Hierarchical, KeptTetsAreInTheOutputToTheBit) {
   SimplifyOptions options;
   options.sizing.keep = {
       sphere_at({0.5, 0.5, 0.6}, 0.1),
-      {.kind = KeepRegion::Kind::kHalfSpace, .normal = {0, 0, 1}, .offset = 0.2},
-      {.kind = KeepRegion::Kind::kSurfacePatch, .center = {1, 0.5, 0.5}, .radius = 0.2, .depth = 0.25}};
+      {.kind = KeptRegion::Kind::kHalfSpace, .normal = {0, 0, 1}, .offset = 0.2},
+      {.kind = KeptRegion::Kind::kSurfacePatch, .center = {1, 0.5, 0.5}, .radius = 0.2, .depth = 0.25}};
   const SizingField field(options.sizing, input);
   const std::vector<std::uint8_t> kept = build_kept_tets(field, input);
   TetMesh output = input;

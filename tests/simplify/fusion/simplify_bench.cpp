@@ -4,8 +4,8 @@
 #include <benchmark/benchmark.h>
 
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/fusion/cheapest_first.h"
 #include "core/simplify/fusion/hierarchical.h"
-#include "core/simplify/fusion/outcome.h"
 #include "reference/tetfusion/sequential.h"
 #include "tests/support/simplify_bench.h"
 
@@ -47,12 +47,12 @@ void hierarchical_on_two_threads(benchmark::State& state) {
 }
 BENCHMARK(hierarchical_on_two_threads)->Apply(add_sizes);
 
-void outcome_by_three_tenths(benchmark::State& state) {
-  simplify::OutcomeOptions options;
+void cheapest_first_by_three_tenths(benchmark::State& state) {
+  simplify::CheapestFirstOptions options;
   options.common.stop.ratio = 0.3;
-  run(state, [&](TetMesh& mesh) { return simplify::simplify_by_outcome(mesh, options); });
+  run(state, [&](TetMesh& mesh) { return simplify::simplify_cheapest_first(mesh, options); });
 }
-BENCHMARK(outcome_by_three_tenths)->Apply(add_sizes);
+BENCHMARK(cheapest_first_by_three_tenths)->Apply(add_sizes);
 
 /// Multi-pass sequential TetFusion down to where the hierarchical one stops: the same removal, side by side.
 void sequential_to_the_same_count(benchmark::State& state) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/base/error.h"
 #include "core/base/random.h"
 
 namespace palpate::simplify {
@@ -126,10 +125,6 @@ TEST(Quality, KeyOrdersAsTheFactorDoes) {
       EXPECT_LE(quality_factor(kThesisMetric, f, 0.5), quality_factor(kThesisMetric, g, 0.5));
     }
   }
-}
-
-TEST(Quality, UnknownMetricIsRefused) {
-  EXPECT_THROW(metric_by_name("aspect"), InputError);
 }
 
 }  // namespace

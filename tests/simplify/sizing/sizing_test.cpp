@@ -16,19 +16,19 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-KeepRegion sphere(const Vec3& center, double radius) {
-  return {.kind = KeepRegion::Kind::kSphere, .center = center, .radius = radius};
+KeptRegion sphere(const Vec3& center, double radius) {
+  return {.kind = KeptRegion::Kind::kSphere, .center = center, .radius = radius};
 }
 
-KeepRegion half_space(const Vec3& normal, double offset) {
-  return {.kind = KeepRegion::Kind::kHalfSpace, .normal = normal, .offset = offset};
+KeptRegion half_space(const Vec3& normal, double offset) {
+  return {.kind = KeptRegion::Kind::kHalfSpace, .normal = normal, .offset = offset};
 }
 
-KeepRegion patch(const Vec3& center, double radius, double depth) {
-  return {.kind = KeepRegion::Kind::kSurfacePatch, .center = center, .radius = radius, .depth = depth};
+KeptRegion patch(const Vec3& center, double radius, double depth) {
+  return {.kind = KeptRegion::Kind::kSurfacePatch, .center = center, .radius = radius, .depth = depth};
 }
 
-SizingOptions options_of(std::vector<KeepRegion> keep, double near_size = 0.5, double reach = 0.0) {
+SizingOptions options_of(std::vector<KeptRegion> keep, double near_size = 0.5, double reach = 0.0) {
   return {std::move(keep), near_size, reach};
 }
 
@@ -219,7 +219,7 @@ TEST(Sizing, DistanceOfTetAndTriangleAgainstSamples) {
 }
 
 /// The kept tets of `mesh` by number.
-std::vector<Index> kept_numbers(const std::vector<KeepRegion>& keep, const TetMesh& mesh) {
+std::vector<Index> kept_numbers(const std::vector<KeptRegion>& keep, const TetMesh& mesh) {
   const std::vector<std::uint8_t> flags = build_kept_tets(SizingField(options_of(keep), mesh), mesh);
   std::vector<Index> kept;
   for (Index t = 0; t < flags.size(); ++t) {

@@ -195,7 +195,7 @@ TEST(SimplifySurface, SaysWhereTheInputsSkinMeetsItself) {
 TEST(SimplifySurface, KeptTetsStayToTheBit) {
   const TetMesh input = make_bulged_block(8, 6);
   SurfaceOptions options = with_bound(0.5, 0.6);
-  KeepRegion region;
+  KeptRegion region;
   region.center = {0.0, 0.0, 4.0};
   region.radius = 2.0;
   options.sizing.keep.push_back(region);

@@ -18,8 +18,8 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/fusion/cheapest_first.h"
 #include "core/simplify/fusion/hierarchical.h"
-#include "core/simplify/fusion/outcome.h"
 #include "core/simplify/surface/surface.h"
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/refined.h"
@@ -101,7 +101,7 @@ StopRule random_stop(SplitMix64& random) {
 
 void run_fusions(Method method, TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
                  Operations& done) {
-  OutcomeOptions options;
+  CheapestFirstOptions options;
   SimplifyOptions& common = options.common;
   if (method == Method::kHierarchical) common = {};
   common.stop = random_stop(random);
@@ -117,8 +117,8 @@ void run_fusions(Method method, TetMesh& mesh, const SizingOptions& sizing, Spli
     if (random.below(3) == 0) common.ideal_volume = IdealVolume::kUpdated;
     done.fusions += simplify_hierarchical(mesh, common).fusions;
   } else {
-    if (random.below(2) == 0) options.objective = OutcomeObjective::kTotalLoss;
-    done.fusions += simplify_by_outcome(mesh, options).fusions;
+    if (random.below(2) == 0) options.objective = CostObjective::kTotalLoss;
+    done.fusions += simplify_cheapest_first(mesh, options).fusions;
   }
 }
 

@@ -202,7 +202,7 @@ TEST(Flipper, EveryFlipByTheRuleRaisesTheSumOfGains) {
 TEST(Flipper, KeepsToTheWindowOfCountsAndToKeptTets) {
   const TetMesh input = make_sliver_cube(5, 3);
   SizingOptions options;
-  options.keep.push_back({.kind = KeepRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.25});
+  options.keep.push_back({.kind = KeptRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.25});
   const SizingField field(options, input);
   WorkingMesh mesh = build(input, field);
   const ScoreRule scores(scale_of_ideal_volume(mean_volume(input)), field);

@@ -6,8 +6,8 @@
 #include <map>
 
 #include "core/mesh/shapes/shapes.h"
-#include "core/simplify/tet_operations/cone.h"
 #include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/tet_operations/star_quality.h"
 
 namespace {
 
@@ -46,20 +46,20 @@ void refined_to_half(benchmark::State& state) {
 }
 BENCHMARK(refined_to_half)->Apply(add_sizes);
 
-/// One question to a cone of 24 tets, about what a free vertex has around it.
+/// One question to a star of 24 tets, about what a free vertex has around it.
 void cone_of_24(benchmark::State& state) {
   const SurfaceMesh sphere = build_geodesic_sphere(2);
-  simplify::Cone cone;
-  cone.start(simplify::scale_of_ideal_volume(0.05), {});
+  simplify::StarQuality star;
+  star.start(simplify::scale_of_ideal_volume(0.05), {});
   for (std::size_t f = 0; f < 24; ++f) {
     const Triangle& t = sphere.triangles[f];
-    cone.add(sphere.points[t[0]], sphere.points[t[1]], sphere.points[t[2]]);
+    star.add(sphere.points[t[0]], sphere.points[t[1]], sphere.points[t[2]]);
   }
-  cone.close();
+  star.close();
   Vec3 apex{0.01, 0.02, 0.03};
   for (auto _ : state) {
     benchmark::DoNotOptimize(apex);
-    benchmark::DoNotOptimize(cone.evaluate(apex));
+    benchmark::DoNotOptimize(star.evaluate(apex));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(24 * state.iterations()));
 }

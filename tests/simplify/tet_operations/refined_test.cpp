@@ -166,7 +166,7 @@ TEST(Refined, KeptRegionsStayToTheBit) {
   const TetMesh input = build_kuhn_cube(12, 0.3, 3);
   RefinedOptions options = stop_at(0.5);
   options.sizing.keep.push_back(
-      {.kind = KeepRegion::Kind::kSphere, .center = {0.3, 0.4, 0.5}, .radius = 0.2});
+      {.kind = KeptRegion::Kind::kSphere, .center = {0.3, 0.4, 0.5}, .radius = 0.2});
   const SizingField field(options.sizing, input);
   const std::vector<std::uint8_t> kept = build_kept_tets(field, input);
   const TetMesh output = run(input, options).mesh;

@@ -220,7 +220,7 @@ TEST(WorkingMesh, SlotsOfTetsAndVerticesAreUsedAgain) {
 TEST(WorkingMesh, KeptTetsAreFlaggedAndNeverDie) {
   const TetMesh input = build_kuhn_cube(5, 0.2, 4);
   SizingOptions options;
-  options.keep.push_back({.kind = KeepRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.2});
+  options.keep.push_back({.kind = KeptRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.2});
   const SizingField field(options, input);
   WorkingMesh mesh = build(input, field);
   const std::vector<std::uint8_t> kept = build_kept_tets(field, input);

@@ -11,8 +11,8 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/springs/identification/isotropy_rows.h"
-#include "core/springs/network/lattices.h"
 #include "core/springs/network/network.h"
+#include "tests/support/lattices.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::springs {

@@ -1,4 +1,4 @@
-#include "core/springs/network/lattices.h"
+#include "tests/support/lattices.h"
 
 #include <gtest/gtest.h>
 

@@ -56,7 +56,7 @@ class MotionContest : public testing::Test {
   reference::MotionProblem problem_of(const SceneText& text) const {
     const Scene scene = read_scene(fixture_.folder().add("block.yaml", text.yaml()));
     const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
-    return build_motion_problem(place_scene(scene, mesh), mesh);
+    return build_compared_problem(place_scene(scene, mesh), mesh);
   }
 
   std::string error_of(const SceneText& text) const {

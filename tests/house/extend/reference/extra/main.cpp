@@ -1,6 +1,6 @@
 // The least adapter: the input is the answer.
-#include <chrono>
 
+#include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "reference/door/adapter.h"
 #include "reference/door/request_options.h"
@@ -10,10 +10,10 @@ namespace {
 palpate::reference::Response copy_mesh(const palpate::reference::Request& request) {
   palpate::reference::require_all_taken(request.options);
   const palpate::MeditFile file = palpate::read_medit(request.input);
-  const auto start = std::chrono::steady_clock::now();
+  const palpate::Stopwatch watch;
   palpate::write_medit(request.output, file.mesh);
   palpate::reference::Response response;
-  response.kernel_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  response.kernel_s = watch.seconds();
   response.report = {{"tets_out", file.mesh.tets.size()}};
   return response;
 }

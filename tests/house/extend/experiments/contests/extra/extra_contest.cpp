@@ -29,13 +29,7 @@ class ExtraContest : public Contest {
   explicit ExtraContest(const ContestSetting& setting) : setting_(setting) {}
 
   json prepare(const std::vector<const Case*>&, const json& earlier) override {
-    json described = json::array();
-    for (const PlanMesh& mesh : setting_.plan.meshes) {
-      const auto file = setting_.folder.paths().mesh(mesh.name + "/input");
-      meshes_.push_back(earlier.is_null() ? obtain_mesh(mesh, file) : reload_mesh(mesh, file, earlier));
-      described.push_back(describe_mesh(meshes_.back()));
-    }
-    return earlier.is_null() ? json{{"meshes", described}} : json::object();
+    return prepare_meshes(setting_.plan, setting_.folder.paths(), earlier, setting_.progress, meshes_);
   }
 
   bool record_inputs(const std::set<std::string>&, const std::function<void(json)>&) override { return true; }

@@ -1,0 +1,286 @@
+#include "core/simplify/surface/guarded_boundary.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace palpate::simplify {
+namespace {
+
+constexpr double kRounding = 1e-13;
+
+/// Of the bound that is asked for. The rest leaves room for a measurement that brackets the distance.
+constexpr double kShareOfBound = 0.998;
+
+std::vector<Triangle> collect_faces(const WorkingMesh& mesh) {
+  std::vector<Triangle> faces;
+  std::vector<Triangle> at_vertex;
+  for (Index v = 0; v < mesh.points.size(); ++v) {
+    if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v)) continue;
+    collect_boundary_faces(mesh, v, at_vertex);
+    for (const Triangle& t : at_vertex) {
+      if (v < t[1] && v < t[2]) faces.push_back(t);
+    }
+  }
+  return faces;
+}
+
+TriangleCorners corners_of(const WorkingMesh& mesh, const Triangle& t) {
+  return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
+}
+
+std::vector<TriangleCorners> collect_corners(const WorkingMesh& mesh, const std::vector<Triangle>& faces) {
+  std::vector<TriangleCorners> corners;
+  corners.reserve(faces.size());
+  for (const Triangle& t : faces) corners.push_back(corners_of(mesh, t));
+  return corners;
+}
+
+double at_least_rounding(double max_error, const WorkingMesh& mesh) {
+  double largest = 0.0;
+  for (const Vec3& p : mesh.points) {
+    largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  }
+  return std::max(kShareOfBound * max_error, kRounding * largest);
+}
+
+double mean_edge(const std::vector<TriangleCorners>& faces) {
+  double sum = 0.0;
+  for (const TriangleCorners& t : faces) {
+    sum += length(t[1] - t[0]) + length(t[2] - t[1]) + length(t[0] - t[2]);
+  }
+  return sum / (3.0 * static_cast<double>(std::max<std::size_t>(1, faces.size())));
+}
+
+void erase_one(std::vector<Index>& items, Index item) {
+  const auto found = std::find(items.begin(), items.end(), item);
+  require(found != items.end(), "guarded boundary: a face is not where it should be");
+  *found = items.back();
+  items.pop_back();
+}
+
+std::uint64_t hash_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
+  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ULL;
+  h = (h ^ (h >> 29U)) + static_cast<std::uint64_t>(y) * 0xbf58476d1ce4e5b9ULL;
+  h = (h ^ (h >> 31U)) + static_cast<std::uint64_t>(z) * 0x94d049bb133111ebULL;
+  return h ^ (h >> 30U);
+}
+
+}  // namespace
+
+GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error)
+    : faces_(collect_faces(mesh)),
+      of_vertex_(mesh.points.size()),
+      alive_(faces_.size()),
+      input_(collect_corners(mesh, faces_)),
+      tree_(mesh.points, faces_),
+      cover_(at_least_rounding(max_error, mesh)),
+      covering_(faces_.size()),
+      covered_by_(faces_.size()),
+      cell_(1.5 * mean_edge(input_)),
+      cells_(std::bit_ceil(2 * faces_.size() + 1)),
+      removed_stamp_(faces_.size(), 0),
+      seen_stamp_(faces_.size(), 0),
+      input_stamp_(faces_.size(), 0) {
+  for (Index f = 0; f < faces_.size(); ++f) {
+    link(f);
+    covering_[f] = {f};
+    covered_by_[f] = {f};
+    enter_grid(f, input_[f]);
+  }
+}
+
+void GuardedBoundary::raise_bound(const WorkingMesh& mesh, double max_error) {
+  const CoverTest raised(at_least_rounding(max_error, mesh));
+  require(raised.limit_sq() >= cover_.limit_sq(), "guarded boundary: a bound may only grow");
+  cover_ = raised;
+}
+
+void GuardedBoundary::renumber(const std::vector<Index>& new_number, std::size_t vertices) {
+  of_vertex_.assign(vertices, {});
+  for (Index f = 0; f < faces_.size(); ++f) {
+    if (!is_alive(f)) continue;
+    for (Index& v : faces_[f]) v = new_number[v];
+    link(f);
+  }
+}
+
+void GuardedBoundary::link(Index f) {
+  for (const Index v : faces_[f]) of_vertex_[v].push_back(f);
+}
+
+void GuardedBoundary::unlink(Index f) {
+  for (const Index v : faces_[f]) erase_one(of_vertex_[v], f);
+}
+
+template <typename Visit>
+void GuardedBoundary::for_each_cell(const TriangleCorners& t, const Visit& visit) const {
+  const auto range = [&](double a, double b, double c) {
+    const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
+    return std::pair{cell(std::min({a, b, c})), cell(std::max({a, b, c}))};
+  };
+  const auto [x0, x1] = range(t[0].x, t[1].x, t[2].x);
+  const auto [y0, y1] = range(t[0].y, t[1].y, t[2].y);
+  const auto [z0, z1] = range(t[0].z, t[1].z, t[2].z);
+  for (std::int64_t x = x0; x <= x1; ++x) {
+    for (std::int64_t y = y0; y <= y1; ++y) {
+      for (std::int64_t z = z0; z <= z1; ++z) visit(hash_cell(x, y, z) & (cells_.size() - 1));
+    }
+  }
+}
+
+void GuardedBoundary::enter_grid(Index f, const TriangleCorners& t) {
+  for_each_cell(t, [&](std::size_t cell) { cells_[cell].push_back(f); });
+}
+
+void GuardedBoundary::leave_grid(Index f, const TriangleCorners& t) {
+  for_each_cell(t, [&](std::size_t cell) { erase_one(cells_[cell], f); });
+}
+
+PlacedFace GuardedBoundary::placed(const WorkingMesh& mesh, Index f) const {
+  return {faces_[f], corners_of(mesh, faces_[f])};
+}
+
+void GuardedBoundary::place_fresh(const WorkingMesh& mesh, const BoundaryChange& change) {
+  fresh_.clear();
+  for (const Triangle& t : change.fresh) {
+    PlacedFace face{t, corners_of(mesh, t)};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (t[k] == change.moved) face.corner[k] = change.to;
+    }
+    fresh_.push_back(face);
+  }
+}
+
+BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryChange& change) {
+  ++stamp_;
+  for (const Index f : change.removed) removed_stamp_[f] = stamp_;
+  place_fresh(mesh, change);
+  if (change.moved != kNoIndex &&
+      tree_.nearest(change.to, cover_.limit_sq() * (1.0 + 1e-15) + 1e-300).triangle == nullptr) {
+    return BoundaryVerdict::kTooFar;
+  }
+  if (touches_others(mesh, change)) return BoundaryVerdict::kContact;
+  const bool near = input_stays_near(mesh, change) && stays_near_input();
+  return near ? BoundaryVerdict::kAllowed : BoundaryVerdict::kTooFar;
+}
+
+bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChange& change) {
+  for (std::size_t i = 0; i < fresh_.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (are_in_contact(fresh_[i], fresh_[j])) return true;
+    }
+  }
+  for (const PlacedFace& face : fresh_) {
+    around_.clear();
+    for_each_cell(face.corner, [&](std::size_t cell) {
+      around_.insert(around_.end(), cells_[cell].begin(), cells_[cell].end());
+    });
+    std::sort(around_.begin(), around_.end());
+    around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
+    for (const Index f : around_) {
+      if (!is_removed(f) && are_in_contact(face, placed(mesh, f))) return true;
+    }
+  }
+  return change.fresh.empty();
+}
+
+std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {
+  for (Index f = 0; f < faces_.size(); ++f) {
+    if (!is_alive(f)) continue;
+    const PlacedFace face = placed(mesh, f);
+    bool touches = false;
+    for_each_cell(face.corner, [&](std::size_t cell) {
+      touches = touches || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index g) {
+                  return g < f && are_in_contact(face, placed(mesh, g));
+                });
+    });
+    if (touches) return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
+  }
+  return std::nullopt;
+}
+
+bool GuardedBoundary::stays_near_input() {
+  return std::all_of(fresh_.begin(), fresh_.end(),
+                     [&](const PlacedFace& face) { return cover_.is_covered(face.corner, tree_); });
+}
+
+/// The input's triangles that the removed faces cover.
+void GuardedBoundary::collect_concerned(const BoundaryChange& change) {
+  concerned_.clear();
+  for (const Index f : change.removed) {
+    for (const Index i : covered_by_[f]) {
+      if (input_stamp_[i] == stamp_) continue;
+      if (std::find(covering_[i].begin(), covering_[i].end(), f) == covering_[i].end()) continue;
+      input_stamp_[i] = stamp_;
+      concerned_.push_back(i);
+    }
+  }
+}
+
+/// Faces that stay, at the outline of the change.
+void GuardedBoundary::collect_around(const WorkingMesh& mesh, const BoundaryChange& change) {
+  around_.clear();
+  candidates_.clear();
+  for (const PlacedFace& face : fresh_) candidates_.push_back(face.corner);
+  for (const Triangle& t : change.fresh) {
+    for (const Index v : t) {
+      if (v == change.moved) continue;
+      for (const Index f : of_vertex_[v]) {
+        if (is_removed(f) || seen_stamp_[f] == stamp_) continue;
+        seen_stamp_[f] = stamp_;
+        around_.push_back(f);
+        candidates_.push_back(corners_of(mesh, faces_[f]));
+      }
+    }
+  }
+}
+
+bool GuardedBoundary::input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change) {
+  collect_concerned(change);
+  collect_around(mesh, change);
+  proof_count_ = 0;
+  for (const Index i : concerned_) {
+    if (!cover_.is_covered(input_[i], candidates_, used_)) return false;
+    if (proofs_.size() == proof_count_) proofs_.emplace_back();
+    Proof& proof = proofs_[proof_count_++];
+    proof.input = i;
+    proof.covering.clear();
+    for (const Index u : used_) {
+      proof.covering.push_back(u < fresh_.size() ? change.removed[u] : around_[u - fresh_.size()]);
+    }
+  }
+  return true;
+}
+
+void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& change) {
+  require(change.fresh.size() <= change.removed.size() && fresh_.size() == change.fresh.size(),
+          "guarded boundary: the change is not the one that was checked");
+  for (const Index f : change.removed) {
+    leave_grid(f, corners_of(mesh, faces_[f]));
+    unlink(f);
+    faces_[f][0] = kNoIndex;
+    covered_by_[f].clear();
+  }
+  for (std::size_t i = 0; i < change.fresh.size(); ++i) {
+    const Index f = change.removed[i];
+    faces_[f] = change.fresh[i];
+    link(f);
+    enter_grid(f, fresh_[i].corner);
+  }
+  alive_ = alive_ + change.fresh.size() - change.removed.size();
+  for (std::size_t k = 0; k < proof_count_; ++k) {
+    const Proof& proof = proofs_[k];
+    for (const Index f : proof.covering) {
+      std::vector<Index>& covered = covered_by_[f];
+      const std::vector<Index>& before = covering_[proof.input];
+      const bool is_known = !is_removed(f) && std::find(before.begin(), before.end(), f) != before.end();
+      if (!is_known) covered.push_back(proof.input);
+    }
+    covering_[proof.input] = proof.covering;
+  }
+}
+
+}  // namespace palpate::simplify

@@ -1,0 +1,111 @@
+// The boundary faces of a mesh under local operations, with a guard over them: no part of the skin leaves the
+// input's by more than a bound, nor the input's leaves it, and no two faces run into each other.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/simplify/sizing/triangle_tree.h"
+#include "core/simplify/surface/cover_check.h"
+#include "core/simplify/surface/face_contact.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// Faces that would go and faces that would come in their place, with one vertex moved. The outline of both
+/// sets is the same; there are no more fresh faces than removed ones.
+struct BoundaryChange {
+  std::vector<Index> removed;   ///< numbers of faces
+  std::vector<Triangle> fresh;  ///< the i-th takes the number of the i-th removed one
+  Index moved = kNoIndex;       ///< the only vertex of `fresh` that has another place, or none ...
+  Vec3 to;                      ///< ... namely this one
+};
+
+/// What speaks against a change.
+enum class BoundaryVerdict {
+  kAllowed,
+  kTooFar,  ///< the distance to the input's skin would exceed the bound, or is not proven not to
+  kContact  ///< a face would touch another one
+};
+
+/// Current boundary faces, found by vertex and by place.
+class GuardedBoundary {
+ public:
+  /// Takes the boundary of the mesh as the input's skin. `max_error` in the mesh's unit; below rounding
+  /// (1e-13 of the largest coordinate) it is taken for that.
+  GuardedBoundary(const WorkingMesh& mesh, double max_error);
+
+  /// Changes the bound for what comes. It may only grow: what was proven for a smaller one still holds.
+  void raise_bound(const WorkingMesh& mesh, double max_error);
+
+  /// Takes over new numbers of the vertices, of a mesh with the same boundary: new_number[v] is that of v.
+  void renumber(const std::vector<Index>& new_number, std::size_t vertices);
+
+  std::size_t size() const { return alive_; }
+  std::size_t slots() const { return faces_.size(); }
+  bool is_alive(Index f) const { return faces_[f][0] != kNoIndex; }
+  const Triangle& face(Index f) const { return faces_[f]; }
+  std::span<const Index> faces_of(Index v) const { return of_vertex_[v]; }
+
+  /// The middle of a face that is in contact with another one now, if there is one. Time: linear in the faces
+  /// where few meet.
+  std::optional<Vec3> find_contact(const WorkingMesh& mesh) const;
+
+  /// Whether a change keeps two-sided distance and embedding. Remembers the proof for apply().
+  BoundaryVerdict check(const WorkingMesh& mesh, const BoundaryChange& change);
+
+  /// Carries out the change that was checked last. Call it before the mesh changes.
+  void apply(const WorkingMesh& mesh, const BoundaryChange& change);
+
+ private:
+  /// A triangle of the input's skin that a change concerns, and the current faces that would cover it.
+  struct Proof {
+    Index input = 0;
+    std::vector<Index> covering;  ///< numbers of faces, as they are after the change
+  };
+
+  bool touches_others(const WorkingMesh& mesh, const BoundaryChange& change);
+  bool stays_near_input();
+  bool input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change);
+  void place_fresh(const WorkingMesh& mesh, const BoundaryChange& change);
+  void collect_concerned(const BoundaryChange& change);
+  void collect_around(const WorkingMesh& mesh, const BoundaryChange& change);
+  PlacedFace placed(const WorkingMesh& mesh, Index f) const;
+  bool is_removed(Index f) const { return removed_stamp_[f] == stamp_; }
+  void link(Index f);
+  void unlink(Index f);
+  template <typename Visit>
+  void for_each_cell(const TriangleCorners& t, const Visit& visit) const;
+  void enter_grid(Index f, const TriangleCorners& t);
+  void leave_grid(Index f, const TriangleCorners& t);
+
+  std::vector<Triangle> faces_;
+  std::vector<std::vector<Index>> of_vertex_;
+  std::size_t alive_ = 0;
+
+  std::vector<TriangleCorners> input_;
+  TriangleTree tree_;
+  CoverTest cover_;
+  std::vector<std::vector<Index>> covering_;  // of each input triangle: faces whose union is within the bound
+  std::vector<std::vector<Index>> covered_by_;  // of each face: input triangles; may hold some of long ago
+
+  double cell_ = 1.0;
+  std::vector<std::vector<Index>> cells_;  // by hash: faces whose box meets the cell
+
+  // The change under examination.
+  std::vector<PlacedFace> fresh_;
+  std::vector<Index> concerned_;
+  std::vector<Index> around_;
+  std::vector<TriangleCorners> candidates_;
+  std::vector<Index> used_;
+  std::vector<Proof> proofs_;
+  std::size_t proof_count_ = 0;
+  std::uint32_t stamp_ = 0;
+  std::vector<std::uint32_t> removed_stamp_;
+  std::vector<std::uint32_t> seen_stamp_;
+  std::vector<std::uint32_t> input_stamp_;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,89 @@
+// The edges that wait to be collapsed, the shortest first.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// An edge that waits, with the versions of its ends when it was entered: older entries are void.
+struct WaitingEdge {
+  double key;
+  Index a;
+  Index b;
+  std::uint32_t versions;
+  std::uint32_t refused_at = 0;  ///< for callers; 0 when it is entered
+
+  /// Makes std heaps give the smallest key first; ties by vertex numbers.
+  friend bool operator<(const WaitingEdge& l, const WaitingEdge& r) {
+    if (l.key != r.key) return l.key > r.key;
+    return l.a != r.a ? l.a > r.a : l.b > r.b;
+  }
+};
+
+/// A heap of edges by squared length over the square of the relative size wanted at their middle. An edge is
+/// void once an end of it was renewed; one that was refused is parked until the heap starts over.
+class EdgeHeap {
+ public:
+  explicit EdgeHeap(const WorkingMesh& mesh, const SizingField& field)
+      : mesh_(mesh), field_(field), versions_(mesh.points.size(), 0) {}
+
+  void reserve(std::size_t edges) { waiting_.reserve(edges); }
+
+  /// Adds without order; heapify() has to follow.
+  void append(Index a, Index b) { waiting_.push_back({key_of(a, b), a, b, versions_of(a, b)}); }
+  void heapify() { std::make_heap(waiting_.begin(), waiting_.end()); }
+
+  void push(Index a, Index b) {
+    append(a, b);
+    std::push_heap(waiting_.begin(), waiting_.end());
+  }
+
+  /// Removes and returns the shortest edge that is not void, or nothing.
+  std::optional<WaitingEdge> pop() {
+    while (!waiting_.empty()) {
+      std::pop_heap(waiting_.begin(), waiting_.end());
+      const WaitingEdge edge = waiting_.back();
+      waiting_.pop_back();
+      if (edge.versions == versions_of(edge.a, edge.b)) return edge;
+    }
+    return std::nullopt;
+  }
+
+  void park(const WaitingEdge& edge) { parked_.push_back(edge); }
+
+  /// The parked edges wait again; what else waited is dropped.
+  void start_over() {
+    waiting_.swap(parked_);
+    parked_.clear();
+    heapify();
+  }
+
+  /// Makes all edges of v that wait void.
+  void renew(Index v) { ++versions_[v]; }
+
+ private:
+  /// Both versions only ever grow, so their sum tells whether either has.
+  std::uint32_t versions_of(Index a, Index b) const { return versions_[a] + versions_[b]; }
+
+  double key_of(Index a, Index b) const {
+    const double key = length_sq(mesh_.points[b] - mesh_.points[a]);
+    if (field_.is_empty()) return key;
+    const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
+    return key / (size * size);
+  }
+
+  const WorkingMesh& mesh_;
+  const SizingField& field_;
+  std::vector<std::uint32_t> versions_;
+  std::vector<WaitingEdge> waiting_;
+  std::vector<WaitingEdge> parked_;
+};
+
+}  // namespace palpate::simplify

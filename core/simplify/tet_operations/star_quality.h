@@ -1,0 +1,124 @@
+// The tets between one apex and the triangles around it: the kernel of palpate.refined, which asks again and
+// again how good they would be with the apex elsewhere.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// What tets are scored by.
+///
+///   score = min(q^3, dihedral_weight * sin^2(the dihedral angle farthest from 90 degrees)),
+///   q^3 = (least solid angle / 0.55 sr) (shortest / longest edge) min(1, V / ideal)
+///
+/// without cube root or trigonometry: the least solid angle is 2 atan(x), x = 6 V / (largest denominator of
+/// Van Oosterom and Strackee's formula), and as it is at most 0.5513 sr, x <= 0.283 and four terms of the
+/// series are good to 5e-6. Scores are computed in single precision, from coordinates relative to a point
+/// near by, in units of about the ideal edge: they tell good from bad, never positive from inverted; that is
+/// orientation()'s.
+struct ScoreScale {
+  double unit = 1.0;          ///< lengths are multiplied by this first; a power of two
+  double ideal_volume = 1.0;  ///< in the mesh's own unit
+  double dihedral_weight = 0.5;
+  double gain_offset = 0.1;  ///< c of gain_of_score: the smaller, the more the worst tets count
+};
+
+/// The scale for tets of a given ideal volume.
+ScoreScale scale_of_ideal_volume(double ideal_volume);
+
+/// The score of a usual tet of a good mesh (q about 0.7): what a tet more or less is worth.
+inline constexpr double kUsualScore = 0.33;
+
+/// What a score is worth in a sum over tets: -1 / (c + score), steep where the score is low. Sums of it trade
+/// the mean against the worst.
+inline double gain_of_score(const ScoreScale& scale, double score) {
+  return -1.0 / ((score > 0.0 ? score : 0.0) + scale.gain_offset);
+}
+
+/// Figures of a set of tets.
+struct StarFigures {
+  double worst =
+      0.0;           ///< least score; not above 0 if a tet is not positive, as far as single precision tells
+  double sum = 0.0;  ///< sum of the gains
+};
+
+/// How good a star would be: a set of base triangles (a, b, c), such that the tets (apex, a, b, c) are to be
+/// positive.
+///
+/// Use: start(), add() each triangle, close(), then ask for as many places of the apex as wanted. The points
+/// given to add() must outlive the questions. One object serves for many stars without allocating.
+class StarQuality {
+ public:
+  /// Begins anew; `origin` should be near, such as the apex.
+  void start(const ScoreScale& scale, const Vec3& origin) {
+    size_ = 0;
+    origin_ = origin;
+    scale_ = scale;
+  }
+
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+    if (size_ == base_.size()) grow();
+    base_[size_] = {&a, &b, &c};
+    float* const entry = lanes_.data() + kBlock * (size_ / 4) + size_ % 4;
+    put(entry, a);
+    put(entry + 12, b);
+    put(entry + 24, c);
+    ++size_;
+  }
+
+  /// To be called after the last add(): completes the last block and measures the base edges.
+  void close();
+
+  std::size_t size() const { return size_; }
+
+  const ScoreScale& scale() const { return scale_; }
+
+  /// Figures with the apex at p. Ends early, with what it has, once the worst is below `bound`.
+  StarFigures evaluate(const Vec3& p, double bound = -1e300) const;
+
+  /// Scores of each tet with the apex at p, in the order of add(). `scores` is resized.
+  void scores(const Vec3& p, std::vector<double>& scores) const;
+
+  /// The same for an apex on the other side: scores of the tets (p, a, c, b).
+  void scores_from_behind(const Vec3& p, std::vector<double>& scores) const;
+
+  /// Volume-weighted mean of the tets' barycenters with the apex at p.
+  Vec3 volume_centroid(const Vec3& p) const;
+
+  /// Whether all tets are positive with the apex at p, exactly.
+  bool is_positive(const Vec3& p) const;
+
+ private:
+  // Blocks of four triangles: rows of coordinates ax ay az bx by bz cx cy cz and lengths bc ca ab, four lanes
+  // each.
+  static constexpr std::size_t kRows = 12;
+  static constexpr std::size_t kBlock = 4 * kRows;
+
+  void grow();
+  void put(float* lane, const Vec3& p) const {
+    lane[0] = static_cast<float>((p.x - origin_.x) * scale_.unit);
+    lane[4] = static_cast<float>((p.y - origin_.y) * scale_.unit);
+    lane[8] = static_cast<float>((p.z - origin_.z) * scale_.unit);
+  }
+  template <bool kFromBehind>
+  void fill_scores(const Vec3& p, std::vector<double>& scores) const;
+
+  std::size_t size_ = 0;
+  Vec3 origin_;
+  ScoreScale scale_;
+  std::vector<float> lanes_;
+  std::vector<std::array<const Vec3*, 3>> base_;
+};
+
+/// Adds the base triangles of the tets around v, without those that have `without` (kNoIndex: all).
+void add_star(const WorkingMesh& mesh, Index v, Index without, StarQuality& star);
+
+/// The score of one tet (a, b, c, d).
+double score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+}  // namespace palpate::simplify

@@ -1,0 +1,87 @@
+#include "experiments/scene_reader/scene_motion.h"
+
+#include "core/base/error.h"
+#include "core/mesh/geometry.h"
+#include "experiments/scene_reader/scene_problem.h"
+
+namespace palpate::experiments {
+namespace {
+
+/// The scene with one of its loads alone, or with its clamps alone.
+BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const SceneLoad* load) {
+  Scene part = placed;
+  part.loads.clear();
+  if (load != nullptr) {
+    part.clamps.clear();
+    part.loads.push_back(*load);
+  }
+  return resolve_problem(part, mesh);
+}
+
+/// The scene's own model, without the options that only a static solution has.
+reference::MovingModel read_moving_model(const Scene& scene, const Registry& registry) {
+  const MethodEntry entry = find_model(scene, registry);
+  reference::MovingModel model;
+  model.method = scene.model->method;
+  if (!model.method.starts_with("springs.") && !model.method.starts_with("smoothed."))
+    throw InputError(scene.file.string() + ": model: " + model.method +
+                     " solves static scenes alone; springs and smoothed models move");
+  model.options = resolve_options(*entry.method, scene.model->set);
+  for (const char* key : {"load_steps", "max_iterations", "tolerance", "solver"}) {
+    const auto given = scene.model->set.find(key);
+    if (given != scene.model->set.end())
+      throw InputError(given->second.where + ": " + key + " belongs to a static analysis");
+    model.options.erase(key);
+  }
+  return model;
+}
+
+/// What the preset sets of the model and of the speed limit: Table 4.1, on this mesh.
+void write_out_preset(const Scene& placed, const TetMesh& mesh, reference::MovingBody& body) {
+  if (!placed.model) {
+    body.model.method = "springs.uniform";
+    body.model.options = {{"stiffness_n_per_m", ThesisTable::kStiffnessNPerM}};
+    body.model.is_material = false;
+  }
+  body.model.options["volume"] = "thesis";
+  body.model.options["volume_force_ratio"] = ThesisTable::kVolumeForceRatio;
+  body.model.volume_force_of_n_per_m = ThesisTable::kStiffnessNPerM;
+  body.stepping.speed_limit_m_s = ThesisTable::kSpeedLimit * 0.5 * longest_side(bounding_box(mesh.points));
+}
+
+}  // namespace
+
+reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh) {
+  require(placed.is_dynamic, "a dynamic scene");
+  reference::MotionProblem problem;
+  problem.body = resolve_part(placed, mesh, nullptr);
+  for (const SceneLoad& load : placed.loads) {
+    reference::MotionLoad part;
+    part.part = resolve_part(placed, mesh, &load);
+    part.profile = load.profile.value_or(dynamics::TimeProfile{});
+    part.from_s = load.from_s;
+    part.until_s = load.until_s;
+    problem.loads.push_back(std::move(part));
+  }
+  problem.damping_stiffness_s = placed.dynamic.damping_stiffness_s;
+  problem.damping_mass_per_s = placed.dynamic.damping_mass_per_s;
+  problem.duration_s = placed.dynamic.duration_s;
+  problem.samples = placed.dynamic.samples;
+  for (const Vec3& probe : placed.dynamic.probes_m)
+    problem.probes.push_back(nearest_point(mesh.points, probe));
+  return problem;
+}
+
+reference::MovingBody build_moving_body(const Scene& placed, const TetMesh& mesh, const Registry& registry) {
+  const bool is_preset = !placed.dynamic.preset.empty();
+  Scene scene = placed;
+  if (is_preset) scene.strain = StrainSize::kLarge;
+  reference::MovingBody body;
+  body.stepping = static_cast<const reference::MotionStepping&>(scene.dynamic);
+  if (!is_preset || scene.model) body.model = read_moving_model(scene, registry);
+  if (is_preset) write_out_preset(scene, mesh, body);
+  body.motion = build_motion_problem(scene, mesh);
+  return body;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,21 @@
+// A dynamic scene on its mesh as what goes through the door: a motion problem, or a whole moving body.
+#pragma once
+
+#include "core/mesh/tet_mesh.h"
+#include "experiments/contestants/contestant.h"
+#include "experiments/scene_reader/scene.h"
+#include "reference/door/moving_body.h"
+
+namespace palpate::experiments {
+
+/// What moves a placed scene: what holds it, each load by itself with its times, Rayleigh's damping,
+/// duration, samples, and the vertices nearest to its probes. Masses, damping and steps of the scene's own
+/// are not in it. Throws: InputError as resolve_problem does.
+reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh);
+
+/// The same with the scene's model and how it is stepped. What a preset stands for is written out. Throws:
+/// InputError also for a scene without a model, with one that does not move, or with options of a static
+/// analysis.
+reference::MovingBody build_moving_body(const Scene& placed, const TetMesh& mesh, const Registry& registry);
+
+}  // namespace palpate::experiments

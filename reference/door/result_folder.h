@@ -1,0 +1,18 @@
+// The folder that a simulation leaves: what may be in it, and how an earlier one is taken away.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace palpate::reference {
+
+/// "frame_00012.vtu": five digits or more.
+std::string frame_name(std::size_t number);
+
+/// Removes what simulate has written into a folder: history.csv, frames.pvd, frame_00000.vtu and its like,
+/// summary.json, displacement.csv and displacement.vtu. Nothing else. Throws: InputError if one cannot be
+/// removed.
+void remove_earlier_results(const std::filesystem::path& folder);
+
+}  // namespace palpate::reference

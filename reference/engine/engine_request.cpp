@@ -1,0 +1,315 @@
+#include "reference/engine/engine_request.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
+#include "core/dynamics/stability/slow_rates.h"
+#include "reference/door/json_file.h"
+#include "reference/door/moving_body.h"
+#include "reference/door/request_options.h"
+#include "reference/door/result_folder.h"
+#include "reference/engine/model_file.h"
+#include "reference/engine/motion_replay.h"
+#include "reference/engine/motion_setup.h"
+#include "reference/engine/tick_times.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kThesisTickS = 5e-3;  ///< the thesis takes one step at each tick of its timer (4.2.9)
+constexpr std::size_t kMostSamples = 1000;
+constexpr double kMostSeconds = 1e9;
+constexpr std::int64_t kMostCount = 536'870'912;
+
+/// The text of a CSV as columns and rows; an empty cell is null.
+void add_table(const std::string& csv, json& out) {
+  out["columns"] = json::array();
+  out["rows"] = json::array();
+  std::size_t at = 0;
+  bool is_head = true;
+  while (at < csv.size()) {
+    const std::size_t end = csv.find('\n', at);
+    json row = json::array();
+    for (std::size_t k = at; k <= end;) {
+      const std::size_t stop = std::min(csv.find(',', k), end);
+      const std::string cell = csv.substr(k, stop - k);
+      row.push_back(is_head ? json(cell) : (cell.empty() ? json(nullptr) : json(std::stod(cell))));
+      k = stop + 1;
+    }
+    if (is_head) {
+      out["columns"] = row;
+    } else {
+      out["rows"].push_back(row);
+    }
+    is_head = false;
+    at = end + 1;
+  }
+}
+
+/// To a micrometre's thousandth: for pictures.
+json rounded(const std::vector<Vec3>& field) {
+  json out = json::array();
+  for (const Vec3& u : field) {
+    for (const double x : {u.x, u.y, u.z}) out.push_back(std::round(1e9 * x) / 1e9);
+  }
+  return out;
+}
+
+/// What engine.replay is asked beside its body.
+struct ReplayOptions {
+  double stop_after_s = 0.0;  ///< 0: never
+  double most_output_bytes = 0.0;
+  bool setup_only = false;
+};
+
+ReplayOptions take_replay_options(json& left) {
+  ReplayOptions out;
+  out.stop_after_s = take_number(left, "stop_after_s", 0.0, kMostSeconds, 0.0);
+  out.most_output_bytes = 1e9 * take_number(left, "max_output_gb", 0.0, kMostSeconds, kMostOutputBytes / 1e9);
+  out.setup_only = take_option<bool>(left, "setup_only", &json::is_boolean, "true or false", false);
+  return out;
+}
+
+/// The JSON that engine.replay leaves.
+json describe_output(const MotionOutput& output) {
+  json written{{"schema", "palpate/engine/1"}, {"kind", "replay"}, {"frames", json::array()}};
+  add_table(output.history_csv(), written);
+  for (const MotionFrame& frame : output.frames())
+    written["frames"].push_back(
+        {{"time_s", frame.time_s}, {"displacement_m", rounded(frame.displacement_m)}});
+  return written;
+}
+
+/// What stands there when rows and frames are in a folder.
+json describe_folder() {
+  return {{"schema", "palpate/engine/1"},
+          {"kind", "replay"},
+          {"columns", json::array()},
+          {"rows", json::array()},
+          {"frames", json::array()}};
+}
+
+/// Makes the folder ready: room enough, and nothing of an earlier run.
+void clear_folder(const Request& request, const MovingTask& task, const MotionSetup& setup,
+                  const MotionOutput& output, double most_bytes) {
+  const Strides strides(task.body, setup.steps);
+  const std::uint64_t frames = strides.frame == 0 ? 0 : setup.steps / strides.frame + 2;
+  const std::uint64_t rows = setup.steps / strides.row + 2 + setup.phases.size();
+  require_room(request.folder, estimate_output_bytes(task.mesh, frames, rows, output.columns()), most_bytes);
+  remove_earlier_results(request.folder);
+}
+
+Response answer_replay(const MovingTask& task, const Request& request, json& left,
+                       const volatile std::sig_atomic_t* stop_flag) {
+  const Stopwatch clock;
+  const ReplayOptions options = take_replay_options(left);
+  require_all_taken(left);
+  const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
+  MotionOutput output(request.folder, task.body.motion, task.mesh);
+  Response response;
+  response.notes = setup.notes;
+  if (options.setup_only) {
+    response.kernel_s = clock.seconds();
+    response.report = {{"outcome", "set_up"}, {"time_step_s", setup.step_s}, {"steps_planned", setup.steps}};
+    return response;
+  }
+  if (!request.folder.empty()) clear_folder(request, task, setup, output, options.most_output_bytes);
+  MotionStops stops;
+  stops.stop_flag = stop_flag;
+  if (options.stop_after_s > 0.0) stops.timeout_s = options.stop_after_s - clock.seconds();
+  response.report = run_motion_setup(task.body, task.mesh, setup, stops, output);
+  response.kernel_s = response.report.at("kernel_s").get<double>();
+  response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;
+  response.report["kind"] = "replay";
+  response.report["frames_written"] = output.frame_count();
+  output.finish();
+  const json written = request.folder.empty() ? describe_output(output) : describe_folder();
+  write_file_atomically(request.output, written.dump() + "\n");
+  return response;
+}
+
+Response answer_rest(MovingTask task, const Request& request, json& left) {
+  MotionStepping& stepping = task.body.stepping;
+  const auto kind = take_option<std::string>(left, "spring_damping", &json::is_string,
+                                             "scene, axial or isotropic", "scene");
+  const std::int64_t decay_up_to = take_whole(left, "decay_up_to_vertices", 0, kMostCount, 20'000);
+  require_all_taken(left);
+  if (kind != "scene") stepping.spring_damping = dynamics::parse_spring_damping(kind);
+  stepping.allow_unstable = true;
+  stepping.engine = EngineChoice::kAuto;
+  stepping.single_precision = false;
+  const Stopwatch clock;
+  const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
+  const dynamics::MotionModel& model = setup.phases.front().model;
+  Response response;
+  response.report = {{"outcome", "completed"},
+                     {"kind", "rest"},
+                     {"integrator", dynamics::integrator_name(setup.integrator.kind)},
+                     {"spring_damping", dynamics::spring_damping_name(model.spring_damping)},
+                     {"time_step_s", setup.step_s},
+                     {"stable_step_s", number_or_null(setup.stable.step_s)},
+                     {"stable_by", setup.stable_by},
+                     {"stability_margin", number_or_null(setup.stable.step_s / setup.step_s)},
+                     {"stiffness_max_per_s2", number_or_null(setup.stable.stiffness_max_per_s2)},
+                     {"damping_max_per_s", number_or_null(setup.stable.damping_max_per_s)},
+                     {"vertices", task.mesh.points.size()},
+                     {"springs", model.elastic.springs.springs.size()},
+                     {"stable_step_kernel_s", clock.seconds()},
+                     {"slowest_decay_s", nullptr}};
+  json written{{"schema", "palpate/engine/1"},
+               {"kind", "rest"},
+               {"columns", {"rate_per_s", "frequency_per_s"}},
+               {"rows", json::array()}};
+  if (task.mesh.points.size() <= static_cast<std::size_t>(decay_up_to)) {
+    // The body with nothing that moves it: what is there when all tools have let go.
+    dynamics::MotionModel still = model;
+    still.loads.resize(1);
+    const dynamics::SlowRates rates = dynamics::find_slow_rates(still, 6, request.threads);
+    if (rates.converged) response.report["slowest_decay_s"] = number_or_null(rates.slowest_decay_s());
+    for (const std::complex<double>& each : rates.lambda_per_s)
+      written["rows"].push_back({each.real(), each.imag()});
+  }
+  response.kernel_s = clock.seconds();
+  write_file_atomically(request.output, written.dump() + "\n");
+  return response;
+}
+
+/// The only tool of a motion whose loads stay: its group of loads.
+std::size_t find_tool(const MotionProblem& problem, const MotionSetup& setup) {
+  for (std::size_t k = 0; k < problem.loads.size(); ++k) {
+    if (problem.loads[k].from_s > 0.0 || problem.loads[k].until_s)
+      throw InputError("load " + std::to_string(k + 1), 0, "a load that is there all the time",
+                       "one that comes or goes");
+  }
+  const std::vector<std::size_t>& loads = setup.phases.front().loads;
+  std::vector<std::size_t> tools;
+  for (std::size_t k = 0; k < loads.size(); ++k) {
+    if (problem.loads[loads[k]].is_tool()) tools.push_back(k + 1);
+  }
+  if (tools.size() != 1) throw InputError("loads", 0, "one tool (displace)", std::to_string(tools.size()));
+  return tools.front();
+}
+
+void add_times(const TickRun& run, double tick_s, json& report) {
+  const TickTimes times = describe_ticks(run.seconds, tick_s);
+  report["ticks"] = run.seconds.size();
+  report["tick_p50_s"] = times.p50_s;
+  report["tick_p99_s"] = times.p99_s;
+  report["tick_p99_9_s"] = times.p99_9_s;
+  report["tick_worst_s"] = times.worst_s;
+  report["tick_mean_s"] = times.mean_s;
+  report["ticks_missed"] = times.missed;
+  report["bucket_ends_s"] = times.bucket_ends_s;
+  report["buckets"] = times.buckets;
+}
+
+TickOptions take_tick_options(json& left) {
+  TickOptions out;
+  out.tick_s = take_number(left, "tick_s", 1e-5, 1.0, out.tick_s);
+  out.steps_per_tick = static_cast<std::uint64_t>(take_whole(left, "steps_per_tick", 0, 100'000, 0));
+  out.ticks = static_cast<std::uint64_t>(take_whole(left, "ticks", 100, 100'000'000, 2000));
+  out.warm_ticks = out.ticks / 10;
+  out.threads = static_cast<int>(take_whole(left, "engine_threads", 1, 64, 1));
+  const auto precision =
+      take_option<std::string>(left, "precision", &json::is_string, "single or double", "single");
+  if (precision != "single" && precision != "double")
+    throw InputError("precision", 0, "single or double", precision);
+  out.single_precision = precision == "single";
+  out.paced = take_option<bool>(left, "paced", &json::is_boolean, "true or false", false);
+  return out;
+}
+
+/// Some of the forces with their times, and those of the last tenth all.
+json describe_forces(const TickRun& run, double tick_s) {
+  json written{{"schema", "palpate/engine/1"},
+               {"kind", "ticks"},
+               {"columns", {"time_s", "fx_n", "fy_n", "fz_n"}},
+               {"rows", json::array()},
+               {"held_forces_n", json::array()}};
+  const std::vector<Vec3>& forces = run.force_n;
+  const std::size_t stride = std::max<std::size_t>(1, forces.size() / kMostSamples);
+  for (std::size_t k = 0; k < forces.size(); k += stride)
+    written["rows"].push_back({static_cast<double>(k + 1) * tick_s, forces[k].x, forces[k].y, forces[k].z});
+  if (run.diverged || forces.empty()) return written;
+  const std::size_t held = std::max<std::size_t>(1, forces.size() / 10);
+  for (std::size_t k = forces.size() - held; k < forces.size(); ++k)
+    written["held_forces_n"].push_back({forces[k].x, forces[k].y, forces[k].z});
+  return written;
+}
+
+Response answer_ticks(MovingTask task, const Request& request, json& left) {
+  TickOptions options = take_tick_options(left);
+  require_all_taken(left);
+  task.body.stepping.time_step_s.reset();
+  task.body.motion.duration_s = options.tick_s;
+  task.body.stepping.engine = EngineChoice::kPlain;
+  const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
+  if (options.steps_per_tick == 0) options.steps_per_tick = setup.steps;
+  options.tool = find_tool(task.body.motion, setup);
+  const TickRun run = run_ticks(setup.phases.front().model, options);
+  Response response;
+  const double step_s = options.tick_s / static_cast<double>(options.steps_per_tick);
+  if (step_s > setup.stable.step_s)
+    response.notes.push_back("a time step of " + short_number(step_s) + " s is over the bound at rest, " +
+                             short_number(setup.stable.step_s) + " s");
+  response.kernel_s = std::accumulate(run.seconds.begin(), run.seconds.end(), run.diverged_s);
+  response.report = {{"outcome", run.diverged ? "diverged" : "completed"},
+                     {"kind", "ticks"},
+                     {"steps_per_tick", options.steps_per_tick},
+                     {"fewest_steps_per_tick", setup.steps},
+                     {"tick_s", options.tick_s},
+                     {"time_step_s", step_s},
+                     {"stable_step_s", number_or_null(setup.stable.step_s)},
+                     {"engine_threads", options.threads},
+                     {"vertices", task.mesh.points.size()},
+                     {"springs", setup.phases.front().model.elastic.springs.springs.size()}};
+  if (!run.seconds.empty()) add_times(run, options.tick_s, response.report);
+  write_file_atomically(request.output, describe_forces(run, options.tick_s).dump() + "\n");
+  return response;
+}
+
+/// The body's model as a file for other simulators.
+Response answer_model(const MovingTask& task, const Request& request, const json& left) {
+  require_all_taken(left);
+  const Stopwatch clock;
+  Response response;
+  const dynamics::MotionModel model =
+      build_free_body(task.body, task.mesh, build_elastic(task.body, task.mesh, response));
+  response.kernel_s = clock.seconds();
+  response.report["outcome"] = "completed";
+  response.report["vertices"] = task.mesh.points.size();
+  json written = model_to_json(task.mesh, model);
+  const BoundaryProblem& body = task.body.motion.body;
+  written["schema"] = "palpate/model/1";
+  written["method"] = task.body.model.method;
+  written["options"] = task.body.model.options;
+  written["strain"] = body.strain == StrainSize::kLarge ? "large" : "small";
+  written["material"] = {{"young_modulus_pa", body.material.young_modulus_pa},
+                         {"poisson_ratio", body.material.poisson_ratio},
+                         {"density_kg_m3", body.material.density_kg_m3}};
+  write_file_atomically(request.output, written.dump() + "\n");
+  return response;
+}
+
+}  // namespace
+
+Response answer_engine_request(const Request& request, const volatile std::sig_atomic_t* stop_flag) {
+  MovingTask task = read_moving_task(request);
+  json left = request.options;
+  take_whole(left, "vertices", 0, kMostCount, 0);  // of the mesh, which is there already
+  if (request.method == "engine.replay") return answer_replay(task, request, left, stop_flag);
+  if (request.method == "engine.rest") return answer_rest(std::move(task), request, left);
+  if (request.method == "engine.ticks") return answer_ticks(std::move(task), request, left);
+  if (request.method == "engine.model") return answer_model(task, request, left);
+  throw InputError("method", 0, "engine.replay, engine.rest, engine.ticks or engine.model", request.method);
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,202 @@
+#include "reference/engine/motion_replay.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "core/base/stopwatch.h"
+#include "core/dynamics/time_loop/plain_run.h"
+#include "reference/door/json_file.h"
+
+namespace palpate::reference {
+namespace {
+
+using dynamics::MotionOutcome;
+using dynamics::MotionReport;
+using dynamics::MotionState;
+using nlohmann::json;
+
+void merge(const MotionReport& phase, MotionReport& all) {
+  const auto first_inversion = all.first_inversion_s >= 0.0 ? all.first_inversion_s : phase.first_inversion_s;
+  MotionReport sum = phase;
+  sum.steps += all.steps;
+  sum.zero_length_springs += all.zero_length_springs;
+  sum.speeds_cut += all.speeds_cut;
+  sum.steps_with_cuts += all.steps_with_cuts;
+  sum.solver_iterations += all.solver_iterations;
+  sum.steps_unsolved += all.steps_unsolved;
+  sum.peak_speed_m_s = std::max(sum.peak_speed_m_s, all.peak_speed_m_s);
+  sum.inverted_tets_most = std::max(sum.inverted_tets_most, all.inverted_tets_most);
+  sum.first_inversion_s = first_inversion;
+  sum.outcome =
+      name_end(sum, phase.outcome != MotionOutcome::kDiverged, phase.outcome == MotionOutcome::kStopped);
+  all = sum;
+}
+
+json energy_json(const dynamics::MotionEnergy& energy) {
+  return {{"kinetic_j", number_or_null(energy.kinetic_j)},
+          {"elastic_j", number_or_null(energy.elastic_j)},
+          {"load_j", number_or_null(energy.load_j)}};
+}
+
+/// Runs the phases one after the other.
+class MotionRunner {
+ public:
+  MotionRunner(const MovingBody& body, const MotionSetup& setup, MotionOutput& output,
+               const MotionStops& stops)
+      : setup_(setup), output_(output), strides_(body, setup.steps), stops_(stops) {}
+
+  void run() {
+    state_ = start_at_rest(setup_.phases.front().model);
+    start_energy_ = measure_energy(setup_.phases.front().model, state_);
+    for (const MotionPhase& phase : setup_.phases) {
+      run_phase(phase);
+      last_ = &phase;
+      if (report_.outcome == MotionOutcome::kDiverged || report_.outcome == MotionOutcome::kStopped) break;
+    }
+    if (strides_.frame > 0 && report_.is_finite) output_.add_frame(state_);
+  }
+
+  json report() const {
+    const double kernel_s = watch_.seconds() - watching_s_;
+    double farthest = 0.0;
+    for (const Vec3& u : state_.displacement_m) farthest = std::max(farthest, length(u));
+    std::array<char, 32> hash{};
+    std::snprintf(hash.data(), hash.size(), "fnv1a:%016llx",
+                  static_cast<unsigned long long>(report_.state_hash));
+    json out{{"outcome", outcome()},
+             {"steps", report_.steps},
+             {"steps_planned", setup_.steps},
+             {"kernel_s", kernel_s},
+             {"simulated_s", state_.time_s},
+             {"real_time_factor", number_or_null(state_.time_s / kernel_s)},
+             {"max_displacement_m", output_.max_displacement_m()},
+             {"end_displacement_m", number_or_null(farthest)},
+             {"peak_speed_m_s", report_.peak_speed_m_s},
+             {"zero_length_springs", report_.zero_length_springs},
+             {"speeds_cut", report_.speeds_cut},
+             {"steps_with_speeds_cut", report_.steps_with_cuts},
+             {"solver_iterations", report_.solver_iterations},
+             {"steps_unsolved", report_.steps_unsolved},
+             {"inverted_tets", report_.inverted_tets},
+             {"inverted_tets_most", report_.inverted_tets_most},
+             {"first_inversion_s",
+              report_.first_inversion_s < 0.0 ? json(nullptr) : json(report_.first_inversion_s)},
+             {"state_is_finite", report_.is_finite},
+             {"first_bad_vertex",
+              report_.first_bad_vertex == kNoIndex ? json(nullptr) : json(report_.first_bad_vertex)},
+             {"energy_start", energy_json(start_energy_)},
+             {"state_hash", hash.data()}};
+    out["energy_end"] = report_.is_finite ? energy_json(measure_energy(last_->model, state_)) : json(nullptr);
+    add_rounding_gain(out);
+    return out;
+  }
+
+ private:
+  const char* outcome() const {
+    if (report_.outcome == MotionOutcome::kStopped) return is_interrupted_ ? "interrupted" : "timed_out";
+    return motion_outcome_name(report_.outcome);
+  }
+
+  void add_rounding_gain(json& out) const {
+    out["rounding_gain_j"] = out["rounding_gain_over_kinetic"] = nullptr;
+    if (!setup_.single_precision) return;
+    const double gain =
+        static_cast<double>(report_.steps) * dynamics::rounding_gain_per_step(setup_.phases.front().model);
+    out["rounding_gain_j"] = number_or_null(gain);
+    out["rounding_gain_over_kinetic"] = number_or_null(gain / output_.max_kinetic_j());
+  }
+
+  bool should_stop() {
+    is_interrupted_ = stops_.stop_flag != nullptr && *stops_.stop_flag != 0;
+    return is_interrupted_ || watch_.seconds() > stops_.timeout_s;
+  }
+
+  void run_phase(const MotionPhase& phase) {
+    const bool is_first = report_.steps == 0;
+    std::optional<dynamics::Integrator> integrator;
+    std::optional<dynamics::MotionForces> own_forces;
+    if (setup_.is_plain) {
+      own_forces.emplace(phase.model, setup_.integrator.threads);
+    } else {
+      integrator.emplace(phase.model, setup_.integrator);
+    }
+    dynamics::MotionForces& forces = integrator ? integrator->forces() : *own_forces;
+    forces.impose(state_.time_s, state_.displacement_m, state_.velocity_m_s);
+    const std::uint64_t done = report_.steps;
+    const auto observe = [&](std::uint64_t step, const MotionState& state) {
+      const Stopwatch watching;
+      if (step > 0 || is_first) output_.add_row(phase, forces, state);
+      const bool is_due = strides_.frame > 0 && done + step >= next_frame_;
+      if (is_due || (strides_.frame > 0 && done + step == setup_.steps)) {
+        output_.add_frame(state);
+        next_frame_ += strides_.frame;
+      }
+      watching_s_ += watching.seconds();
+    };
+    dynamics::MotionRunOptions options;
+    options.step_s = setup_.step_s;
+    options.steps = phase.last_step - done;
+    options.observe_every = strides_.row;
+    options.should_stop = [this] { return should_stop(); };
+    if (integrator) {
+      merge(run_motion(*integrator, state_, options, observe), report_);
+    } else {
+      merge(run_plain_motion(phase.model, state_,
+                             {options, setup_.integrator.threads, setup_.integrator.speed_limit_m_s,
+                              setup_.single_precision},
+                             observe),
+            report_);
+    }
+  }
+
+  const MotionSetup& setup_;
+  MotionOutput& output_;
+  Strides strides_;
+  MotionStops stops_;
+  Stopwatch watch_;
+  double watching_s_ = 0.0;  ///< spent on rows and frames
+  MotionState state_;
+  dynamics::MotionEnergy start_energy_;
+  MotionReport report_;
+  const MotionPhase* last_ = nullptr;  ///< in which the run ended
+  bool is_interrupted_ = false;
+  std::uint64_t next_frame_ = 0;
+};
+
+}  // namespace
+
+Strides::Strides(const MovingBody& body, std::uint64_t steps)
+    : row(std::max<std::uint64_t>(1, (steps + body.motion.samples - 1) / body.motion.samples)) {
+  const std::uint64_t frames = body.stepping.frames;
+  if (frames > 0) frame = std::max<std::uint64_t>(1, steps / frames);
+  if (frame > 0) row = std::min(row, frame);
+}
+
+json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionSetup& setup,
+                      const MotionStops& stops, MotionOutput& output) {
+  MotionRunner runner(body, setup, output, stops);
+  runner.run();
+  json summary = runner.report();
+  summary["method"] = setup.method;
+  summary["integrator"] = dynamics::integrator_name(setup.integrator.kind);
+  summary["engine"] = setup.is_plain ? "plain" : "general";
+  summary["precision"] = setup.single_precision ? "single" : "double";
+  summary["why_general"] = setup.why_general.empty() ? json(nullptr) : json(setup.why_general);
+  summary["time_step_s"] = setup.step_s;
+  summary["stable_step_s"] = number_or_null(setup.stable.step_s);
+  summary["stable_by"] = setup.stable_by;
+  summary["stability_margin"] = number_or_null(setup.stable.step_s / setup.step_s);
+  summary["speed_limit_m_s"] =
+      setup.integrator.speed_limit_m_s > 0.0 ? json(setup.integrator.speed_limit_m_s) : json(nullptr);
+  summary["threads"] = setup.integrator.threads;
+  summary["vertices"] = mesh.points.size();
+  summary["tets"] = mesh.tets.size();
+  summary["springs"] = setup.phases.front().model.elastic.springs.springs.size();
+  summary["model"] = setup.report;
+  return summary;
+}
+
+}  // namespace palpate::reference

@@ -1,0 +1,412 @@
+// Dynamic scenes: what is read, what is refused, and palpate simulate on them as a program.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
+#include "experiments/files/places.h"
+#include "experiments/processes/process.h"
+#include "reference/engine/motion_output.h"
+#include "tests/support/experiment_fixture.h"
+#include "tests/support/scene_text.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using test::run_program;
+using test::SceneText;
+using testing::HasSubstr;
+
+class SimulateMotion : public testing::Test {
+ protected:
+  static SceneText pressed(const std::string& dynamic) {
+    SceneText text;
+    text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.25, density_kg_m3: 1000}";
+    text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}}]";
+    text.load =
+        "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.01]}, profile: "
+        "{times_s: "
+        "[0, 0.05], shares: [0, 1], smooth: true}, until_s: 0.06}]";
+    text.analysis = "{dynamic: {" + dynamic + "}}";
+    text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+    return text;
+  }
+
+  std::string scene(const SceneText& text) const {
+    return fixture_.folder().add("scene.yaml", text.yaml()).string();
+  }
+  std::string error_of(const SceneText& text) const {
+    const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string()});
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    return result.error;
+  }
+  std::string error_of(const std::string& dynamic) const { return error_of(pressed(dynamic)); }
+
+  json simulate(const SceneText& text, const std::string& folder, const std::string& threads = "1",
+                int exit_code = 0) const {
+    const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / folder).string(),
+                                     "--json", "--threads", threads});
+    EXPECT_EQ(result.exit_code, exit_code) << result.error;
+    return json::parse(result.out);
+  }
+
+  test::ExperimentFixture fixture_;
+};
+
+std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path) {
+  std::istringstream lines(test::bytes_of(path));
+  std::vector<std::vector<std::string>> rows;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream cells(line);
+    std::vector<std::string>& row = rows.emplace_back();
+    for (std::string cell; std::getline(cells, cell, ',');) row.push_back(cell);
+  }
+  return rows;
+}
+
+const std::string kGood =
+    "integrator: symplectic_euler, time_step_s: auto, duration_s: 0.1, damping: {stiffness_s: 0.001}";
+
+TEST_F(SimulateMotion, APressedBlockIsLetGoAndLeavesFramesAndHistory) {
+  const json report = simulate(
+      pressed(
+          "integrator: symplectic_euler, time_step_s: auto, duration_s: 0.6, damping: {stiffness_s: 0.001, "
+          "mass_per_s: 30}, frames: 4, probes_m: [[0.05, 0.05, 0.1]]"),
+      "out");
+  EXPECT_EQ(report.at("outcome"), "completed");
+  EXPECT_EQ(report.at("stable_by"), "eigenvalues");
+  EXPECT_GT(report.at("stability_margin").get<double>(), 1.0 / 0.9 - 1e-9);
+  EXPECT_NEAR(report.at("simulated_s").get<double>(), 0.6, 1e-9);
+  EXPECT_NEAR(report.at("max_displacement_m").get<double>(), 0.01, 1e-4);
+  // Let go at 0.06 s, each mode has lost at least exp(-15 x 0.54) of its size, a hundredth leaves room for
+  // all.
+  EXPECT_LT(report.at("end_displacement_m").get<double>(), 1e-4);
+  EXPECT_EQ(report.at("inverted_tets_most"), 0);
+  const auto folder = fixture_.folder() / "out";
+  EXPECT_EQ(json::parse(test::bytes_of(folder / "summary.json")), report);
+  EXPECT_THAT(test::bytes_of(folder / "frames.pvd"), HasSubstr("file=\"frame_00004.vtu\""));
+  EXPECT_TRUE(std::filesystem::exists(folder / "frame_00004.vtu"));
+
+  const auto rows = read_csv(folder / "history.csv");
+  ASSERT_EQ(rows.front().size(), 16U);
+  EXPECT_EQ(rows.front()[10], "tool_1_fz_n");
+  EXPECT_EQ(rows.front()[13], "probe_1_uz_m");
+  EXPECT_EQ(rows.front()[14], "largest_displacement_m");
+  EXPECT_NEAR(std::stod(rows.back()[14]), report.at("end_displacement_m").get<double>(), 1e-15);
+  EXPECT_LT(std::stod(rows.back()[15]), std::stod(rows.back()[14]));
+  double deepest = 0.0;
+  double strongest = 0.0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    ASSERT_EQ(rows[k].size(), rows.front().size());
+    const double time = std::stod(rows[k][0]);
+    deepest = std::min(deepest, std::stod(rows[k][13]));
+    strongest = std::min(strongest, std::stod(rows[k][10]));
+    const bool has_let_go = time > 0.065;  // 0.06 s to the nearest step
+    EXPECT_EQ(has_let_go && std::stod(rows[k][10]) != 0.0, false) << time;
+  }
+  EXPECT_DOUBLE_EQ(deepest, -0.01);  // the top's centre follows the tool
+  // E A / l times the depth is 10 N of a bar; held at both ends, and moved fast, it is more.
+  EXPECT_LT(strongest, -5.0);
+  EXPECT_GT(strongest, -100.0);
+}
+
+TEST_F(SimulateMotion, TheSameHashOnOneThreadAndTwoAndInEachRun) {
+  const json first = simulate(pressed(kGood), "one");
+  EXPECT_EQ(simulate(pressed(kGood), "again").at("state_hash"), first.at("state_hash"));
+  EXPECT_EQ(simulate(pressed(kGood), "two", "2").at("state_hash"), first.at("state_hash"));
+}
+
+TEST_F(SimulateMotion, EveryIntegratorRuns) {
+  for (const dynamics::IntegratorKind kind : dynamics::kIntegrators) {
+    const std::string name = dynamics::integrator_name(kind);
+    const json report = simulate(pressed("integrator: " + name +
+                                         ", time_step_s: 2.0e-4, duration_s: 0.02, frames: 0, damping: "
+                                         "{stiffness_s: 0.001, mass_per_s: 1}"),
+                                 name);
+    EXPECT_EQ(report.at("outcome"), "completed") << name;
+    EXPECT_EQ(report.at("integrator"), name);
+    EXPECT_EQ(report.at("steps"), 100) << name;
+    EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / name / "frames.pvd"));
+  }
+}
+
+TEST_F(SimulateMotion, AStepOverTheBoundIsRefusedUnlessItIsAllowed) {
+  const std::string fast = "integrator: symplectic_euler, time_step_s: 0.02, duration_s: 10, frames: 0";
+  const std::string error = error_of(fast);
+  EXPECT_THAT(error,
+              HasSubstr("scene.yaml:6: a time step of 0.02 s is over the bound of symplectic_euler at rest"));
+  EXPECT_THAT(error, HasSubstr("allow_unstable: true"));
+  const json report = simulate(pressed(fast + ", allow_unstable: true"), "out", "1", 1);
+  EXPECT_EQ(report.at("outcome"), "diverged");
+  EXPECT_LT(report.at("stability_margin").get<double>(), 1.0);
+  EXPECT_TRUE(report.at("first_bad_vertex").is_number());
+  EXPECT_TRUE(report.at("state_is_finite").get<bool>());
+  EXPECT_GT(report.at("energy_end").at("kinetic_j").get<double>(), 0.0);
+  // The last state is in all that is written: a vertex that is 1000 sizes of 0.1 m away.
+  EXPECT_GT(report.at("end_displacement_m").get<double>(), 50.0);
+  EXPECT_EQ(report.at("max_displacement_m"), report.at("end_displacement_m"));
+  EXPECT_LT(report.at("steps").get<std::uint64_t>(), report.at("steps_planned").get<std::uint64_t>());
+  const auto rows = read_csv(fixture_.folder() / "out" / "history.csv");
+  EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), report.at("simulated_s").get<double>());
+  EXPECT_THAT(test::bytes_of(fixture_.folder() / "out" / "history.csv"), testing::Not(HasSubstr("nan")));
+}
+
+TEST_F(SimulateMotion, WhatMakesNoSenseIsRefusedWithItsPlace) {
+  const std::string rest = ", duration_s: 1";
+  for (const std::string bad : {"0", "-1", ".nan", ".inf"}) {
+    EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: " + bad + rest),
+                HasSubstr("scene.yaml:6"));
+    EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: auto, duration_s: " + bad),
+                HasSubstr("duration_s: expected"));
+    EXPECT_THAT(error_of(kGood + ", mass_per_vertex_kg: " + bad), HasSubstr("mass_per_vertex_kg: expected"));
+    EXPECT_THAT(error_of(kGood + ", speed_limit_m_s: " + bad), HasSubstr("speed_limit_m_s: expected"));
+  }
+  EXPECT_THAT(error_of("integrator: verlet, time_step_s: auto" + rest),
+              HasSubstr("unknown integrator \"verlet\""));
+  EXPECT_THAT(error_of("integrator: velocity_verle, time_step_s: auto" + rest),
+              HasSubstr("did you mean \"velocity_verlet\""));
+  EXPECT_THAT(error_of("preset: thesis_table_41" + rest), HasSubstr("did you mean \"thesis_table_4_1\""));
+  EXPECT_THAT(error_of("preset: thesis_table_4_1, time_step_s: 0.1" + rest),
+              HasSubstr("sets time_step_s by itself"));
+  EXPECT_THAT(error_of("integrator: implicit_euler, time_step_s: auto" + rest), HasSubstr("has no bound"));
+  EXPECT_THAT(error_of("integrator: explicit_euler, time_step_s: auto" + rest),
+              HasSubstr("no step of explicit_euler"));
+  EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: 1.0e-30, duration_s: 1"),
+              HasSubstr("at most 1e12 steps"));
+  EXPECT_THAT(error_of(kGood + ", damping: {stiffness_s: -1}"), HasSubstr("scene.yaml:6"));
+  EXPECT_THAT(error_of("integrator: symplectic_euler, time_step_s: auto, damping: {mass_per_s: .nan}" + rest),
+              HasSubstr("mass_per_s: expected"));
+}
+
+TEST_F(SimulateMotion, StepsWithoutASolutionAreSaidAndNotAccepted) {
+  // Damping that is so strong against the springs that a thousand iterations do not move the body enough.
+  const std::string slow =
+      "integrator: prefactored, time_step_s: 0.02, duration_s: 0.2, frames: 0, damping: "
+      "{spring_n_s_per_m: 1.0e+6}";
+  const json report = simulate(pressed(slow), "out", "1", 1);
+  EXPECT_EQ(report.at("outcome"), "unsolved");
+  EXPECT_GT(report.at("steps_unsolved").get<int>(), 0);
+  EXPECT_EQ(read_csv(fixture_.folder() / "out" / "history.csv").size(), 12U);
+}
+
+/// A motion that no test waits for.
+const std::string kEndless =
+    "integrator: symplectic_euler, time_step_s: 1.0e-4, duration_s: 1.0e+6, frames: 1000000, samples: "
+    "1000000";
+
+TEST_F(SimulateMotion, AfterTheTimeOutWhatWasComputedIsThere) {
+  for (const std::string engine : {"plain", "general"}) {
+    const auto out = fixture_.folder() / engine;
+    const auto result = run_program({"simulate", scene(pressed(kEndless + ", engine: " + engine)), "-o",
+                                     out.string(), "--timeout", "0.3", "--max-output-gb", "1e6"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_THAT(result.error, HasSubstr("what was computed is written; --timeout allows more"));
+    const json summary = json::parse(test::bytes_of(out / "summary.json"));
+    EXPECT_EQ(summary.at("outcome"), "timed_out");
+    EXPECT_LT(summary.at("steps").get<double>(), summary.at("steps_planned").get<double>());
+    const auto rows = read_csv(out / "history.csv");
+    EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), summary.at("simulated_s").get<double>());
+    EXPECT_THAT(test::bytes_of(out / "frames.pvd"), HasSubstr("frame_00000.vtu"));
+  }
+}
+
+TEST_F(SimulateMotion, CtrlCLeavesWhatWasComputed) {
+  const auto out = fixture_.folder() / "out";
+  const std::string program = program_folder() + "/palpate";
+  const std::string file = scene(pressed(kEndless));
+  ProcessSpec spec;
+  spec.standard_error = fixture_.folder() / "error";
+  // It is interrupted when it has begun to write, however long that takes.
+  spec.arguments = {"/bin/sh",
+                    "-c",
+                    "\"$0\" simulate \"$1\" -o \"$2\" --max-output-gb 1e6 & p=$!; "
+                    "while [ ! -e \"$2/frame_00000.vtu\" ] && kill -0 $p; do sleep 0.02; done; "
+                    "kill -INT $p; wait $p",
+                    program,
+                    file,
+                    out.string()};
+  const ProcessResult result = run_process(spec);
+  EXPECT_EQ(result.exit_code, 130) << test::bytes_of(spec.standard_error);
+  EXPECT_THAT(test::bytes_of(spec.standard_error), HasSubstr("interrupted: "));
+  const json summary = json::parse(test::bytes_of(out / "summary.json"));
+  EXPECT_EQ(summary.at("outcome"), "interrupted");
+  const auto rows = read_csv(out / "history.csv");
+  EXPECT_DOUBLE_EQ(std::stod(rows.back()[0]), summary.at("simulated_s").get<double>());
+}
+
+TEST_F(SimulateMotion, FramesOfAnEarlierRunAreGone) {
+  const auto out = fixture_.folder() / "out";
+  simulate(pressed(kGood + ", frames: 20"), "out");
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_00015.vtu"));
+  fixture_.folder().add("out/frame_12.vtu", "mine");
+  fixture_.folder().add("out/notes.txt", "mine");
+  simulate(pressed(kGood + ", frames: 2"), "out");
+  EXPECT_FALSE(std::filesystem::exists(out / "frame_00015.vtu"));
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_00002.vtu"));
+  EXPECT_TRUE(std::filesystem::exists(out / "frame_12.vtu"));  // not one of ours
+  EXPECT_TRUE(std::filesystem::exists(out / "notes.txt"));
+  simulate(pressed(kGood + ", frames: 0"), "out");
+  EXPECT_FALSE(std::filesystem::exists(out / "frames.pvd"));
+}
+
+TEST_F(SimulateMotion, SinglePrecisionSaysWhatRoundingAdds) {
+  const std::string still =
+      "integrator: symplectic_euler, time_step_s: 1.0e-5, duration_s: 0.2, frames: 0, "
+      "precision: single";
+  SceneText text = pressed(still);
+  text.load = "[{gravity_m_s2: [0, 0, -1.0e-4]}]";  // hardly a motion
+  const auto result =
+      run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string(), "--json"});
+  const json report = json::parse(result.out);
+  EXPECT_GT(report.at("rounding_gain_over_kinetic").get<double>(), 0.01);
+  EXPECT_THAT(result.error, HasSubstr("single precision: rounding of positions adds about"));
+  const json loud = simulate(pressed(still), "loud");
+  EXPECT_LT(loud.at("rounding_gain_j").get<double>(),
+            report.at("rounding_gain_j").get<double>());  // more of it is held
+  EXPECT_LT(loud.at("rounding_gain_over_kinetic").get<double>(), 1e-3);
+  EXPECT_TRUE(simulate(pressed(kGood), "double").at("rounding_gain_j").is_null());
+}
+
+TEST_F(SimulateMotion, BadInputThatIsFoundLateLeavesNoFolder) {
+  error_of("integrator: symplectic_euler, time_step_s: 0.02, duration_s: 10");
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "out"));
+  const auto deep = fixture_.folder() / "deep" / "er" / "out";
+  const auto result =
+      run_program({"simulate", scene(pressed("integrator: explicit_euler, time_step_s: auto, duration_s: 1")),
+                   "-o", deep.string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "deep"));
+  std::filesystem::create_directories(deep);  // what was there before stays
+  run_program({"simulate", scene(pressed("integrator: explicit_euler, time_step_s: auto, duration_s: 1")),
+               "-o", deep.string()});
+  EXPECT_TRUE(std::filesystem::exists(deep));
+}
+
+TEST_F(SimulateMotion, AToolThatLeavesTheOrganIsRefused) {
+  SceneText text = pressed(kGood);
+  text.load =
+      "[{displace: {sphere: {center_m: [0.05, 0.05, 0.15], radius_m: 0.01}, by_m: [0, 0, -0.01]}, profile: "
+      "{times_s: [0, 0.05], shares: [0, 1]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("scene.yaml"));
+  text.load = "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -30}, by_m: [0, 0, -0.01]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("scene.yaml"));
+}
+
+TEST_F(SimulateMotion, ThePlainEngineStepsWhatItCanAndGivesTheSameMotion) {
+  const json plain = simulate(pressed(kGood), "plain");
+  EXPECT_EQ(plain.at("engine"), "plain");
+  EXPECT_EQ(plain.at("precision"), "double");
+  EXPECT_TRUE(plain.at("why_general").is_null());
+  const json general = simulate(pressed(kGood + ", engine: general"), "general");
+  EXPECT_EQ(general.at("engine"), "general");
+  EXPECT_NE(general.at("state_hash"), plain.at("state_hash"));
+  for (const char* key : {"outcome", "steps", "time_step_s", "inverted_tets_most", "speeds_cut"})
+    EXPECT_EQ(general.at(key), plain.at(key)) << key;
+  for (const char* key : {"max_displacement_m", "end_displacement_m", "peak_speed_m_s"})
+    EXPECT_NEAR(general.at(key).get<double>(), plain.at(key).get<double>(), 1e-12) << key;
+  const auto one = read_csv(fixture_.folder() / "plain" / "history.csv");
+  const auto other = read_csv(fixture_.folder() / "general" / "history.csv");
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t k = 1; k < one.size(); ++k)
+    EXPECT_NEAR(std::stod(one[k][10]), std::stod(other[k][10]), 1e-8) << one[k][0];
+  const json single = simulate(pressed(kGood + ", precision: single"), "single");
+  EXPECT_EQ(single.at("precision"), "single");
+  EXPECT_NEAR(single.at("max_displacement_m").get<double>(), 0.01, 1e-4);
+}
+
+TEST_F(SimulateMotion, AnEngineThatCannotIsRefusedWithWhat) {
+  EXPECT_THAT(error_of(kGood + ", engine: plane"),
+              HasSubstr("unknown engine \"plane\"; did you mean \"plain\""));
+  EXPECT_THAT(error_of(kGood + ", precision: half"), HasSubstr("single or double"));
+  EXPECT_THAT(error_of(kGood + ", engine: general, precision: single"),
+              HasSubstr("asks for the general one"));
+  EXPECT_THAT(error_of("engine: plain, integrator: velocity_verlet, time_step_s: auto, duration_s: 0.1"),
+              HasSubstr("scene.yaml:6: engine: the plain engine takes springs"));
+  SceneText text = pressed(kGood + ", engine: plain");
+  text.rest = "strain: large\nmodel: {springs: van_gelder, volume: node_average}\n";
+  text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.4, density_kg_m3: 1000}";
+  EXPECT_THAT(error_of(text), HasSubstr("this body has strain energies"));
+  text.rest = "model: {springs: van_gelder}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("this body has linearised springs"));
+  text = pressed("preset: thesis_table_4_1, duration_s: 0.03, allow_unstable: true");
+  text.rest = "";
+  const json preset = simulate(text, "preset");
+  EXPECT_EQ(preset.at("engine"), "general");
+  EXPECT_EQ(preset.at("why_general"), "a volume force");
+}
+
+TEST_F(SimulateMotion, AToolThatIsOffTheOrganOrLeavesItIsRefused) {
+  SceneText beside = pressed(kGood);
+  beside.load = "[{displace: {sphere: {center_m: [0.05, 0.05, 0.3], radius_m: 0.01}, by_m: [0, 0, -0.01]}}]";
+  EXPECT_THAT(error_of(beside), HasSubstr("scene.yaml:5"));
+  SceneText leaves = pressed(kGood);
+  leaves.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, 0.01]}, profile: "
+      "{times_s: [0, 0.05], shares: [0, -50]}}]";
+  EXPECT_THAT(error_of(leaves),
+              AllOf(HasSubstr("scene.yaml:5: the tool leaves the organ: it is moved by 0.5 m, "
+                              "and the organ is "),
+                    HasSubstr(" m long")));
+}
+
+TEST_F(SimulateMotion, LoadsWithTimesAreChecked) {
+  SceneText text = pressed(kGood);
+  text.load = "[{gravity_m_s2: [0, 0, -1], from_s: 0.05, until_s: 0.01}]";
+  EXPECT_THAT(error_of(text), HasSubstr("until_s: expected a time after from_s"));
+  text.load = "[{gravity_m_s2: [0, 0, -1], profile: {times_s: [1, 0], shares: [0, 1]}}]";
+  EXPECT_THAT(error_of(text), HasSubstr("times that increase"));
+  text.load = "[{gravity_m_s2: [0, 0, -1], until_s: 0.1}]";
+  text.analysis = "static";
+  EXPECT_THAT(error_of(text), HasSubstr("belong to a dynamic analysis"));
+  text = pressed(kGood);
+  text.rest = "model: {springs: van_gelder, tolerance: 1.0e-3}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("tolerance belongs to a static analysis"));
+  text = pressed("integrator: prefactored, time_step_s: 0.001, duration_s: 0.01");
+  text.rest = "model: {springs: van_gelder, volume: thesis}\n";
+  EXPECT_THAT(error_of(text), HasSubstr("a model of springs alone for prefactored"));
+}
+
+TEST_F(SimulateMotion, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {
+  SceneText text =
+      pressed("integrator: symplectic_euler, time_step_s: 1.0e-6, duration_s: 10, frames: 10000000");
+  const std::string error = error_of(text);
+  EXPECT_THAT(error,
+              HasSubstr("GB, more than 2 GB: ask for fewer frames, or allow more with --max-output-gb"));
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "out"));
+  const auto result = run_program(
+      {"simulate", scene(text), "-o", (fixture_.folder() / "out").string(), "--max-output-gb", "1e8"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.error, HasSubstr(" left"));
+}
+
+TEST_F(SimulateMotion, TheEstimateOfTheOutputIsFromAboveAndNotWild) {
+  const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
+  const json report = simulate(pressed(kGood + ", frames: 4"), "out");
+  double bytes = 0.0;
+  for (const json& file : report.at("files"))
+    bytes += static_cast<double>(std::filesystem::file_size(file.get<std::string>()));
+  const double estimate =
+      reference::estimate_output_bytes(mesh, 6, report.at("steps").get<std::uint64_t>(), 13);
+  EXPECT_GT(estimate, bytes);
+  EXPECT_LT(estimate, 10.0 * bytes);
+}
+
+TEST_F(SimulateMotion, AFreeBodyFallsAndIsChecked) {
+  SceneText text = pressed("integrator: velocity_verlet, time_step_s: 1.0e-3, duration_s: 0.1, frames: 0");
+  text.clamp = "[]";
+  text.load = "[{gravity_m_s2: [0, 0, -9.81]}]";
+  const auto checked = run_program({"check", scene(text)});
+  EXPECT_EQ(checked.exit_code, 0) << checked.error;
+  EXPECT_THAT(checked.out, HasSubstr("good, a dynamic scene of 125 vertices"));
+  const json report = simulate(text, "out");
+  EXPECT_NEAR(report.at("end_displacement_m").get<double>(), 0.5 * 9.81 * 0.01, 1e-12);
+  EXPECT_NEAR(report.at("peak_speed_m_s").get<double>(), 0.981, 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::experiments

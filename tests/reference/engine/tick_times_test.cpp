@@ -1,0 +1,82 @@
+#include "reference/engine/tick_times.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "core/dynamics/spring_engine/plain_engine.h"
+#include "core/mesh/shapes/shapes.h"
+#include "tests/support/dynamics_cases.h"
+#include "tests/support/motion_cases.h"
+
+namespace palpate::reference {
+namespace {
+
+using namespace testing_support;
+
+TEST(TickTimes, PercentilesAreTimesThatOccurred) {
+  std::vector<double> seconds(1000);
+  std::iota(seconds.begin(), seconds.end(), 1.0);  // 1 to 1000
+  std::reverse(seconds.begin(), seconds.end());
+  const TickTimes times = describe_ticks(seconds, 990.0);
+  EXPECT_EQ(times.p50_s, 500.0);
+  EXPECT_EQ(times.p99_s, 990.0);
+  EXPECT_EQ(times.p99_9_s, 999.0);
+  EXPECT_EQ(times.worst_s, 1000.0);
+  EXPECT_EQ(times.mean_s, 500.5);
+  EXPECT_EQ(times.missed, 10U);  // at the deadline is in time
+  EXPECT_EQ(std::accumulate(times.buckets.begin(), times.buckets.end(), std::uint64_t{0}), 1000U);
+  ASSERT_EQ(times.buckets.size(), times.bucket_ends_s.size());
+  EXPECT_EQ(times.buckets.size(), 61U);  // three decades of twenty, and the one that starts at 1000
+  EXPECT_NEAR(times.bucket_ends_s[19], 10.0, 1e-12);
+  EXPECT_EQ(std::accumulate(times.buckets.begin(), times.buckets.begin() + 20, std::uint64_t{0}), 9U);
+}
+
+TEST(TickTimes, OneTickIsAllOfItsPercentiles) {
+  const TickTimes times = describe_ticks({2e-3}, 1e-3);
+  for (const double time : {times.p50_s, times.p99_s, times.p99_9_s, times.worst_s, times.mean_s})
+    EXPECT_EQ(time, 2e-3);
+  EXPECT_EQ(times.missed, 1U);
+}
+
+dynamics::MotionModel pressed() {
+  return make_pressed_body(build_kuhn_cube(3, 0.2, 5), 0.02);
+}
+
+TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
+  const dynamics::MotionModel model = pressed();
+  TickOptions options;
+  options.steps_per_tick = 4;
+  options.ticks = 20;
+  options.warm_ticks = 5;
+  options.single_precision = false;
+  options.tool = 1;
+  const TickRun run = run_ticks(model, options);
+  EXPECT_FALSE(run.diverged);
+  EXPECT_EQ(run.seconds.size(), 20U);
+  for (const double s : run.seconds) EXPECT_GT(s, 0.0);
+  ASSERT_EQ(run.force_n.size(), 25U);
+  dynamics::PlainEngine<double> engine(model, {});
+  for (const Vec3& force : run.force_n) {
+    engine.step(1e-3 / 4.0, 4);
+    EXPECT_EQ(force, engine.group_forces()[1]);
+  }
+  EXPECT_EQ(hash_state(run.state), hash_state(engine.state()));
+  options.threads = 2;
+  options.paced = true;
+  EXPECT_EQ(run_ticks(model, options).force_n, run.force_n);
+}
+
+TEST(TickTimes, ABodyThatFliesApartEndsTheRun) {
+  TickOptions options;
+  options.tick_s = 10.0;
+  options.ticks = 500;
+  options.warm_ticks = 0;
+  options.tool = 1;
+  const TickRun run = run_ticks(pressed(), options);
+  EXPECT_TRUE(run.diverged);
+  EXPECT_LT(run.seconds.size(), 500U);
+}
+
+}  // namespace
+}  // namespace palpate::reference

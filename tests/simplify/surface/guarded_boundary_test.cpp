@@ -1,0 +1,197 @@
+#include "core/simplify/surface/guarded_boundary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/base/random.h"
+#include "core/judge/surface/surface.h"
+#include "core/mesh/topology.h"
+#include "tests/support/small_meshes.h"
+
+namespace palpate::simplify {
+namespace {
+
+using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
+
+TriangleCorners corners_of(const SurfaceMesh& surface, std::size_t i) {
+  const Triangle& t = surface.triangles[i];
+  return {surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
+}
+
+TEST(CoverTest, AParallelTriangleIsCoveredFromItsHeightOn) {
+  const SurfaceMesh ground{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
+  const TriangleTree tree(ground.points, ground.triangles);
+  const TriangleCorners above{Vec3{0, 0, 0.5}, Vec3{1, 0, 0.5}, Vec3{0, 1, 0.5}};
+  EXPECT_TRUE(CoverTest(0.5).is_covered(above, tree));
+  EXPECT_FALSE(CoverTest(0.499).is_covered(above, tree));
+}
+
+TEST(CoverTest, AHoleBelowIsSeenThoughAllCornersAreCovered) {
+  // A ring of four triangles around a square hole; the triangle's corners are over the ring.
+  const SurfaceMesh ring{
+      {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {0, 8, 0}, {2, 2, 0}, {6, 2, 0}, {6, 6, 0}, {2, 6, 0}},
+      {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 6, 5}, {2, 3, 6}, {3, 7, 6}, {3, 0, 7}, {0, 4, 7}}};
+  const TriangleTree tree(ring.points, ring.triangles);
+  const TriangleCorners over{Vec3{1, 1, 0}, Vec3{7, 1, 0}, Vec3{4, 7, 0}};
+  EXPECT_FALSE(CoverTest(1.0).is_covered(over, tree));
+  EXPECT_TRUE(CoverTest(2.01).is_covered(over, tree));  // 2 to the sides from the middle
+}
+
+TEST(CoverTest, NamesTheTrianglesThatAreEnough) {
+  const std::vector<TriangleCorners> by{{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}},
+                                        {Vec3{4, 0, 0}, Vec3{4, 4, 0}, Vec3{0, 4, 0}},
+                                        {Vec3{90, 0, 0}, Vec3{91, 0, 0}, Vec3{90, 1, 0}}};
+  std::vector<Index> used;
+  CoverTest test(1e-12);  // corners that are cut out are rounded
+  EXPECT_TRUE(test.is_covered({Vec3{1, 1, 0}, Vec3{3, 3, 0}, Vec3{1, 2, 0}}, by, used));
+  std::sort(used.begin(), used.end());
+  EXPECT_EQ(used, (std::vector<Index>{0, 1}));
+}
+
+TEST(CoverTest, NeverSaysYesAgainstTheJudgeAndSeldomNo) {
+  std::size_t yes = 0;
+  std::size_t no = 0;
+  std::size_t too_careful = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    SplitMix64 random(seed);
+    const SurfaceMesh one = random_triangles(1, 0.5, random);
+    const SurfaceMesh others = random_triangles(25, seed % 2 == 0 ? 0.3 : 1.0, random);
+    const judge::SurfaceDistance exact = judge::measure_surface_distance(one, others);
+    const TriangleTree tree(others.points, others.triangles);
+    for (const double factor : {0.8, 0.99, 1.01, 1.2}) {
+      const double limit = factor * exact.forward.upper;
+      const bool is_covered = CoverTest(limit).is_covered(corners_of(one, 0), tree);
+      EXPECT_TRUE(!is_covered || limit >= exact.forward.lower) << "seed " << seed;
+      if (!is_covered && factor > 1.1) ++too_careful;
+      ++(is_covered ? yes : no);
+    }
+  }
+  EXPECT_GT(yes, 60U);
+  EXPECT_GT(no, 60U);
+  EXPECT_LE(too_careful, 3U);
+}
+
+TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
+  std::size_t contacts = 0;
+  for (std::uint64_t seed = 1; seed <= 4000; ++seed) {
+    SplitMix64 random(seed);
+    // Small whole coordinates; the second triangle shares 0, 1 or 2 vertices with the first.
+    const std::size_t shared = seed % 3;
+    SurfaceMesh pair;
+    for (int i = 0; i < 6; ++i) {
+      pair.points.push_back({static_cast<double>(random.below(4)), static_cast<double>(random.below(4)),
+                             static_cast<double>(random.below(seed % 2 == 0 ? 1 : 3))});
+    }
+    pair.triangles = {{0, 1, 2}, {3, 4, 5}};
+    for (std::size_t k = 0; k < shared; ++k)
+      pair.triangles[1][k] = static_cast<Index>(random.below(2) == 0 ? k : 2 - k);
+    if (shared == 2 && pair.triangles[1][0] == pair.triangles[1][1]) continue;
+    bool has_area = true;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const TriangleCorners c = corners_of(pair, i);
+      has_area = has_area && length_sq(cross(c[1] - c[0], c[2] - c[0])) > 0.0;
+    }
+    if (!has_area) continue;
+    const PlacedFace a{pair.triangles[0], corners_of(pair, 0)};
+    const PlacedFace b{pair.triangles[1], corners_of(pair, 1)};
+    const bool expected = judge::count_self_intersections(pair) > 0;
+    EXPECT_EQ(are_in_contact(a, b), expected) << "seed " << seed;
+    EXPECT_EQ(are_in_contact(b, a), expected) << "seed " << seed;
+    if (expected) ++contacts;
+  }
+  EXPECT_GT(contacts, 500U);
+}
+
+/// A block with a guarded boundary of the given bound, and the change that moves the middle vertex of its
+/// top.
+struct MovedTop {
+  WorkingMesh mesh;
+  Index middle = kNoIndex;
+
+  MovedTop() : mesh(build_working_mesh(make_kuhn_block(4, 4, 4), SizingField())) {
+    for (Index v = 0; v < mesh.points.size(); ++v) {
+      if (mesh.points[v] == Vec3{2, 2, 4}) middle = v;
+    }
+  }
+
+  BoundaryChange to(const GuardedBoundary& boundary, const Vec3& place) const {
+    BoundaryChange change;
+    change.removed.assign(boundary.faces_of(middle).begin(), boundary.faces_of(middle).end());
+    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
+    change.moved = middle;
+    change.to = place;
+    return change;
+  }
+};
+
+TEST(GuardedBoundary, HasTheBoundaryFaces) {
+  const MovedTop top;
+  const GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.size(), 6U * 32U);
+  EXPECT_EQ(boundary.faces_of(top.middle).size(), 6U);
+}
+
+TEST(GuardedBoundary, PermitsWhatIsWithinTheBoundAndNothingElse) {
+  const MovedTop top;
+  GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.09})), BoundaryVerdict::kAllowed);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.11})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2.4, 2.3, 4})),
+            BoundaryVerdict::kAllowed);  // within the plane
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {3.4, 2.3, 4})),
+            BoundaryVerdict::kContact);  // a face turns over
+}
+
+TEST(GuardedBoundary, ErrorsDoNotAddUpUnseen) {
+  MovedTop top;
+  GuardedBoundary boundary(top.mesh, 0.1);
+  const BoundaryChange first = top.to(boundary, {2, 2, 4.08});
+  ASSERT_EQ(boundary.check(top.mesh, first), BoundaryVerdict::kAllowed);
+  boundary.apply(top.mesh, first);
+  apply_move(top.mesh, top.middle, first.to);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.16})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 3.92})), BoundaryVerdict::kAllowed);
+}
+
+TEST(GuardedBoundary, ABoundMayGrowButNotShrink) {
+  const MovedTop top;
+  GuardedBoundary boundary(top.mesh, 0.1);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.3})), BoundaryVerdict::kTooFar);
+  boundary.raise_bound(top.mesh, 0.4);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.3})), BoundaryVerdict::kAllowed);
+  EXPECT_THROW(boundary.raise_bound(top.mesh, 0.2), ContractError);
+}
+
+TEST(GuardedBoundary, ASpikeMayNotBeCutOff) {
+  // All that would be left is within reach of the input, but the spike is not within reach of what is left.
+  TetMesh block = make_kuhn_block(4, 4, 4);
+  block.points[block_vertex(4, 4, 2, 2, 4)].z = 5.0;
+  MovedTop top;
+  top.mesh = build_working_mesh(std::move(block), SizingField());
+  for (Index v = 0; v < top.mesh.points.size(); ++v) {
+    if (top.mesh.points[v] == Vec3{2, 2, 5}) top.middle = v;
+  }
+  GuardedBoundary boundary(top.mesh, 0.45);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.4})), BoundaryVerdict::kTooFar);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.6})), BoundaryVerdict::kAllowed);
+}
+
+TEST(GuardedBoundary, PartsThatWouldTouchAreSeenFromAfar) {
+  // Two blocks, the second 0.25 above the first: the bound permits more than that.
+  MovedTop top;
+  top.mesh = build_working_mesh(
+      join_meshes(make_kuhn_block(4, 4, 4), translated(make_kuhn_block(4, 4, 4), {0, 0, 4.25})),
+      SizingField());
+  for (Index v = 0; v < top.mesh.points.size(); ++v) {
+    if (top.mesh.points[v] == Vec3{2, 2, 4}) top.middle = v;
+  }
+  GuardedBoundary boundary(top.mesh, 1.0);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.24})), BoundaryVerdict::kAllowed);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.25})), BoundaryVerdict::kContact);
+  EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.5})), BoundaryVerdict::kContact);
+}
+
+}  // namespace
+}  // namespace palpate::simplify
