@@ -129,7 +129,9 @@ TEST(FiniteElements, FaceMassesIntegrateProducts) {
       }
     }
     EXPECT_NEAR(linear, 7.0 / 12.0, 1e-14);
-    if (order == 2) EXPECT_NEAR(quartic, 4.0 / 720.0, 1e-14);  // 2! 2! / 6!
+    if (order == 2) {
+      EXPECT_NEAR(quartic, 4.0 / 720.0, 1e-14);  // 2! 2! / 6!
+    }
   }
 }
 

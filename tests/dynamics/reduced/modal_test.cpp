@@ -145,7 +145,9 @@ TEST(ModalPhase, ModesAreOrthonormalAndRise) {
     double square = 0.0;
     for (std::size_t v = 0; v < product.size(); ++v) square += dot(product[v], found.modes[a][v]);
     EXPECT_NEAR(square, found.squares_per_s2[a], 1e-8 * square);
-    if (a > 0) EXPECT_GE(found.squares_per_s2[a], found.squares_per_s2[a - 1]);
+    if (a > 0) {
+      EXPECT_GE(found.squares_per_s2[a], found.squares_per_s2[a - 1]);
+    }
   }
 }
 
