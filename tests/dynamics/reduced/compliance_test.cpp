@@ -96,7 +96,7 @@ struct Exact {
 constexpr Exact kLinear{1, 1};
 constexpr Exact kQuadratic{2, 2};
 
-TEST(FiniteElements, MassIsTheBodysAndRigidMotionsHaveNoForce) {
+TEST(ElementMatrices, MassIsTheBodysAndRigidMotionsHaveNoForce) {
   const TetMesh mesh = build_kuhn_cube(2, 0.3, 4);
   for (const int order : {1, 2}) {
     const ElementSpace space = build_element_space(mesh, order);
@@ -113,7 +113,7 @@ TEST(FiniteElements, MassIsTheBodysAndRigidMotionsHaveNoForce) {
   }
 }
 
-TEST(FiniteElements, FaceMassesIntegrateProducts) {
+TEST(ElementMatrices, FaceMassesIntegrateProducts) {
   // The integral of (x + 2 y)^2 over the triangle (0,0) (1,0) (0,1) is 1/12 + 4/24 + 4/12 = 7/12: of a
   // quadratic field with itself at order 1, exactly; of x^2 with y^2, 4/360 = 1/90... at order 2.
   const std::array<std::array<double, 2>, 6> at{{{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}}};
