@@ -203,7 +203,7 @@ class ExtremeRun {
     options.first_step_s = 0.99 * bound_;
     options.tolerance = 0.021;  // the next stride up is enough
     const MotionModel model = linearise(body_.model);
-    const dynamics::MeasuredStep found = measure_stable_step_by_map(*method_.make(model, threads_), options);
+    dynamics::MeasuredStep found = measure_stable_step_by_map(*method_.make(model, threads_), options);
     rerun_bracket(model, found, kEnergyFactor);
     return found;
   }
@@ -235,7 +235,7 @@ class ExtremeRun {
     const bool is_linear = !method_.is_plain && !body_.model.elastic.volume_force;
     options.counts_slow_growth = is_linear;
     const MotionModel model = is_linear ? linearise(body_.model) : body_.model;
-    const dynamics::MeasuredStep found = measure_stable_step(*method_.make(model, threads_), options);
+    dynamics::MeasuredStep found = measure_stable_step(*method_.make(model, threads_), options);
     if (found.is_found())
       bracket_ = {{"by", "trials"},
                   {"lower", describe_trial(found.stable_s, is_linear, found.stable)},

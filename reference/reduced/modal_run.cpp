@@ -101,7 +101,7 @@ class ModalMotion {
     out["us_per_step"] = steps_ > 0 ? 1e6 * stepping_s_ / static_cast<double>(steps_) : 0.0;
     out["unknowns"] = 3 * space_.nodes();
     out["left_out_at_phases"] = left_out_;
-    out["mode_bytes"] = 8 * 3 * space_.nodes() * options_.modal.modes;
+    out["mode_bytes"] = std::size_t{24} * space_.nodes() * options_.modal.modes;
     if (task_.problem.frequencies > 0)
       out["frequencies_hz"] =
           std::vector<double>(frequencies_.begin(),

@@ -195,9 +195,9 @@ class Check:
         return "passed", ""
 
     def record(self, names):
-        """Writes the keys of the files that have a mark into the list, beside those of the other kinds; returns their number."""
+        """Writes the keys of the files that passed here or were known into the list, beside those of the other kinds; returns their number."""
         keys = {name: self.key(name, words) for name in names if (words := self.command(name)) is not None}
-        keys = {name: key[:KEY_LENGTH] for name, key in keys.items() if self.mark(key).exists()}
+        keys = {name: key[:KEY_LENGTH] for name, key in keys.items() if self.mark(key).exists() or key[:KEY_LENGTH] in self.held}
         lines = [f"{kind} {name} {key}" for kind in RECORDED
                  for name, key in sorted((keys if kind == self.kind else read_held(self.root, kind)).items())]
         (self.root / HELD).parent.mkdir(parents=True, exist_ok=True)

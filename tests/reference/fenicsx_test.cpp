@@ -22,7 +22,6 @@ namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-using testing::HasSubstr;
 
 using namespace test;  // NOLINT(google-build-using-namespace)
 

@@ -115,6 +115,7 @@ class EngineFile {
   /// These columns of all rows, in this order.
   std::vector<std::vector<double>> read_rows(const std::vector<const char*>& columns) const {
     std::vector<std::size_t> places;
+    places.reserve(columns.size());
     for (const char* column : columns) places.push_back(place_of(column));
     std::vector<std::vector<double>> out;
     const json& rows = need("rows");
