@@ -9,8 +9,8 @@ namespace palpate::experiments {
 ProblemPaths write_problem_folder(const TetMesh& mesh, const nlohmann::json& problem,
                                   const std::filesystem::path& folder) {
   create_folder(folder);
-  const ProblemPaths paths{std::filesystem::absolute(folder / "in.mesh"),
-                           std::filesystem::absolute(folder / "problem.json")};
+  ProblemPaths paths{std::filesystem::absolute(folder / "in.mesh"),
+                     std::filesystem::absolute(folder / "problem.json")};
   write_medit(paths.mesh, mesh);
   write_file_atomically(paths.problem, problem.dump() + "\n");
   return paths;
