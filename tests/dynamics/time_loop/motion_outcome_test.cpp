@@ -29,7 +29,7 @@ WatchedRun watch_oscillator(IntegratorKind kind, double damping, double step, st
   WatchOptions watch;
   watch.step_s = step;
   watch.steps = steps;
-  const WatchedRun run = watch_motion(*make_stepper(model, options), start, watch);
+  WatchedRun run = watch_motion(*make_stepper(model, options), start, watch);
   EXPECT_EQ(run.inverted_start, 0U);
   return run;
 }
