@@ -64,6 +64,17 @@ void read_damping(const YamlValue& value, SceneDynamic& out) {
   out.spring_damping = dynamics::parse_spring_damping(springs->text());
 }
 
+void read_solver(const YamlValue& value, SceneDynamic& out) {
+  constexpr std::int64_t kMostIterations = 100'000;
+  constexpr std::int64_t kMostSubsteps = 10'000;
+  const YamlFields fields = value.fields({"iterations", "tolerance", "substeps"});
+  if (const auto iterations = fields.find("iterations"))
+    out.solver.iterations = static_cast<std::size_t>(iterations->integer(1, kMostIterations));
+  if (const auto tolerance = fields.find("tolerance")) out.solver.tolerance = tolerance->number(0.0, 1.0);
+  if (const auto substeps = fields.find("substeps"))
+    out.substeps = static_cast<std::size_t>(substeps->integer(1, kMostSubsteps));
+}
+
 /// Sets what a preset sets. Only its kind of spring damping may be given beside it.
 void apply_preset(const YamlValue& preset, const YamlFields& fields, SceneDynamic& out) {
   const std::vector<std::string> known{kThesisPreset};
@@ -101,7 +112,7 @@ SceneDynamic read_dynamic(const YamlValue& value) {
   constexpr std::int64_t kMostFrames = 1'000'000'000;
   const YamlFields fields = value.fields(
       {"integrator", "time_step_s", "safety", "duration_s", "allow_unstable", "mass_per_vertex_kg", "damping",
-       "speed_limit_m_s", "frames", "samples", "probes_m", "preset", "engine", "precision"});
+       "speed_limit_m_s", "frames", "samples", "probes_m", "preset", "engine", "precision", "solver"});
   SceneDynamic out;
   if (const auto damping = fields.find("damping")) read_damping(*damping, out);
   if (const auto preset = fields.find("preset")) {
@@ -116,6 +127,7 @@ SceneDynamic read_dynamic(const YamlValue& value) {
   if (const auto allow = fields.find("allow_unstable")) out.allow_unstable = allow->boolean();
   if (const auto engine = fields.find("engine")) out.engine = read_engine(*engine);
   if (const auto precision = fields.find("precision")) out.single_precision = is_single(*precision);
+  if (const auto solver = fields.find("solver")) read_solver(*solver, out);
   if (const auto mass = fields.find("mass_per_vertex_kg")) out.mass_per_vertex_kg = read_above_zero(*mass);
   if (const auto limit = fields.find("speed_limit_m_s")) out.speed_limit_m_s = read_above_zero(*limit);
   if (const auto frames = fields.find("frames"))

@@ -16,6 +16,8 @@ using nlohmann::json;
 
 constexpr const char* kSchema = "palpate/moving_body/1";
 constexpr std::uint64_t kMostFrames = 1'000'000'000;
+constexpr std::uint64_t kMostIterations = 100'000;
+constexpr std::uint64_t kMostSubsteps = 10'000;
 constexpr std::array<const char*, 3> kEngines{"auto", "general", "plain"};  // in the order of EngineChoice
 
 /// The members of one object, each of a known name; messages name the place.
@@ -65,6 +67,15 @@ class Members {
     return number;
   }
 
+  /// A whole number from 1 to `most`, or `otherwise`.
+  std::size_t count(const char* key, std::uint64_t most, std::size_t otherwise) const {
+    const json* value = find(key);
+    if (value == nullptr) return otherwise;
+    if (!value->is_number_unsigned() || *value == 0U || *value > most)
+      fail(key, "a whole number from 1 to " + std::to_string(most), *value);
+    return value->get<std::size_t>();
+  }
+
   std::optional<double> number_if_there(const char* key) const {
     if (find(key) == nullptr) return std::nullopt;
     return number(key, false);
@@ -103,7 +114,8 @@ MotionStepping read_stepping(const json& value, const std::string& where) {
   const Members members(value, where,
                         {"integrator", "time_step_s", "safety", "engine", "precision", "allow_unstable",
                          "speed_limit_m_s", "frames", "mass_per_vertex_kg", "damping_spring_n_s_per_m",
-                         "damping_vertex_n_s_per_m", "spring_damping"});
+                         "damping_vertex_n_s_per_m", "spring_damping", "iterations", "tolerance",
+                         "substeps"});
   MotionStepping out;
   out.integrator = members.parsed("integrator", dynamics::parse_integrator);
   out.time_step_s = members.number_if_there("time_step_s");
@@ -127,6 +139,10 @@ MotionStepping read_stepping(const json& value, const std::string& where) {
   out.damping_spring_n_s_per_m = members.number("damping_spring_n_s_per_m", true);
   out.damping_vertex_n_s_per_m = members.number("damping_vertex_n_s_per_m", true);
   out.spring_damping = members.parsed("spring_damping", dynamics::parse_spring_damping);
+  out.solver.iterations = members.count("iterations", kMostIterations, out.solver.iterations);
+  if (members.find("tolerance") != nullptr) out.solver.tolerance = members.number("tolerance", true);
+  if (out.solver.tolerance > 1.0) members.fail("tolerance", "at most 1", out.solver.tolerance);
+  out.substeps = members.count("substeps", kMostSubsteps, out.substeps);
   return out;
 }
 
@@ -150,7 +166,10 @@ json moving_body_to_json(const MovingBody& body) {
                 {"frames", stepping.frames},
                 {"damping_spring_n_s_per_m", stepping.damping_spring_n_s_per_m},
                 {"damping_vertex_n_s_per_m", stepping.damping_vertex_n_s_per_m},
-                {"spring_damping", dynamics::spring_damping_name(stepping.spring_damping)}};
+                {"spring_damping", dynamics::spring_damping_name(stepping.spring_damping)},
+                {"iterations", stepping.solver.iterations},
+                {"tolerance", stepping.solver.tolerance},
+                {"substeps", stepping.substeps}};
   put("time_step_s", stepping.time_step_s, steps);
   put("speed_limit_m_s", stepping.speed_limit_m_s, steps);
   put("mass_per_vertex_kg", stepping.mass_per_vertex_kg, steps);

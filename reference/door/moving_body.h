@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/motion/motion_model.h"
 #include "core/mesh/tet_mesh.h"
 #include "reference/door/motion_problem.h"
@@ -27,6 +27,9 @@ struct MotionStepping {
   bool allow_unstable = false;    ///< take a step over the predicted bound all the same
   std::optional<double> speed_limit_m_s;
   std::uint64_t frames = 50;  ///< intervals between frames; 0: none
+  /// Of the integrators that iterate within a step: here each step is to be solved.
+  dynamics::StepSolverOptions solver{1000, 1e-8};
+  std::size_t substeps = 1;  ///< xpbd, vbd: each step is taken as so many
 
   std::optional<double> mass_per_vertex_kg;  ///< nothing: a quarter of each tet's mass at its vertices
   double damping_spring_n_s_per_m = 0.0;     ///< of each spring, beside the share of its stiffness
@@ -57,9 +60,9 @@ struct MovingBody {
 ///    "stepping": {"integrator": "symplectic_euler", "time_step_s": 1e-4, "safety": 0.9, "engine": "auto",
 ///                 "precision": "double", "allow_unstable": false, "speed_limit_m_s": 1, "frames": 50,
 ///                 "mass_per_vertex_kg": 1, "damping_spring_n_s_per_m": 0, "damping_vertex_n_s_per_m": 0,
-///                 "spring_damping": "axial"}}
+///                 "spring_damping": "axial", "iterations": 1000, "tolerance": 1e-8, "substeps": 1}}
 ///
-/// What is optional and not there is left out.
+/// What is optional and not there is left out; the last three may be, too.
 nlohmann::json moving_body_to_json(const MovingBody& body);
 
 /// Reads it back and checks it: the motion as motion_from_json, names that are known, numbers that are finite

@@ -27,6 +27,8 @@ void merge(const MotionReport& phase, MotionReport& all) {
   sum.steps_with_cuts += all.steps_with_cuts;
   sum.solver_iterations += all.solver_iterations;
   sum.steps_unsolved += all.steps_unsolved;
+  if (all.residual_worst)
+    sum.residual_worst = std::max(sum.residual_worst.value_or(0.0), *all.residual_worst);
   sum.peak_speed_m_s = std::max(sum.peak_speed_m_s, all.peak_speed_m_s);
   sum.inverted_tets_most = std::max(sum.inverted_tets_most, all.inverted_tets_most);
   sum.first_inversion_s = first_inversion;
@@ -80,6 +82,7 @@ class MotionRunner {
              {"steps_with_speeds_cut", report_.steps_with_cuts},
              {"solver_iterations", report_.solver_iterations},
              {"steps_unsolved", report_.steps_unsolved},
+             {"residual_worst", report_.residual_worst ? json(*report_.residual_worst) : json(nullptr)},
              {"inverted_tets", report_.inverted_tets},
              {"inverted_tets_most", report_.inverted_tets_most},
              {"first_inversion_s",

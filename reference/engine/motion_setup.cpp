@@ -62,10 +62,6 @@ MotionPhase build_phase(const MovingBody& body, const TetMesh& mesh, const Motio
   return phase;
 }
 
-bool is_implicit(IntegratorKind kind) {
-  return kind == IntegratorKind::kImplicitEuler || kind == IntegratorKind::kPrefactored;
-}
-
 void find_bound(const std::vector<MotionPhase>& phases, std::size_t vertices, int threads,
                 MotionSetup& setup) {
   setup.stable.step_s = std::numeric_limits<double>::infinity();
@@ -180,9 +176,8 @@ MotionSetup build_motion(const MovingBody& body, const TetMesh& mesh, int thread
   setup.report = made.report;
   if (body.model.is_material) setup.notes = made.notes;
   setup.integrator.kind = body.stepping.integrator;
-  // Prefactored steps are to be solved here; contests ask what few iterations give.
-  setup.integrator.iterations = 1000;
-  setup.integrator.tolerance = 1e-8;
+  setup.integrator.solver = body.stepping.solver;
+  setup.integrator.substeps = body.stepping.substeps;
   setup.integrator.threads = threads;
   setup.integrator.linear.threads = threads;
   setup.integrator.speed_limit_m_s = body.stepping.speed_limit_m_s.value_or(0.0);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -11,10 +10,12 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/stability/measured_step.h"
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/stability/step_map.h"
 #include "core/dynamics/time_loop/motion_outcome.h"
+#include "reference/door/json_file.h"
 #include "reference/door/request_options.h"
 #include "reference/extremes/extreme_body.h"
 #include "reference/extremes/run_history.h"
@@ -43,30 +44,16 @@ constexpr std::size_t kMostForMap = 120;
 constexpr double kShownGrowth = 1e4;
 constexpr double kMostSteps = 1e5;
 
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-/// A number, or null where there is none.
-json number_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 /// The integrator that a method names, or the plain engine.
 struct Method {
   std::string name;
   IntegratorKind kind = IntegratorKind::kSymplecticEuler;
   bool is_plain = false;
   dynamics::Precision precision = dynamics::Precision::kDouble;
+  dynamics::StepSolverOptions solver;
 
   bool is_implicit() const {
-    return kind == IntegratorKind::kImplicitEuler || kind == IntegratorKind::kPrefactored;
+    return !is_plain && dynamics::is_implicit(kind);
   }
 
   std::unique_ptr<dynamics::BodyStepper> make(const MotionModel& model, int threads) const {
@@ -75,11 +62,14 @@ struct Method {
     options.kind = kind;
     options.threads = threads;
     options.linear.threads = threads;
+    options.solver = solver;
     return dynamics::make_stepper(model, options);
   }
 };
 
-Method parse_method(const std::string& name) {
+/// `options` loses what says how an integrator solves. Sweeps take as many as asked, others until the step is
+/// solved.
+Method take_method(const std::string& name, json& options) {
   const std::string prefix = "motion.";
   if (!name.starts_with(prefix)) throw InputError("method", 0, "motion.INTEGRATOR", name);
   Method out;
@@ -87,6 +77,10 @@ Method parse_method(const std::string& name) {
   out.is_plain = out.name == "plain_double" || out.name == "plain_float";
   if (out.name == "plain_float") out.precision = dynamics::Precision::kSingle;
   if (!out.is_plain) out.kind = dynamics::parse_integrator(out.name);
+  out.solver.iterations = static_cast<std::size_t>(
+      take_whole(options, "iterations", 1, 100'000, static_cast<long long>(out.solver.iterations)));
+  const bool sweeps = out.kind == IntegratorKind::kXpbd || out.kind == IntegratorKind::kVbd;
+  out.solver.tolerance = take_number(options, "tolerance", 0.0, 1.0, sweeps ? 0.0 : out.solver.tolerance);
   return out;
 }
 
@@ -360,8 +354,8 @@ class ExtremeRun {
 }  // namespace
 
 Response run_extreme(const Request& request) {
-  const Method method = parse_method(request.method);
   json left = request.options;
+  const Method method = take_method(request.method, left);
   const Wanted wanted = take_wanted(left);
   const BodyModel model = take_body_model(left);
   require_all_taken(left);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/motion/motion_model.h"
 #include "core/dynamics/stability/lowest_modes.h"
 #include "reference/door/motion_problem.h"

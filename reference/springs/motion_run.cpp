@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/motion_run.h"
 #include "reference/door/request_options.h"
@@ -25,16 +26,6 @@ using nlohmann::json;
 
 constexpr double kMostSteps = 1e9;
 
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
 struct Options {
   dynamics::IntegratorOptions integrator;
   double time_step_s = 0.0;
@@ -50,9 +41,11 @@ Options take_options(int threads, json& left) {
   out.integrator.linear.threads = threads;
   out.time_step_s = take_number(left, "time_step_s", 0.0, 1e6, 0.0);
   out.safety = take_number(left, "safety", 1e-6, 1.0, out.safety);
-  out.integrator.iterations = static_cast<std::size_t>(
-      take_whole(left, "iterations", 1, 100'000, static_cast<long long>(out.integrator.iterations)));
-  out.integrator.tolerance = take_number(left, "tolerance", 1e-13, 1.0, out.integrator.tolerance);
+  dynamics::StepSolverOptions& solver = out.integrator.solver;
+  solver.iterations = static_cast<std::size_t>(
+      take_whole(left, "iterations", 1, 100'000, static_cast<long long>(solver.iterations)));
+  solver.tolerance = take_number(left, "tolerance", 0.0, 1.0, solver.tolerance);
+  out.integrator.substeps = static_cast<std::size_t>(take_whole(left, "substeps", 1, 10'000, 1));
   constexpr std::array kModels{DampingModel::kRayleigh, DampingModel::kSprings, DampingModel::kVertices};
   if (left.contains("damping"))
     out.damping = kModels[take_choice(left, "damping", {"rayleigh", "springs", "vertices"})];
@@ -62,8 +55,7 @@ Options take_options(int threads, json& left) {
 /// The shortest of the phases' bounds; infinity for the implicit integrators.
 double find_stable_step(const MovingPhases& moving, const dynamics::IntegratorOptions& integrator) {
   double least = std::numeric_limits<double>::infinity();
-  if (integrator.kind == IntegratorKind::kImplicitEuler || integrator.kind == IntegratorKind::kPrefactored)
-    return least;
+  if (is_implicit(integrator.kind)) return least;
   for (const MovingPhase& phase : moving.phases) {
     const dynamics::StableStep found = predict_stable_step(phase.model, integrator.kind, integrator.threads);
     least = std::min(least,
@@ -112,6 +104,7 @@ class PhaseRunner {
     out["time_step_s"] = longest_step_s_;
     out["solver_iterations"] = iterations_;
     out["steps_unsolved"] = unsolved_;
+    out["residual_worst"] = residual_worst_ ? json(*residual_worst_) : json(nullptr);
     out["inverted_tets"] = inverted_;
   }
 
@@ -146,6 +139,7 @@ class PhaseRunner {
     steps_ += done.steps;
     iterations_ += done.solver_iterations;
     unsolved_ += done.steps_unsolved;
+    if (done.residual_worst) residual_worst_ = std::max(residual_worst_.value_or(0.0), *done.residual_worst);
     inverted_ = done.inverted_tets;
     if (outcome_ == MotionOutcome::kCompleted && unsolved_ > 0) outcome_ = MotionOutcome::kUnsolved;
   }
@@ -180,6 +174,7 @@ class PhaseRunner {
   std::uint64_t steps_ = 0;
   std::uint64_t iterations_ = 0;
   std::uint64_t unsolved_ = 0;
+  std::optional<double> residual_worst_;
   std::size_t inverted_ = 0;
   double longest_step_s_ = 0.0;
   double watching_s_ = 0.0;

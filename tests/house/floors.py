@@ -27,7 +27,7 @@ PLAN = {
     "core/mesh": [".", "io", "shapes"],
     "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "surface"],
     "core/springs": ["solvers", "network", "identification", "training"],
-    "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "spring_engine", "time_loop", "stability",
+    "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "time_loop", "stability",
                       "reduced"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "reference": ["door", "elastic_models", "simplifier_support", "*"],

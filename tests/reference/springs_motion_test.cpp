@@ -159,7 +159,7 @@ TEST_F(MovingSprings, WhatCannotBeIsRefused) {
   refused(springs, {{"time_step_s", 1e-11}}, "at most 1e9 steps");
   refused(springs, {{"load_steps", 3}}, "load_steps");
   refused(springs, {{"integrator", "prefactored"}, {"time_step_s", 1e-3}, {"volume", "thesis"}},
-          "springs alone");
+          "a model that has an energy");
   refused("moving_smoothed.edge_node", {{"damping", "springs"}}, "a model without springs");
   rod.problem.frequencies = 1000;
   refused(springs, json::object(), "frequencies");

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/dynamics/elasticity/volume_models.h"
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/motion/motion_model.h"
 
 namespace palpate::testing_support {

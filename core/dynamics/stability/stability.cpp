@@ -219,6 +219,11 @@ double stable_step_of_mode(IntegratorKind kind, double omega_per_s, double dampi
       return runge_kutta_step(w, d);
     case IntegratorKind::kImplicitEuler:
     case IntegratorKind::kPrefactored:
+    case IntegratorKind::kBackwardEuler:
+    case IntegratorKind::kBdf2:
+    case IntegratorKind::kTrapezoidal:
+    case IntegratorKind::kXpbd:
+    case IntegratorKind::kVbd:
       return kNoBound;
   }
   throw ContractError("stable_step_of_mode: unknown integrator");

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <span>
 
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 
 namespace palpate::dynamics {
 

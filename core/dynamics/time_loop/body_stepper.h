@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 
 namespace palpate::dynamics {
 

@@ -58,6 +58,8 @@ void add(const StepReport& step, MotionReport& report) {
   report.steps_with_cuts += step.speeds_cut > 0 ? 1 : 0;
   report.solver_iterations += step.iterations;
   report.steps_unsolved += step.solved ? 0 : 1;
+  if (step.residual_relative)
+    report.residual_worst = std::max(report.residual_worst.value_or(0.0), *step.residual_relative);
 }
 
 void observe(const MotionModel& model, const MotionState& state, std::uint64_t step,

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 
 namespace palpate::dynamics {
 
@@ -42,6 +43,8 @@ struct MotionReport {
   std::uint64_t steps_with_cuts = 0;
   std::uint64_t solver_iterations = 0;
   std::uint64_t steps_unsolved = 0;    ///< whose solver did not come to its tolerance
+  /// Largest share of the forces out of balance that a solver left, of the steps in which it was measured.
+  std::optional<double> residual_worst;
   double peak_speed_m_s = 0.0;         ///< after cutting
   std::size_t inverted_tets = 0;       ///< at the end
   std::size_t inverted_tets_most = 0;  ///< at the worst of the observed times

@@ -230,7 +230,7 @@ TEST(MotionRun, StepsWithoutASolutionAreAnOutcome) {
   for (const std::size_t iterations : {1U, 1000U}) {
     IntegratorOptions options;
     options.kind = IntegratorKind::kPrefactored;
-    options.iterations = iterations;
+    options.solver.iterations = iterations;
     Integrator integrator(model, options);
     MotionState state = start_at_rest(model);
     state.displacement_m = make_random_field(model.mass_kg.size(), 0.02, 1);

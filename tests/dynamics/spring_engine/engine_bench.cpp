@@ -23,7 +23,7 @@
 
 #include "core/base/large_pages.h"
 #include "core/base/stopwatch.h"
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"

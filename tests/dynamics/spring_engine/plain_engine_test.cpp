@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/plain_run.h"
 #include "core/mesh/shapes/shapes.h"

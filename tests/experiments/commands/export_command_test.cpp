@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/base/number_text.h"
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
 #include "experiments/contestants/contestant.h"

@@ -368,7 +368,7 @@ TEST_F(SimulateMotion, LoadsWithTimesAreChecked) {
   EXPECT_THAT(error_of(text), HasSubstr("tolerance belongs to a static analysis"));
   text = pressed("integrator: prefactored, time_step_s: 0.001, duration_s: 0.01");
   text.rest = "model: {springs: van_gelder, volume: thesis}\n";
-  EXPECT_THAT(error_of(text), HasSubstr("a model of springs alone for prefactored"));
+  EXPECT_THAT(error_of(text), HasSubstr("a model that has an energy for prefactored"));
 }
 
 TEST_F(SimulateMotion, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {

@@ -1,26 +1,43 @@
-#include "core/dynamics/motion/integrator.h"
+#include "core/dynamics/integrators/integrator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "core/base/enum_names.h"
 #include "core/base/error.h"
-#include "core/dynamics/motion/implicit_step.h"
+#include "core/dynamics/integrators/linearised_step.h"
+#include "core/dynamics/integrators/newton_step.h"
+#include "core/dynamics/integrators/position_step.h"
+#include "core/dynamics/integrators/prefactored_step.h"
+#include "core/dynamics/integrators/vertex_descent_step.h"
 
 namespace palpate::dynamics {
 namespace {
 
-constexpr EnumNames<IntegratorKind, 6> kNames{"integrator",
-                                              {"explicit_euler", "symplectic_euler", "velocity_verlet",
-                                               "runge_kutta_4", "implicit_euler", "prefactored"}};
+constexpr EnumNames<IntegratorKind, 11> kNames{
+    "integrator",
+    {"explicit_euler", "symplectic_euler", "velocity_verlet", "runge_kutta_4", "implicit_euler", "prefactored",
+     "backward_euler", "bdf2", "trapezoidal", "xpbd", "vbd"}};
 
 /// a + s b, entry by entry, into `out`.
 void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, std::vector<Vec3>& out) {
   for (std::size_t v = 0; v < a.size(); ++v) out[v] = a[v] + s * b[v];
 }
 
+std::optional<ImplicitRule> rule_of(IntegratorKind kind) {
+  if (kind == IntegratorKind::kBackwardEuler) return ImplicitRule::kBackwardEuler;
+  if (kind == IntegratorKind::kBdf2) return ImplicitRule::kBdf2;
+  if (kind == IntegratorKind::kTrapezoidal) return ImplicitRule::kTrapezoidal;
+  return std::nullopt;
+}
+
 }  // namespace
+
+bool is_implicit(IntegratorKind kind) {
+  return kind >= IntegratorKind::kImplicitEuler;
+}
 
 IntegratorKind parse_integrator(std::string_view name) {
   return kNames.parse(name);
@@ -39,8 +56,12 @@ struct Integrator::Work {
     if (!(options.speed_limit_m_s >= 0.0))
       throw InputError("speed limit", 0, "a number >= 0", std::to_string(options.speed_limit_m_s));
     if (options.kind == IntegratorKind::kImplicitEuler) linearised.emplace(forces, options.linear);
-    if (options.kind == IntegratorKind::kPrefactored)
-      prefactored.emplace(forces, options.iterations, options.tolerance);
+    if (options.kind == IntegratorKind::kPrefactored) prefactored.emplace(forces, options.solver);
+    if (options.kind == IntegratorKind::kXpbd) positions.emplace(forces, options.solver);
+    if (options.kind == IntegratorKind::kVbd) descent.emplace(forces, options.solver);
+    if (const std::optional<ImplicitRule> rule = rule_of(options.kind))
+      newton.emplace(forces, *rule, options.solver, options.linear);
+    require(options.substeps > 0, "at least one substep");
   }
 
   /// a(u, v, t) into `out`.
@@ -120,13 +141,52 @@ struct Integrator::Work {
     finish(state, h);
   }
 
-  void step_implicit(MotionState& state, double h, StepReport& report) {
-    const ImplicitResult result = linearised ? linearised->find_velocity(forces, state, h, next)
-                                             : prefactored->find_velocity(forces, state, h, next);
-    report = {result.zero_length_springs, 0, result.iterations, result.solved};
+  static void add(const ImplicitResult& result, StepReport& report) {
+    report.zero_length_springs += result.zero_length_springs;
+    report.iterations += result.iterations;
+    report.solved = report.solved && result.solved;
+    if (result.residual_relative)
+      report.residual_relative = std::max(report.residual_relative.value_or(0.0), *result.residual_relative);
+  }
+
+  void step_linearised(MotionState& state, double h, StepReport& report) {
+    add(linearised->find_velocity(forces, state, h, next), report);
     state.velocity_m_s.swap(next);
     cut_speeds(state.velocity_m_s, report);
     combine(state.displacement_m, h, state.velocity_m_s, state.displacement_m);
+    finish(state, h);
+  }
+
+  /// Backward Euler by whoever finds the displacement at its end.
+  template <typename Solver>
+  void step_to_displacement(Solver& solver, MotionState& state, double h, StepReport& report) {
+    add(solver.find_displacement(forces, state, h, next), report);
+    for (std::size_t v = 0; v < next.size(); ++v)
+      state.velocity_m_s[v] = (1.0 / h) * (next[v] - state.displacement_m[v]);
+    const std::size_t cut_before = report.speeds_cut;
+    cut_speeds(state.velocity_m_s, report);
+    if (report.speeds_cut == cut_before) {
+      state.displacement_m = next;
+    } else {
+      combine(state.displacement_m, h, state.velocity_m_s, state.displacement_m);
+    }
+    finish(state, h);
+  }
+
+  /// With each of `substeps` cut on its own.
+  template <typename Solver>
+  void step_in_parts(Solver& solver, MotionState& state, double h, StepReport& report) {
+    const double end_s = state.time_s + h;
+    for (std::size_t k = 0; k < options.substeps; ++k)
+      step_to_displacement(solver, state, h / static_cast<double>(options.substeps), report);
+    if (options.substeps == 1) return;
+    state.time_s = end_s;
+    forces.impose(end_s, state.displacement_m, state.velocity_m_s);
+  }
+
+  void step_newton(MotionState& state, double h, StepReport& report) {
+    add(newton->take(forces, state, h), report);
+    cut_speeds(state.velocity_m_s, report);
     finish(state, h);
   }
 
@@ -134,6 +194,9 @@ struct Integrator::Work {
   MotionForces forces;
   std::optional<LinearisedStep> linearised;
   std::optional<PrefactoredStep> prefactored;
+  std::optional<NewtonStep> newton;
+  std::optional<PositionStep> positions;
+  std::optional<VertexDescentStep> descent;
   std::vector<Vec3> acceleration;
   std::vector<Vec3> next;
   std::vector<Vec3> stage_u;
@@ -172,8 +235,21 @@ StepReport Integrator::step(MotionState& state, double step_s) {
       work_->step_runge_kutta(state, step_s, report);
       break;
     case IntegratorKind::kImplicitEuler:
+      work_->step_linearised(state, step_s, report);
+      break;
     case IntegratorKind::kPrefactored:
-      work_->step_implicit(state, step_s, report);
+      work_->step_to_displacement(*work_->prefactored, state, step_s, report);
+      break;
+    case IntegratorKind::kBackwardEuler:
+    case IntegratorKind::kBdf2:
+    case IntegratorKind::kTrapezoidal:
+      work_->step_newton(state, step_s, report);
+      break;
+    case IntegratorKind::kXpbd:
+      work_->step_in_parts(*work_->positions, state, step_s, report);
+      break;
+    case IntegratorKind::kVbd:
+      work_->step_in_parts(*work_->descent, state, step_s, report);
       break;
   }
   return report;

@@ -1,0 +1,59 @@
+#include "core/dynamics/elasticity/vertex_stiffness.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+
+namespace palpate::dynamics {
+namespace {
+
+/// [w]x.
+Mat3 cross_matrix(const Vec3& w) {
+  return {{0.0, -w.z, w.y, w.z, 0.0, -w.x, -w.y, w.x, 0.0}};
+}
+
+Mat3 corotated_block(const Moduli& moduli, const Mat3& h, const Vec3& g) {
+  const Mat3 f = kIdentity + h;
+  const Mat3 r = nearest_rotation(f);
+  const Mat3 stretch_raw = multiply_transposed(r, f);
+  const Mat3 stretch = 0.5 * (stretch_raw + transpose(stretch_raw));
+  const Mat3 turned = trace(stretch) * kIdentity - stretch;
+  const Vec3 rg = r * g;
+  const double size_sq = length_sq(g);
+  Mat3 block = (2.0 * moduli.mu_pa * size_sq) * kIdentity + moduli.lambda_pa * outer(rg, rg);
+  const double det = determinant(turned);
+  const double size = trace(turned);
+  // Sums of two stretches: where one nearly vanishes the rotation is undefined, and its part is left out.
+  constexpr double kVanishing = 1e-6;
+  if (!(det > kVanishing * size * size * size)) return block;
+  const Mat3 inverse = (1.0 / det) * cofactors(turned);
+  const Mat3 spin = multiply(r, cross_matrix(g));
+  // The part's largest eigenvalue is at most |inverse| |g|^2.
+  const double most = 2.0 * moduli.mu_pa / std::sqrt(contract(inverse, inverse));
+  const double twist = std::min(2.0 * moduli.mu_pa - moduli.lambda_pa * (trace(stretch) - 3.0), most);
+  return block - twist * multiply(spin, multiply(inverse, transpose(spin)));
+}
+
+}  // namespace
+
+Mat3 vertex_stiffness(StrainLaw law, const Moduli& moduli, const Mat3& h, const Vec3& gradient) {
+  const double size_sq = length_sq(gradient);
+  switch (law) {
+    case StrainLaw::kLinear:
+      return (moduli.mu_pa * size_sq) * kIdentity +
+             std::max(moduli.mu_pa + moduli.lambda_pa, -moduli.mu_pa) * outer(gradient, gradient);
+    case StrainLaw::kCorotated:
+      return corotated_block(moduli, h, gradient);
+    case StrainLaw::kNeoHookean: {
+      const Mat3 f = kIdentity + h;
+      const double det = determinant(f);
+      const Vec3 w = (1.0 / det) * (cofactors(f) * gradient);
+      const double along = moduli.mu_pa + moduli.lambda_pa - moduli.lambda_pa * std::log(det);
+      return (moduli.mu_pa * size_sq) * kIdentity + std::max(along, 0.0) * outer(w, w);
+    }
+  }
+  throw ContractError("vertex_stiffness: unknown law");
+}
+
+}  // namespace palpate::dynamics

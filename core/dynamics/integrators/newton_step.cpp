@@ -1,0 +1,236 @@
+#include "core/dynamics/integrators/newton_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/dynamics/linear_algebra/vertex_field.h"
+
+namespace palpate::dynamics {
+namespace {
+
+constexpr int kMostHalvings = 20;
+
+bool is_linear_body(const MotionModel& model) {
+  const ElasticModel& elastic = model.elastic;
+  const bool has_linear_springs = elastic.springs.springs.empty() || elastic.springs_are_linear;
+  return has_linear_springs && !elastic.volume_force &&
+         std::all_of(elastic.strain_terms.begin(), elastic.strain_terms.end(),
+                     [](const StrainTerm& term) { return term.law == StrainLaw::kLinear; });
+}
+
+}  // namespace
+
+struct NewtonStep::Work {
+  Work(const MotionForces& forces, ImplicitRule given_rule, const StepSolverOptions& given,
+       const LinearOptions& linear)
+      : rule(given_rule),
+        options(given),
+        rounding(forces),
+        is_linear(is_linear_body(forces.model())),
+        pattern(build_motion_pattern(forces.model())),
+        constant_damping(pattern),
+        stiffness(pattern),
+        matrix(pattern),
+        solver(linear) {
+    add_constant_damping(forces.model(), constant_damping);
+    const std::size_t n = forces.held_bits().size();
+    for (std::vector<Vec3>* field :
+         {&u, &velocity, &imbalance, &tried, &change, &from_u, &from_v, &acceleration, &before_u, &before_v})
+      field->resize(n);
+  }
+
+  /// Whether `state` is where the last step left it, so that what is remembered belongs to it.
+  bool is_continued(const MotionState& state, double h) const {
+    return last_h == h && last.time_s == state.time_s && last.displacement_m == state.displacement_m &&
+           last.velocity_m_s == state.velocity_m_s;
+  }
+
+  void find_acceleration(MotionForces& forces, const MotionState& state) {
+    forces.evaluate(state.displacement_m, state.velocity_m_s, state.time_s, acceleration);
+    for (std::size_t v = 0; v < acceleration.size(); ++v)
+      acceleration[v] = (1.0 / forces.model().mass_kg[v]) * acceleration[v];
+  }
+
+  /// r, u* and v*. Of what is held they are of no consequence.
+  void set_relation(MotionForces& forces, const MotionState& state, double h) {
+    const bool goes_on = is_continued(state, h);
+    if (!goes_on && rule != ImplicitRule::kBackwardEuler) find_acceleration(forces, state);
+    const std::vector<Vec3>& now_u = state.displacement_m;
+    const std::vector<Vec3>& now_v = state.velocity_m_s;
+    has_acceleration = goes_on || rule != ImplicitRule::kBackwardEuler;
+    for (std::size_t v = 0; v < u.size(); ++v) {
+      if (rule == ImplicitRule::kBackwardEuler) {
+        from_u[v] = now_u[v];
+        from_v[v] = now_v[v];
+      } else if (rule == ImplicitRule::kTrapezoidal) {
+        from_u[v] = now_u[v] + (0.5 * h) * now_v[v];
+        from_v[v] = now_v[v] + (0.5 * h) * acceleration[v];
+      } else {
+        const Vec3 old_u =
+            goes_on ? before_u[v] : now_u[v] - h * now_v[v] + (0.5 * h * h) * acceleration[v];
+        const Vec3 old_v = goes_on ? before_v[v] : now_v[v] - h * acceleration[v];
+        from_u[v] = (1.0 / 3.0) * (4.0 * now_u[v] - old_u);
+        from_v[v] = (1.0 / 3.0) * (4.0 * now_v[v] - old_v);
+      }
+    }
+    rate = (rule == ImplicitRule::kBackwardEuler ? 1.0 : (rule == ImplicitRule::kTrapezoidal ? 2.0 : 1.5)) / h;
+  }
+
+  /// The norm of f - m a at `place`, whose held components are put where they belong.
+  double find_residual(MotionForces& forces, double time_s, std::vector<Vec3>& place) {
+    for (std::size_t v = 0; v < place.size(); ++v) velocity[v] = rate * (place[v] - from_u[v]);
+    if (rule == ImplicitRule::kBackwardEuler) {
+      // What is held moves by the same rule as the rest.
+      set_held(forces, time_s, place);
+      for (const HeldComponent& held : forces.held())
+        velocity[held.vertex] = rate * (place[held.vertex] - from_u[held.vertex]);
+    } else {
+      forces.impose(time_s, place, velocity);
+    }
+    zero_length += forces.evaluate(place, velocity, time_s, imbalance);
+    const std::vector<double>& mass = forces.model().mass_kg;
+    for (std::size_t v = 0; v < place.size(); ++v)
+      imbalance[v] = imbalance[v] - (mass[v] * rate) * (velocity[v] - from_v[v]);
+    clear_held(forces.held_bits(), imbalance);
+    return norm_of(imbalance);
+  }
+
+  bool assemble(const MotionForces& forces, TangentKind kind) {
+    const MotionModel& model = forces.model();
+    stiffness.blocks = pattern.blocks;
+    add_motion_stiffness(model, u, kind, stiffness);
+    matrix.blocks = constant_damping.blocks;
+    add_changing_damping(model, u, matrix);
+    for (std::size_t k = 0; k < matrix.blocks.size(); ++k)
+      matrix.blocks[k] = rate * matrix.blocks[k] + stiffness.blocks[k];
+    for (std::size_t v = 0; v < u.size(); ++v)
+      add_block(matrix, static_cast<Index>(v), static_cast<Index>(v),
+                (rate * rate * model.mass_kg[v]) * kIdentity);
+    return solver.prepare(matrix, forces.held_bits()) == LinearStatus::kSolved;
+  }
+
+  /// The matrix at `u`, unless the body is linear and the one that there is will do.
+  void prepare(const MotionForces& forces) {
+    if (is_linear && prepared_rate == rate) return;
+    if (!assemble(forces, TangentKind::kExact)) assemble(forces, TangentKind::kProjected);
+    prepared_rate = rate;
+  }
+
+  /// u += s change with the largest s of 1, 1/2, 1/4, ... that lowers the residual. Returns it, or nothing.
+  std::optional<double> search(MotionForces& forces, double time_s, double residual) {
+    double share = 1.0;
+    for (int halving = 0; halving <= kMostHalvings; ++halving, share *= 0.5) {
+      for (std::size_t v = 0; v < u.size(); ++v) tried[v] = u[v] + share * change[v];
+      const double found = find_residual(forces, time_s, tried);
+      if (found < residual) {
+        u.swap(tried);
+        return found;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// The better of the two guesses is left in `u`; returns the residuals of the inertial one and of `u`.
+  std::pair<double, double> guess(MotionForces& forces, const MotionState& state, double h) {
+    const double time_s = state.time_s + h;
+    for (std::size_t v = 0; v < u.size(); ++v) u[v] = state.displacement_m[v] + h * state.velocity_m_s[v];
+    const double inertial = find_residual(forces, time_s, u);
+    if (!has_acceleration) return {inertial, inertial};
+    for (std::size_t v = 0; v < u.size(); ++v)
+      tried[v] = state.displacement_m[v] + h * state.velocity_m_s[v] + (0.5 * h * h) * acceleration[v];
+    const double warm = find_residual(forces, time_s, tried);
+    if (warm < inertial) {
+      u.swap(tried);
+      return {inertial, warm};
+    }
+    return {inertial, find_residual(forces, time_s, u)};
+  }
+
+  ImplicitResult take(MotionForces& forces, MotionState& state, double h) {
+    zero_length = 0;
+    set_relation(forces, state, h);
+    const double time_s = state.time_s + h;
+    const std::pair<double, double> guessed = guess(forces, state, h);
+    const double first = guessed.first;
+    double residual = guessed.second;
+    ImplicitResult result;
+    const auto is_solved = [&] {
+      return residual == 0.0 ||
+             (options.tolerance > 0.0 && residual <= options.tolerance * first + rounding.of(u, h));
+    };
+    result.solved = is_solved();
+    while (!result.solved && result.iterations < options.iterations) {
+      prepare(forces);
+      const bool is_found = solver.solve(imbalance, change).status == LinearStatus::kSolved;
+      ++result.iterations;
+      const std::optional<double> found = is_found ? search(forces, time_s, residual) : std::nullopt;
+      if (!found) {
+        // Nothing is lower: rounding, or a place without a way down.
+        residual = find_residual(forces, time_s, u);
+        break;
+      }
+      residual = *found;
+      result.solved = is_solved();
+    }
+    if (options.tolerance == 0.0) result.solved = true;
+    result.residual_relative = first > 0.0 ? residual / first : 0.0;
+    result.zero_length_springs = zero_length;
+    finish(forces, state, h);
+    return result;
+  }
+
+  void finish(const MotionForces& forces, MotionState& state, double h) {
+    before_u = state.displacement_m;
+    before_v = state.velocity_m_s;
+    for (std::size_t v = 0; v < u.size(); ++v) {
+      state.velocity_m_s[v] = rate * (u[v] - from_u[v]);
+      acceleration[v] = rate * (state.velocity_m_s[v] - from_v[v]);
+    }
+    state.displacement_m = u;
+    forces.impose(state.time_s + h, state.displacement_m, state.velocity_m_s);
+    last = state;
+    last.time_s = state.time_s + h;
+    last_h = h;
+  }
+
+  ImplicitRule rule;
+  StepSolverOptions options;
+  RoundingFloor rounding;
+  bool is_linear;
+  BlockMatrix pattern;  ///< zero
+  BlockMatrix constant_damping;
+  BlockMatrix stiffness;
+  BlockMatrix matrix;
+  LinearSolver solver;
+  double rate = 0.0;
+  double prepared_rate = 0.0;
+  bool has_acceleration = false;
+  std::size_t zero_length = 0;
+  std::vector<Vec3> u;
+  std::vector<Vec3> velocity;
+  std::vector<Vec3> imbalance;  ///< at the place that was looked at last
+  std::vector<Vec3> tried;
+  std::vector<Vec3> change;
+  std::vector<Vec3> from_u;
+  std::vector<Vec3> from_v;
+  std::vector<Vec3> acceleration;  ///< at the end of the last step
+  std::vector<Vec3> before_u;      ///< at the start of the last step
+  std::vector<Vec3> before_v;
+  MotionState last;
+  double last_h = 0.0;
+};
+
+NewtonStep::NewtonStep(const MotionForces& forces, ImplicitRule rule, const StepSolverOptions& options,
+                       const LinearOptions& linear)
+    : work_(std::make_unique<Work>(forces, rule, options, linear)) {}
+NewtonStep::~NewtonStep() = default;
+NewtonStep::NewtonStep(NewtonStep&&) noexcept = default;
+NewtonStep& NewtonStep::operator=(NewtonStep&&) noexcept = default;
+
+ImplicitResult NewtonStep::take(MotionForces& forces, MotionState& state, double step_s) {
+  return work_->take(forces, state, step_s);
+}
+
+}  // namespace palpate::dynamics

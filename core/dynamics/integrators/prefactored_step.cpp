@@ -1,0 +1,183 @@
+#include "core/dynamics/integrators/prefactored_step.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/dynamics/linear_algebra/laplace_factor.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
+
+namespace palpate::dynamics {
+namespace {
+
+bool is_held(std::uint8_t bits, std::size_t axis) {
+  return ((static_cast<unsigned>(bits) >> axis) & 1U) != 0;
+}
+
+/// The matrix of all vertices, held or not.
+std::vector<ScalarEntry> build_entries(const MotionModel& model, double h) {
+  std::vector<ScalarEntry> entries;
+  const ElasticModel& elastic = model.elastic;
+  for (std::size_t v = 0; v < model.mass_kg.size(); ++v) {
+    const double drag =
+        model.environment_damping_n_s_per_m.empty() ? 0.0 : model.environment_damping_n_s_per_m[v];
+    entries.push_back(
+        {static_cast<Index>(v), static_cast<Index>(v), model.mass_kg[v] / (h * h) + drag / h});
+  }
+  for (std::size_t s = 0; s < elastic.springs.springs.size(); ++s) {
+    const auto [a, b] = elastic.springs.springs[s];
+    const double damping = model.spring_damping_n_s_per_m.empty() ? 0.0 : model.spring_damping_n_s_per_m[s];
+    const double weight = elastic.springs.stiffness_n_per_m[s] + damping / h;
+    entries.push_back({a, a, weight});
+    entries.push_back({b, b, weight});
+    entries.push_back({a, b, -weight});
+  }
+  for (const StrainTerm& term : elastic.strain_terms) {
+    const double modulus = 2.0 * std::max(term.moduli.mu_pa, 0.0) + std::max(term.moduli.lambda_pa, 0.0);
+    for (std::size_t s = 0; s < term.op.domains(); ++s) {
+      const double weight = (1.0 + model.strain_damping_s / h) * modulus * term.op.volume_m3[s];
+      const auto vertices = term.op.vertices_of(s);
+      const auto gradients = term.op.gradients_of(s);
+      for (std::size_t i = 0; i < vertices.size(); ++i) {
+        for (std::size_t j = 0; j <= i; ++j)
+          entries.push_back({vertices[i], vertices[j], weight * dot(gradients[i], gradients[j])});
+      }
+    }
+  }
+  for (const TimedLoads& group : model.loads) {
+    for (const SupportFace& support : group.loads.supports) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j <= i; ++j)
+          entries.push_back(
+              {support.face[i], support.face[j], support.coefficient_n_per_m * (i == j ? 2.0 : 1.0)});
+      }
+    }
+  }
+  return entries;
+}
+
+}  // namespace
+
+struct PrefactoredStep::Work {
+  Work(const MotionForces& forces, const StepSolverOptions& given) : options(given), rounding(forces) {
+    const std::vector<std::uint8_t>& held = forces.held_bits();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::vector<Index>& number = numbers.at(axis);
+      number.assign(held.size(), kNoIndex);
+      for (std::size_t v = 0; v < held.size(); ++v) {
+        if (!is_held(held[v], axis)) number[v] = static_cast<Index>(free.at(axis)++);
+      }
+      same_as.at(axis) = axis;
+      for (std::size_t other = axis; other-- > 0;) {
+        if (numbers.at(other) == number) same_as.at(axis) = other;
+      }
+    }
+    for (std::vector<Vec3>* field : {&velocity, &imbalance, &change, &before}) field->resize(held.size());
+  }
+
+  /// Without the rows of what is held along each axis.
+  void prepare(const MotionModel& model, double h) {
+    if (h == step_s) return;
+    const std::vector<ScalarEntry> all = build_entries(model, h);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (same_as.at(axis) != axis || free.at(axis) == 0) continue;
+      const std::vector<Index>& number = numbers.at(axis);
+      std::vector<ScalarEntry> left;
+      for (const ScalarEntry& entry : all) {
+        if (number[entry.row] != kNoIndex && number[entry.column] != kNoIndex)
+          left.push_back({number[entry.row], number[entry.column], entry.value});
+      }
+      factors.at(axis) = factor_laplace(free.at(axis), left);
+    }
+    step_s = h;
+  }
+
+  /// change = A^-1 imbalance in the free components, zero in the others.
+  void correct() {
+    std::fill(change.begin(), change.end(), Vec3{});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (same_as.at(axis) != axis || free.at(axis) == 0) continue;
+      const std::vector<Index>& number = numbers.at(axis);
+      right.resize(free.at(axis));
+      for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] != kNoIndex) right[number[v]] = imbalance[v];
+      }
+      solve(factors.at(axis), right, scratch, right);
+      for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] == kNoIndex) continue;
+        const Vec3& found = right[number[v]];
+        if (same_as[0] == axis) change[v].x = found.x;
+        if (same_as[1] == axis) change[v].y = found.y;
+        if (same_as[2] == axis) change[v].z = found.z;
+      }
+    }
+  }
+
+  StepSolverOptions options;
+  RoundingFloor rounding;
+  double step_s = 0.0;
+  std::size_t steps = 0;
+  std::array<std::vector<Index>, 3> numbers;  ///< of the free vertices along each axis
+  std::array<std::size_t, 3> free{};
+  std::array<std::size_t, 3> same_as{};  ///< an axis with the same free vertices shares its factor
+  std::array<LaplaceFactor, 3> factors;
+  LaplaceScratch scratch;
+  std::vector<Vec3> right;
+  std::vector<Vec3> velocity;
+  std::vector<Vec3> imbalance;
+  std::vector<Vec3> change;
+  std::vector<Vec3> before;
+};
+
+PrefactoredStep::PrefactoredStep(const MotionForces& forces, const StepSolverOptions& options)
+    : work_(std::make_unique<Work>(forces, options)) {
+  if (forces.model().elastic.volume_force)
+    throw InputError("integrator", 0, "a model that has an energy for prefactored", "the thesis's volume force");
+}
+
+PrefactoredStep::~PrefactoredStep() = default;
+PrefactoredStep::PrefactoredStep(PrefactoredStep&&) noexcept = default;
+PrefactoredStep& PrefactoredStep::operator=(PrefactoredStep&&) noexcept = default;
+
+ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const MotionState& state,
+                                                  double step_s, std::span<Vec3> u) {
+  Work& work = *work_;
+  work.prepare(forces.model(), step_s);
+  set_inertial_guess(forces, state, step_s, u);
+  ImplicitResult result;
+  const double tolerance = work.options.tolerance;
+  const auto look = [&] {
+    result.zero_length_springs +=
+        find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
+    return norm_of(work.imbalance);
+  };
+  const double first = look();
+  double residual = first;
+  result.solved = false;
+  double share = 1.0;
+  const bool is_looked_at = is_leftover_due(work.steps++);
+  while (result.iterations < work.options.iterations) {
+    result.solved = residual == 0.0 || (tolerance > 0.0 && residual <= tolerance * first + work.rounding.of(u, step_s));
+    if (result.solved) break;
+    work.correct();
+    std::copy(u.begin(), u.end(), work.before.begin());
+    add_scaled(u, share, work.change);
+    ++result.iterations;
+    if (tolerance == 0.0 && result.iterations == work.options.iterations && !is_looked_at) break;
+    double found = look();
+    // Not along the gradient of the residual: some growth is no harm, much of it is no way to go.
+    constexpr double kTooMuch = 2.0;
+    for (; !(found <= kTooMuch * residual) && share > 1e-3; found = look()) {
+      share *= 0.5;
+      std::copy(work.before.begin(), work.before.end(), u.begin());
+      add_scaled(u, share, work.change);
+    }
+    residual = found;
+  }
+  if (!result.solved) result.solved = tolerance == 0.0 || residual <= tolerance * first + work.rounding.of(u, step_s);
+  if (tolerance > 0.0 || is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;
+  return result;
+}
+
+}  // namespace palpate::dynamics

@@ -1,0 +1,83 @@
+#include "core/dynamics/integrators/step_balance.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/dynamics/linear_algebra/vertex_field.h"
+
+namespace palpate::dynamics {
+
+RoundingFloor::RoundingFloor(const MotionForces& forces) : mass_kg_(forces.model().mass_kg) {
+  const MotionModel& model = forces.model();
+  BlockMatrix stiffness = build_motion_pattern(model);
+  add_motion_stiffness(model, std::vector<Vec3>(mass_kg_.size()), TangentKind::kExact, stiffness);
+  stiffness_n_per_m_.resize(mass_kg_.size());
+  for (std::size_t v = 0; v < stiffness.rows(); ++v) {
+    for (std::size_t k = stiffness.offsets[v]; k < stiffness.offsets[v + 1]; ++k) {
+      const Mat3& block = stiffness.blocks[k];
+      if (stiffness.columns[k] == v) stiffness_n_per_m_[v] = std::sqrt(contract(block, block));
+    }
+  }
+}
+
+double RoundingFloor::of(std::span<const Vec3> u, double step_s) const {
+  double sum = 0.0;
+  for (std::size_t v = 0; v < u.size(); ++v) {
+    const double resistance = stiffness_n_per_m_[v] + mass_kg_[v] / (step_s * step_s);
+    sum += resistance * resistance * length_sq(u[v]);
+  }
+  constexpr double kOperations = 16.0;
+  return kOperations * std::numeric_limits<double>::epsilon() * std::sqrt(sum);
+}
+
+std::size_t find_imbalance(MotionForces& forces, const MotionState& state, double step_s,
+                           std::span<const Vec3> u, std::span<Vec3> velocity, std::span<Vec3> imbalance) {
+  const std::vector<double>& mass = forces.model().mass_kg;
+  for (std::size_t v = 0; v < u.size(); ++v) velocity[v] = (1.0 / step_s) * (u[v] - state.displacement_m[v]);
+  const std::size_t zero_length = forces.evaluate(u, velocity, state.time_s + step_s, imbalance);
+  for (std::size_t v = 0; v < u.size(); ++v)
+    imbalance[v] = imbalance[v] - (mass[v] / step_s) * (velocity[v] - state.velocity_m_s[v]);
+  clear_held(forces.held_bits(), imbalance);
+  return zero_length;
+}
+
+void set_held(const MotionForces& forces, double time_s, std::span<Vec3> u) {
+  for (const HeldComponent& held : forces.held()) {
+    const double place = value_at(forces.model().loads[held.group].profile, time_s).share * held.by_m;
+    Vec3& moved = u[held.vertex];
+    (held.axis == 0 ? moved.x : (held.axis == 1 ? moved.y : moved.z)) = place;
+  }
+}
+
+void set_inertial_guess(const MotionForces& forces, const MotionState& state, double step_s,
+                        std::span<Vec3> u) {
+  for (std::size_t v = 0; v < u.size(); ++v) u[v] = state.displacement_m[v] + step_s * state.velocity_m_s[v];
+  set_held(forces, state.time_s + step_s, u);
+}
+
+ImplicitResult sweep_until_solved(const StepSolverOptions& options, std::size_t count,
+                                  const SweptStep& step) {
+  const bool has_tolerance = options.tolerance > 0.0;
+  const bool is_looked_at = has_tolerance || is_leftover_due(count);
+  const double first = is_looked_at ? step.residual() : 0.0;
+  double residual = first;
+  ImplicitResult result;
+  const auto is_solved = [&] {
+    return has_tolerance && (residual == 0.0 || residual <= options.tolerance * first + step.rounding());
+  };
+  result.solved = is_solved();
+  while (!result.solved && result.iterations < options.iterations) {
+    step.sweep(result.iterations++);
+    if (!has_tolerance) continue;
+    residual = step.residual();
+    result.solved = is_solved();
+  }
+  if (!has_tolerance) {
+    result.solved = true;
+    if (is_looked_at) residual = step.residual();
+  }
+  if (is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;
+  return result;
+}
+
+}  // namespace palpate::dynamics

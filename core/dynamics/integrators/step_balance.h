@@ -1,0 +1,75 @@
+// What implicit steps have in common: what is held, and how far a step is from being solved.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/dynamics/motion/motion_forces.h"
+
+namespace palpate::dynamics {
+
+/// How far a solver goes within a step, and when the step counts as solved.
+struct StepSolverOptions {
+  std::size_t iterations = 10;  ///< at most so many
+  /// Forces out of balance over those of the inertial guess u + h v, at which a step is solved. 0: each step
+  /// takes exactly `iterations`, counts as solved, and what they leave is measured now and then.
+  double tolerance = 1e-10;
+};
+
+/// What a solve for the end of a step came to.
+struct ImplicitResult {
+  std::size_t zero_length_springs = 0;
+  std::size_t iterations = 0;
+  bool solved = true;
+  /// Forces out of balance over those of the inertial guess; nothing where it was not measured.
+  std::optional<double> residual_relative;
+};
+
+/// Whether what is left over is measured in step `count` (from 0) where no tolerance asks for it: it takes an
+/// evaluation of the forces.
+constexpr bool is_leftover_due(std::size_t count) {
+  constexpr std::size_t kEvery = 32;
+  return count % kEvery == 0;
+}
+
+/// What rounding leaves out of balance in a step: below it no iteration gets.
+class RoundingFloor {
+ public:
+  explicit RoundingFloor(const MotionForces& forces);
+
+  /// 16 eps sqrt(sum of ((|K_vv| + m_v / h^2) |u_v|)^2) in N, K the stiffness at rest.
+  double of(std::span<const Vec3> u, double step_s) const;
+
+ private:
+  std::vector<double> stiffness_n_per_m_;  ///< |K_vv|
+  std::vector<double> mass_kg_;
+};
+
+/// f - M a at the end of a backward Euler step from `state` to the displacements `u`, v' = (u - u_state) / h,
+/// a = (v' - v) / h, in N; zero at held components.
+///
+/// Returns:  number of springs of length zero.
+std::size_t find_imbalance(MotionForces& forces, const MotionState& state, double step_s,
+                           std::span<const Vec3> u, std::span<Vec3> velocity, std::span<Vec3> imbalance);
+
+/// Sets held components to where their profiles have them at the end of the step; `u` keeps the others.
+void set_held(const MotionForces& forces, double time_s, std::span<Vec3> u);
+
+/// u + h v, held components where they belong at the end of the step: where a body would be without forces.
+void set_inertial_guess(const MotionForces& forces, const MotionState& state, double step_s,
+                        std::span<Vec3> u);
+
+/// How a step that is taken by sweeps looks at itself.
+struct SweptStep {
+  std::function<double()> residual;         ///< norm of the forces out of balance as things stand, in N
+  std::function<double()> rounding;         ///< what rounding alone leaves of them
+  std::function<void(std::size_t)> sweep;   ///< the next sweep, counted from 0
+};
+
+/// Sweeps until the step is solved, as `options` have it; `count` is the number of steps before this one.
+ImplicitResult sweep_until_solved(const StepSolverOptions& options, std::size_t count, const SweptStep& step);
+
+}  // namespace palpate::dynamics

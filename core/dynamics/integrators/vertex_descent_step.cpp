@@ -1,0 +1,209 @@
+#include "core/dynamics/integrators/vertex_descent_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/dynamics/elasticity/vertex_stiffness.h"
+#include "core/dynamics/integrators/vertex_incidence.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
+
+namespace palpate::dynamics {
+namespace {
+
+/// x with a x = b of a positive definite matrix, held components zero; false where it is not definite.
+bool solve_block(Mat3 a, Vec3 b, std::uint8_t held, Vec3& x) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (((static_cast<unsigned>(held) >> axis) & 1U) == 0) continue;
+    for (std::size_t other = 0; other < 3; ++other) a(axis, other) = a(other, axis) = 0.0;
+    a(axis, axis) = 1.0;
+    (axis == 0 ? b.x : (axis == 1 ? b.y : b.z)) = 0.0;
+  }
+  const double det = determinant(a);
+  const double minor = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+  if (!(a(0, 0) > 0.0 && minor > 0.0 && det > 0.0) || !std::isfinite(det)) return false;
+  x = (1.0 / det) * (transpose(cofactors(a)) * b);
+  return true;
+}
+
+/// A strain term with the gradients of its domains, kept as the vertices move.
+struct TermState {
+  const StrainTerm* term = nullptr;
+  VertexLists entries;              ///< entries of the operator at each vertex
+  std::vector<Index> domain_of;     ///< of each entry
+  std::vector<Mat3> gradient;       ///< H of each domain
+  std::vector<Mat3> gradient_before;  ///< at the start of the step
+};
+
+}  // namespace
+
+struct VertexDescentStep::Work {
+  Work(const MotionForces& forces, const StepSolverOptions& given)
+      : options(given), rounding(forces), model(&forces.model()), held(&forces.held_bits()) {
+    const std::size_t n = held->size();
+    std::vector<Index> ends;
+    for (const Edge& spring : model->elastic.springs.springs) ends.insert(ends.end(), spring.begin(), spring.end());
+    spring_ends = list_by_vertex(n, ends);
+    supports = list_supports(*model);
+    std::vector<Index> corners;
+    for (const TimedSupport& support : supports)
+      corners.insert(corners.end(), support.face.face.begin(), support.face.face.end());
+    support_corners = list_by_vertex(n, corners);
+    for (const StrainTerm& term : model->elastic.strain_terms) {
+      TermState& state = terms.emplace_back();
+      state.term = &term;
+      state.entries = list_by_vertex(n, term.op.vertices);
+      state.domain_of.resize(term.op.vertices.size());
+      for (std::size_t s = 0; s < term.op.domains(); ++s) {
+        for (Index k = term.op.offsets[s]; k < term.op.offsets[s + 1]; ++k)
+          state.domain_of[k] = static_cast<Index>(s);
+      }
+    }
+    dead_load.resize(n);
+    velocity.resize(n);
+    imbalance.resize(n);
+  }
+
+  void start(const MotionState& state, double h, std::span<const Vec3> u) {
+    step_s = h;
+    shares.clear();
+    std::fill(dead_load.begin(), dead_load.end(), Vec3{});
+    for (const TimedLoads& group : model->loads) {
+      shares.push_back(value_at(group.profile, state.time_s + h).share);
+      add_scaled(dead_load, shares.back(), group.loads.force_n);
+    }
+    for (TermState& term : terms) {
+      const StrainOperator& op = term.term->op;
+      term.gradient.resize(op.domains());
+      term.gradient_before.resize(op.domains());
+      for (std::size_t s = 0; s < op.domains(); ++s) {
+        term.gradient[s] = displacement_gradient(op, s, u);
+        term.gradient_before[s] = displacement_gradient(op, s, state.displacement_m);
+      }
+    }
+  }
+
+  void add_springs(const MotionState& state, std::span<const Vec3> u, std::size_t v, Vec3& f, Mat3& block) const {
+    const ElasticModel& elastic = model->elastic;
+    for (const Index end : spring_ends.of(v)) {
+      const std::size_t s = end / 2;
+      const Index other = elastic.springs.springs[s][1 - end % 2];
+      const Vec3 rest_edge = elastic.rest[other] - elastic.rest[v];
+      const Vec3 moved = u[other] - u[v];
+      const Vec3 edge = elastic.springs_are_linear ? rest_edge : rest_edge + moved;
+      const double size = length(edge);
+      if (!(size > 0.0)) continue;
+      const Vec3 n = (1.0 / size) * edge;
+      const double k = elastic.springs.stiffness_n_per_m[s];
+      const double rest_length = elastic.springs.rest_length_m[s];
+      const double elongation =
+          elastic.springs_are_linear ? dot(n, moved) : spring_elongation(rest_edge, moved, rest_length);
+      const double across = elastic.springs_are_linear ? 0.0 : k * std::max(1.0 - rest_length / size, 0.0);
+      f = f + (k * elongation) * n;
+      block += (k - across) * outer(n, n) + across * kIdentity;
+      if (model->spring_damping_n_s_per_m.empty()) continue;
+      const double c = model->spring_damping_n_s_per_m[s] / step_s;
+      const Vec3 approach = moved - (state.displacement_m[other] - state.displacement_m[v]);
+      const bool is_axial = model->spring_damping == SpringDamping::kAxial;
+      f = f + (is_axial ? (c * dot(approach, n)) * n : c * approach);
+      block += c * (is_axial ? outer(n, n) : kIdentity);
+    }
+  }
+
+  void add_domains(std::size_t v, Vec3& f, Mat3& block) const {
+    const double b = model->strain_damping_s;
+    for (const TermState& state : terms) {
+      const StrainTerm& term = *state.term;
+      const Moduli viscous{b * term.moduli.lambda_pa, b * term.moduli.mu_pa};
+      for (const Index entry : state.entries.of(v)) {
+        const Index s = state.domain_of[entry];
+        const Mat3& h = state.gradient[s];
+        const Vec3& g = term.op.gradients[entry];
+        Mat3 p = stress(term.law, term.moduli, h);
+        if (b != 0.0)
+          p += damping_stress(term.law, viscous, h, (1.0 / step_s) * (h - state.gradient_before[s]));
+        f = f - term.op.volume_m3[s] * (p * g);
+        block += (term.op.volume_m3[s] * (1.0 + b / step_s)) * vertex_stiffness(term.law, term.moduli, h, g);
+      }
+    }
+  }
+
+  void add_supports(std::span<const Vec3> u, std::size_t v, Vec3& f, Mat3& block) const {
+    for (const Index corner : support_corners.of(v)) {
+      const TimedSupport& support = supports[corner / 3];
+      const double c = support.face.coefficient_n_per_m;
+      const Vec3 place = shares[support.group] * support.face.by_m;
+      for (const Index other : support.face.face)
+        f = f - (other == v ? 2.0 * c : c) * (u[other] - place);
+      block += (2.0 * c) * kIdentity;
+    }
+  }
+
+  void move_vertex(const MotionState& state, std::span<Vec3> u, std::size_t v) {
+    const double drag =
+        model->environment_damping_n_s_per_m.empty() ? 0.0 : model->environment_damping_n_s_per_m[v];
+    const double inertia = model->mass_kg[v] / (step_s * step_s);
+    const Vec3 moved = u[v] - state.displacement_m[v];
+    Vec3 f = dead_load[v] - inertia * (moved - step_s * state.velocity_m_s[v]) - (drag / step_s) * moved;
+    Mat3 block = (inertia + drag / step_s) * kIdentity;
+    add_springs(state, u, v, f, block);
+    add_domains(v, f, block);
+    add_supports(u, v, f, block);
+    Vec3 change;
+    if (!solve_block(block, f, (*held)[v], change)) return;
+    u[v] = u[v] + change;
+    for (TermState& term : terms) {
+      for (const Index entry : term.entries.of(v))
+        add_outer(term.gradient[term.domain_of[entry]], change, term.term->op.gradients[entry]);
+    }
+  }
+
+  StepSolverOptions options;
+  RoundingFloor rounding;
+  const MotionModel* model;
+  const std::vector<std::uint8_t>* held;
+  VertexLists spring_ends;
+  std::vector<TimedSupport> supports;
+  VertexLists support_corners;
+  std::vector<TermState> terms;
+  double step_s = 0.0;
+  std::vector<double> shares;   ///< of each group of loads, at the end of the step
+  std::vector<Vec3> dead_load;  ///< then
+  std::vector<Vec3> velocity;
+  std::vector<Vec3> imbalance;
+  std::size_t steps = 0;
+};
+
+VertexDescentStep::VertexDescentStep(const MotionForces& forces, const StepSolverOptions& options)
+    : work_(std::make_unique<Work>(forces, options)) {
+  if (forces.model().elastic.volume_force)
+    throw InputError("integrator", 0, "a model that has an energy for vbd", "the thesis's volume force");
+}
+
+VertexDescentStep::~VertexDescentStep() = default;
+VertexDescentStep::VertexDescentStep(VertexDescentStep&&) noexcept = default;
+VertexDescentStep& VertexDescentStep::operator=(VertexDescentStep&&) noexcept = default;
+
+ImplicitResult VertexDescentStep::find_displacement(MotionForces& forces, const MotionState& state,
+                                                    double step_s, std::span<Vec3> u) {
+  Work& work = *work_;
+  set_inertial_guess(forces, state, step_s, u);
+  work.start(state, step_s, u);
+  std::size_t zero_length = 0;
+  SweptStep step;
+  step.residual = [&] {
+    zero_length += find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
+    return norm_of(work.imbalance);
+  };
+  step.rounding = [&] { return work.rounding.of(u, step_s); };
+  step.sweep = [&](std::size_t sweep) {
+    const std::size_t n = u.size();
+    for (std::size_t k = 0; k < n; ++k) work.move_vertex(state, u, sweep % 2 == 0 ? k : n - 1 - k);
+  };
+  ImplicitResult result = sweep_until_solved(work.options, work.steps++, step);
+  result.zero_length_springs = zero_length;
+  return result;
+}
+
+}  // namespace palpate::dynamics
