@@ -50,6 +50,9 @@ struct PlanContestant {
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   bool required = true;             ///< false: its outcome does not decide the exit code
+  /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
+  /// nothing. Empty: it is not held against that.
+  std::map<std::string, GivenOption> own_limit;
 };
 
 /// How the cases are run.

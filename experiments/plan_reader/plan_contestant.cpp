@@ -84,7 +84,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     return entry;
   }
   const YamlFields fields =
-      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes"});
+      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "own_limit"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -102,6 +102,12 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   }
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
   if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
+  if (const auto limit = fields.find("own_limit")) {
+    if (contest != "motion")
+      limit->fail("a contestant's own limit belongs to the contest motion, not to " + contest);
+    contestant.own_limit = read_set(*limit, *entry.method.method);
+    if (contestant.own_limit.empty()) limit->fail_expected("at least one option");
+  }
   if (const auto train = fields.find("train")) contestant.train = read_train(*train, entry);
   if (const auto keep = fields.find("keep")) {
     if (!entry.method.method->keeps)

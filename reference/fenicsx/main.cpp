@@ -224,6 +224,29 @@ void prepare_mpi() {
   setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
 }
 
+/// A folder for Open MPI's own files beside the response. In the one that it takes by itself, all single processes of
+/// a user share a folder that each removes at its end, and one that starts at that moment fails.
+class MpiFolder {
+ public:
+  MpiFolder(int argc, char** argv) {
+    if (argc != 3 || is_under_mpirun()) return;
+    std::error_code failed;
+    const std::filesystem::path wanted = std::filesystem::absolute(std::string(argv[2]) + ".mpi", failed);
+    if (failed || !std::filesystem::create_directory(wanted, failed)) return;  // then it takes its own
+    folder_ = wanted;
+    setenv("OMPI_MCA_orte_tmpdir_base", folder_.c_str(), 0);
+  }
+  ~MpiFolder() {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+  MpiFolder(const MpiFolder&) = delete;
+  MpiFolder& operator=(const MpiFolder&) = delete;
+
+ private:
+  std::filesystem::path folder_;
+};
+
 /// Becomes mpirun of itself if the request asks for more than one process. Returns if it does not, if it runs
 /// under mpirun already, and if the request cannot be read, which run_adapter then tells. Throws:
 /// UnavailableError without mpirun.
@@ -267,13 +290,21 @@ int run_on_all(int argc, char** argv) {
 }
 
 int run(int argc, char** argv) {
+  const auto refuse = [&](const std::exception& error) {
+    const std::string message = error.what();
+    return run_adapter(argc, argv, [&](const Request&) -> Response { throw UnavailableError(message); });
+  };
   prepare_mpi();
   try {
     start_mpirun(argc, argv);
+  } catch (const std::exception& error) {
+    return refuse(error);
+  }
+  const MpiFolder own_folder(argc, argv);
+  try {
     check(SlepcInitialize(nullptr, nullptr, nullptr, nullptr), "SlepcInitialize");
   } catch (const std::exception& error) {
-    const std::string message = error.what();
-    return run_adapter(argc, argv, [&](const Request&) -> Response { throw UnavailableError(message); });
+    return refuse(error);
   }
   PetscPopSignalHandler();                                  // a crash is a crash
   PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr);  // check() tells

@@ -28,8 +28,9 @@ MEASURES = [Measure("frequency_first", "f1 %", 100, False), Measure("frequency_m
             Measure("frequency_worst", "worst f %", 100, False), Measure("probe_l2", "probe %", 100, False),
             Measure("force_l2", "force %", 100, False), Measure("amplitude_error", "amplitude %", 100, True),
             Measure("phase_error_deg", "phase deg", 1, True), Measure("decay_error", "decay %", 100, True),
-            Measure("unexplained", "unexplained %", 100, False)]
-UNMARKED = {"unexplained"}  # a part of the signal, not an error
+            Measure("unexplained", "unexplained %", 100, False), Measure("solver_probe_l2", "solver %", 100, False)]
+# A part of the signal, not an error; what a solver leaves, not what the model does.
+UNMARKED = {"unexplained", "solver_probe_l2"}
 
 
 @dataclass
@@ -44,6 +45,7 @@ class Row:
     steps: object
     step_s: object
     integrator: str
+    left: object  # largest share of the forces out of balance that a step left, or None
     note: str
     history: object  # path of its history, or None
     oscillation: dict  # the reference's, that it was held against
@@ -111,7 +113,7 @@ def read_row(run, group):
     note = "" if accepted else f"{outcome_text(group)}: {first_reason(group)}" if group.cases() else first_reason(group) or "not run"
     return Row(label_of(record), group.contestant, values, median(present(figure(r, "report", "solve_s") for r in group.accepted())),
                timing["kernel_median_s"] if timing else None, figure(report, "steps"), figure(report, "time_step_s"),
-               str(report.get("integrator", "")), note, history_of(run, record) if group.cases() else None,
+               str(report.get("integrator", "")), figure(report, "residual_worst"), note, history_of(run, record) if group.cases() else None,
                oscillation if isinstance(oscillation, dict) else {})
 
 
@@ -166,32 +168,33 @@ def own_text(section):
 
 
 def table_text(sections):
-    lines = [["label", *(m.title + "  " for m in MEASURES), "steps", "solve", "kernel", "note"]]
+    lines = [["label", *(m.title + "  " for m in MEASURES), "left", "steps", "solve", "kernel", "note"]]
     for section in sections:
         lines += ["", section.title, f"  {own_text(section)}"]
         own = section.own
         if section.reference:
             lines.append(["  its own error", *(("" if own[m.name] is None else value_text(m, own[m.name]).lstrip("+")) + "  "
-                                              for m in MEASURES), "", "", "", ""])
+                                              for m in MEASURES), "", "", "", "", ""])
         for row in section.rows:
             lines.append([row.label, *(value_text(m, row.values[m.name]) + row.marks[m.name].ljust(2) for m in MEASURES),
-                          "" if row.steps is None else f"{row.steps:,.0f}", seconds_text(row.solve_s), seconds_text(row.kernel_s),
+                          "" if row.left is None else f"{row.left:.1g}", "" if row.steps is None else f"{row.steps:,.0f}", seconds_text(row.solve_s), seconds_text(row.kernel_s),
                           row.note])
     return (pad_columns(lines) + f"\n\n{BEST} least of the column; {COARSE} less than {MARGIN:g} times the reference's own error, or no "
             "estimate of it: the reference cannot tell.\nf1, f1-10, worst f: natural frequencies; probe: its displacement over the whole "
             "history (L2); force: the tool's, while it is there (L2); amplitude, phase, decay: of the probe's strongest oscillation;\n"
             "unexplained: what the fitted oscillations leave over of its motion (rms); above 20% there is no amplitude, phase and decay to "
-            "compare.")
+            "compare.\nsolver: the probe's distance from the motion of the same body with a solver that leaves nothing (L2); left: the largest "
+            "share of the forces out of balance that a step left.")
 
 
 def write_tables(sections, folder):
     """Writes motion.csv and motion.txt; returns their names."""
     folder.mkdir(parents=True, exist_ok=True)
     names = [measure.name for measure in MEASURES]
-    write_csv(folder / "motion.csv", ["problem", "label", "method", "integrator", *names, *(f"own_{name}" for name in names), "steps",
+    write_csv(folder / "motion.csv", ["problem", "label", "method", "integrator", *names, *(f"own_{name}" for name in names), "residual_worst", "steps",
                                       "time_step_s", "solve_s", "kernel_s", "note"],
               [[section.title, row.label, row.method, row.integrator, *(row.values[name] for name in names),
-                *(section.own[name] for name in names), row.steps, row.step_s, row.solve_s, row.kernel_s, row.note]
+                *(section.own[name] for name in names), row.left, row.steps, row.step_s, row.solve_s, row.kernel_s, row.note]
                for section in sections for row in section.rows])
     write_atomically(folder / "motion.txt", table_text(sections) + "\n")
     return {"motion.csv", "motion.txt"}

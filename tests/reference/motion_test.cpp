@@ -109,6 +109,7 @@ TEST_F(ExtremeRunTest, MeasuresWhatIsPredictedAndFailsBeyond) {
 TEST_F(ExtremeRunTest, ImplicitOnesHaveNoBound) {
   for (const char* method : {"motion.implicit_euler", "motion.prefactored", "motion.backward_euler",
                              "motion.bdf2", "motion.trapezoidal", "motion.xpbd", "motion.vbd"}) {
+    SCOPED_TRACE(method);
     const json out = report(method, {{"steps", 100}});
     EXPECT_TRUE(out.at("predicted_step_s").is_null());
     EXPECT_TRUE(out.at("measured_step_s").is_null());

@@ -56,32 +56,33 @@ struct NewtonStep::Work {
   /// r, u* and v*. Of what is held they are of no consequence.
   void set_relation(MotionForces& forces, const MotionState& state, double h) {
     const bool goes_on = is_continued(state, h);
-    if (!goes_on && rule != ImplicitRule::kBackwardEuler) find_acceleration(forces, state);
+    step_rule = rule == ImplicitRule::kBdf2 && !goes_on ? ImplicitRule::kBackwardEuler : rule;
+    has_acceleration = goes_on || step_rule == ImplicitRule::kTrapezoidal;
+    if (has_acceleration && !goes_on) find_acceleration(forces, state);
     const std::vector<Vec3>& now_u = state.displacement_m;
     const std::vector<Vec3>& now_v = state.velocity_m_s;
-    has_acceleration = goes_on || rule != ImplicitRule::kBackwardEuler;
     for (std::size_t v = 0; v < u.size(); ++v) {
-      if (rule == ImplicitRule::kBackwardEuler) {
+      if (step_rule == ImplicitRule::kBackwardEuler) {
         from_u[v] = now_u[v];
         from_v[v] = now_v[v];
-      } else if (rule == ImplicitRule::kTrapezoidal) {
+      } else if (step_rule == ImplicitRule::kTrapezoidal) {
         from_u[v] = now_u[v] + (0.5 * h) * now_v[v];
         from_v[v] = now_v[v] + (0.5 * h) * acceleration[v];
       } else {
-        const Vec3 old_u =
-            goes_on ? before_u[v] : now_u[v] - h * now_v[v] + (0.5 * h * h) * acceleration[v];
-        const Vec3 old_v = goes_on ? before_v[v] : now_v[v] - h * acceleration[v];
-        from_u[v] = (1.0 / 3.0) * (4.0 * now_u[v] - old_u);
-        from_v[v] = (1.0 / 3.0) * (4.0 * now_v[v] - old_v);
+        from_u[v] = (1.0 / 3.0) * (4.0 * now_u[v] - before_u[v]);
+        from_v[v] = (1.0 / 3.0) * (4.0 * now_v[v] - before_v[v]);
       }
     }
-    rate = (rule == ImplicitRule::kBackwardEuler ? 1.0 : (rule == ImplicitRule::kTrapezoidal ? 2.0 : 1.5)) / h;
+    const double steps = step_rule == ImplicitRule::kBackwardEuler  ? 1.0
+                         : step_rule == ImplicitRule::kTrapezoidal ? 2.0
+                                                                   : 1.5;
+    rate = steps / h;
   }
 
   /// The norm of f - m a at `place`, whose held components are put where they belong.
   double find_residual(MotionForces& forces, double time_s, std::vector<Vec3>& place) {
     for (std::size_t v = 0; v < place.size(); ++v) velocity[v] = rate * (place[v] - from_u[v]);
-    if (rule == ImplicitRule::kBackwardEuler) {
+    if (step_rule == ImplicitRule::kBackwardEuler) {
       // What is held moves by the same rule as the rest.
       set_held(forces, time_s, place);
       for (const HeldComponent& held : forces.held())
@@ -196,6 +197,7 @@ struct NewtonStep::Work {
   }
 
   ImplicitRule rule;
+  ImplicitRule step_rule = ImplicitRule::kBackwardEuler;  ///< of this step
   StepSolverOptions options;
   RoundingFloor rounding;
   bool is_linear;

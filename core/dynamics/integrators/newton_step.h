@@ -17,8 +17,8 @@ namespace palpate::dynamics {
 ///   kTrapezoidal    r = 2 / h,    u* = u + h/2 v,              v* = v + h/2 a
 ///
 /// The last one is Newmark's method with constant average acceleration (beta 1/4, gamma 1/2). The first step
-/// of kBdf2, and the first after the caller has changed state or step, takes u_before = u - h v + h^2/2 a and
-/// v_before = v - h a: the order stays 2, and r the same.
+/// of kBdf2, and the first after the caller has changed state or step, is one of backward Euler: the order
+/// stays 2, and fast motions start as damped as they go on.
 /// Source: N. Newmark, J. Eng. Mech. Div. ASCE 85 (1959); C. Curtiss and J. Hirschfelder, PNAS 38 (1952).
 enum class ImplicitRule { kBackwardEuler, kBdf2, kTrapezoidal };
 
@@ -28,7 +28,7 @@ enum class ImplicitRule { kBackwardEuler, kBdf2, kTrapezoidal };
 ///     are made semidefinite one by one;
 ///   - a step of Newton's is halved, up to 20 times, until the forces out of balance shrink;
 ///   - a linear body (springs at rest directions, linear laws, no volume force) has its matrix factored once
-///     for each length of step.
+///     for each r.
 ///
 /// The guess to start from is u + h v, or u + h v + h^2/2 a with the last step's acceleration where that has
 /// less out of balance. Of the damping's dependence on u and of the thesis's volume force the matrix knows

@@ -33,8 +33,21 @@ json describe_reference(const MotionReference& reference) {
           {"runs", reference.runs}};
 }
 
-json judge_motion(const MotionInput& input, const MotionReference& reference, const json& report,
-                  const std::filesystem::path& file) {
+/// How far a solver leaves a motion from that of its own body.
+void compare_with_limit(const MotionInput& input, const OwnLimit& limit, const JudgedMotion& found,
+                        json& figures) {
+  if (!limit.failure.empty()) {
+    figures["solver_limit"] = "none: it " + limit.failure;
+    return;
+  }
+  const json off = compare_motions(input.problem, {found.history, {}}, {limit.history, {}});
+  for (const char* name : {"probe_l2", "force_l2"}) {
+    if (off.contains(name)) figures[std::string("solver_") + name] = off.at(name);
+  }
+}
+
+json judge_motion(const MotionInput& input, const MotionReference& reference, const OwnLimit* limit,
+                  const json& report, const std::filesystem::path& file) {
   json figures = {{"valid", false}, {"findings", json::array()}};
   const std::string outcome = report.at("outcome").get<std::string>();
   const bool is_unsolved = outcome == "unsolved";
@@ -57,6 +70,7 @@ json judge_motion(const MotionInput& input, const MotionReference& reference, co
     found.frequencies_hz.push_back(each.get<double>());
   }
   figures.update(compare_motions(input.problem, found, reference.truth));
+  if (limit != nullptr) compare_with_limit(input, *limit, found, figures);
   figures["frequencies_hz"] = found.frequencies_hz;
   figures["reference_own_error"] = reference.own_error;
   figures["valid"] = !is_unsolved;
@@ -71,6 +85,7 @@ class MotionContest : public Contest {
     json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
     for (const Case* c : cases) {
       const std::string id = id_of(*c);
+      if (!setting_.plan.contestants[c->contestant].own_limit.empty()) limited_.push_back(*c);
       if (inputs_.count(id) > 0) continue;
       setting_.progress.show("scene " + id);
       inputs_.emplace(id, build_motion_input(setting_.plan.scenes[c->subject], c->sweep,
@@ -91,6 +106,12 @@ class MotionContest : public Contest {
       if (recorded.count(record.at("case").get<std::string>()) == 0) append(std::move(record));
       references_.emplace(id, std::move(reference));
     }
+    for (const Case& each : limited_) {
+      setting_.progress.show("own limit of " + each.id);
+      OwnLimit limit = solve_own_limit(inputs_.at(id_of(each)), each, setting_);
+      if (limit.interrupted) return false;
+      limits_.emplace(each.id, std::move(limit));
+    }
     return true;
   }
 
@@ -107,8 +128,10 @@ class MotionContest : public Contest {
                     const std::vector<json>& earlier) const override {
     const MotionInput& input = inputs_.at(id_of(facts.run_case));
     const MotionReference& reference = references_.at(input.id);
+    const auto limit = limits_.find(facts.run_case.id);
     const auto judge = [&](const std::filesystem::path& file) {
-      return judge_motion(input, reference, answer.report, file);
+      return judge_motion(input, reference, limit == limits_.end() ? nullptr : &limit->second, answer.report,
+                          file);
     };
     json record =
         start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
@@ -148,6 +171,8 @@ class MotionContest : public Contest {
   std::vector<std::string> order_;
   std::map<std::string, MotionInput> inputs_;
   std::map<std::string, MotionReference> references_;
+  std::vector<Case> limited_;               ///< cases that are held against their own limit
+  std::map<std::string, OwnLimit> limits_;  ///< by case
 };
 
 }  // namespace

@@ -116,6 +116,28 @@ MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const 
   return input;
 }
 
+OwnLimit solve_own_limit(const MotionInput& input, const Case& run_case, const ContestSetting& setting) {
+  const PlanContestant& contestant = setting.plan.contestants[run_case.contestant];
+  ContestantTask task = start_task(contestant.method, input.files.mesh_file, setting);
+  task.problem_in = input.files.problem_file;
+  task.options = run_case.options;
+  const json over = resolve_options(*task.method.method, contestant.own_limit);
+  for (const auto& [name, given] : contestant.own_limit) task.options[name] = over.at(name);
+  task.timeout_s = kReferenceTimeout;
+  const Solution solution = solve(task, "completed");
+  OwnLimit limit;
+  limit.interrupted = solution.interrupted;
+  limit.failure = solution.failure;
+  if (solution.interrupted || !solution.failure.empty()) return limit;
+  limit.run = describe_solution(solution, 0);
+  try {
+    limit.history = reference::read_history(solution.answer.output, input.problem);
+  } catch (const InputError& error) {
+    limit.failure = std::string("cannot be read: ") + error.what();
+  }
+  return limit;
+}
+
 MotionReference solve_motion_reference(const MotionInput& input, const ContestSetting& setting) {
   const PlanReference& plan = *setting.plan.reference;
   const json options = resolve_options(*setting.registry.find(plan.method)->method, plan.set);

@@ -57,6 +57,18 @@ struct JudgedMotion {
 nlohmann::json compare_motions(const reference::MotionProblem& problem, const JudgedMotion& found,
                                const JudgedMotion& truth);
 
+/// The motion that a contestant's body has if its solver leaves nothing.
+struct OwnLimit {
+  std::string failure;  ///< why there is none; empty if there is
+  reference::MotionHistory history;
+  nlohmann::json run;  ///< what the solution reports, with its times
+  bool interrupted = false;
+};
+
+/// Solves it: the method of the case with the options of its plan's `own_limit` set over its own. What an
+/// earlier run solved is taken from the cache.
+OwnLimit solve_own_limit(const MotionInput& input, const Case& run_case, const ContestSetting& setting);
+
 /// What came of the reference: its finest level, and estimates of its own errors.
 struct MotionReference {
   std::string failure;  ///< why there is none; empty if there is

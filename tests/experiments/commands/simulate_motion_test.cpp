@@ -124,13 +124,17 @@ TEST_F(SimulateMotion, TheSameHashOnOneThreadAndTwoAndInEachRun) {
 TEST_F(SimulateMotion, EveryIntegratorRuns) {
   for (const dynamics::IntegratorKind kind : dynamics::kIntegrators) {
     const std::string name = dynamics::integrator_name(kind);
-    const json report = simulate(pressed("integrator: " + name +
+    // Positions stop short of a body whose springs turn, so they are asked for so many sweeps.
+    const bool is_swept = kind == dynamics::IntegratorKind::kXpbd;
+    const std::string solver = is_swept ? "solver: {iterations: 5, tolerance: 0}, " : "";
+    const json report = simulate(pressed(solver + "integrator: " + name +
                                          ", time_step_s: 2.0e-4, duration_s: 0.02, frames: 0, damping: "
                                          "{stiffness_s: 0.001, mass_per_s: 1}"),
                                  name);
     EXPECT_EQ(report.at("outcome"), "completed") << name;
     EXPECT_EQ(report.at("integrator"), name);
     EXPECT_EQ(report.at("steps"), 100) << name;
+    EXPECT_EQ(report.at("residual_worst").is_number(), kind >= dynamics::IntegratorKind::kPrefactored) << name;
     EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / name / "frames.pvd"));
   }
 }
