@@ -83,8 +83,8 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     entry.contestant.label = name;
     return entry;
   }
-  const YamlFields fields =
-      value.fields({"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "own_limit"});
+  const YamlFields fields = value.fields(
+      {"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "own_limit"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;

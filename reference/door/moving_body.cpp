@@ -111,11 +111,11 @@ MovingModel read_model(const json& value, const std::string& where) {
 }
 
 MotionStepping read_stepping(const json& value, const std::string& where) {
-  const Members members(value, where,
-                        {"integrator", "time_step_s", "safety", "engine", "precision", "allow_unstable",
-                         "speed_limit_m_s", "frames", "mass_per_vertex_kg", "damping_spring_n_s_per_m",
-                         "damping_vertex_n_s_per_m", "spring_damping", "iterations", "tolerance",
-                         "substeps"});
+  const Members members(
+      value, where,
+      {"integrator", "time_step_s", "safety", "engine", "precision", "allow_unstable", "speed_limit_m_s",
+       "frames", "mass_per_vertex_kg", "damping_spring_n_s_per_m", "damping_vertex_n_s_per_m",
+       "spring_damping", "iterations", "tolerance", "substeps"});
   MotionStepping out;
   out.integrator = members.parsed("integrator", dynamics::parse_integrator);
   out.time_step_s = members.number_if_there("time_step_s");

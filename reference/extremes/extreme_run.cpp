@@ -52,9 +52,7 @@ struct Method {
   dynamics::Precision precision = dynamics::Precision::kDouble;
   dynamics::StepSolverOptions solver;
 
-  bool is_implicit() const {
-    return !is_plain && dynamics::is_implicit(kind);
-  }
+  bool is_implicit() const { return !is_plain && dynamics::is_implicit(kind); }
 
   std::unique_ptr<dynamics::BodyStepper> make(const MotionModel& model, int threads) const {
     if (is_plain) return dynamics::make_plain_stepper(model, precision, threads);
@@ -227,8 +225,8 @@ class ExtremeRun {
     if (is_single()) options.growth_factor = 1e3;  // there is less room between rounding and large motions
     // The thesis's force and the plain engine have no linear form: there, small motions have to do.
     const bool is_linear = !method_.is_plain && !body_.model.elastic.volume_force;
-    // The trapezoidal rule turns a fast mode by nearly half a turn a step: its kinetic energy comes and goes over h
-    // omega steps, which is longer than any trial here, and looks like growth while it comes.
+    // The trapezoidal rule turns a fast mode by nearly half a turn a step: its kinetic energy comes and goes
+    // over h omega steps, which is longer than any trial here, and looks like growth while it comes.
     options.counts_slow_growth = is_linear && method_.kind != IntegratorKind::kTrapezoidal;
     const MotionModel model = is_linear ? linearise(body_.model) : body_.model;
     dynamics::MeasuredStep found = measure_stable_step(*method_.make(model, threads_), options);

@@ -224,8 +224,8 @@ void prepare_mpi() {
   setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
 }
 
-/// A folder for Open MPI's own files beside the response. In the one that it takes by itself, all single processes of
-/// a user share a folder that each removes at its end, and one that starts at that moment fails.
+/// A folder for Open MPI's own files beside the response. In the one that it takes by itself, all single
+/// processes of a user share a folder that each removes at its end, and one that starts at that moment fails.
 class MpiFolder {
  public:
   MpiFolder(int argc, char** argv) {

@@ -18,8 +18,8 @@ namespace {
 
 constexpr EnumNames<IntegratorKind, 11> kNames{
     "integrator",
-    {"explicit_euler", "symplectic_euler", "velocity_verlet", "runge_kutta_4", "implicit_euler", "prefactored",
-     "backward_euler", "bdf2", "trapezoidal", "xpbd", "vbd"}};
+    {"explicit_euler", "symplectic_euler", "velocity_verlet", "runge_kutta_4", "implicit_euler",
+     "prefactored", "backward_euler", "bdf2", "trapezoidal", "xpbd", "vbd"}};
 
 /// a + s b, entry by entry, into `out`.
 void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, std::vector<Vec3>& out) {

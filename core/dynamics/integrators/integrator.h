@@ -51,11 +51,17 @@ enum class IntegratorKind {
 };
 
 /// All kinds, in order.
-inline constexpr std::array<IntegratorKind, 11> kIntegrators{
-    IntegratorKind::kExplicitEuler, IntegratorKind::kSymplecticEuler, IntegratorKind::kVelocityVerlet,
-    IntegratorKind::kRungeKutta4,   IntegratorKind::kImplicitEuler,   IntegratorKind::kPrefactored,
-    IntegratorKind::kBackwardEuler, IntegratorKind::kBdf2,            IntegratorKind::kTrapezoidal,
-    IntegratorKind::kXpbd,          IntegratorKind::kVbd};
+inline constexpr std::array<IntegratorKind, 11> kIntegrators{IntegratorKind::kExplicitEuler,
+                                                             IntegratorKind::kSymplecticEuler,
+                                                             IntegratorKind::kVelocityVerlet,
+                                                             IntegratorKind::kRungeKutta4,
+                                                             IntegratorKind::kImplicitEuler,
+                                                             IntegratorKind::kPrefactored,
+                                                             IntegratorKind::kBackwardEuler,
+                                                             IntegratorKind::kBdf2,
+                                                             IntegratorKind::kTrapezoidal,
+                                                             IntegratorKind::kXpbd,
+                                                             IntegratorKind::kVbd};
 
 /// Whether it solves for the end of a step instead of computing it from the start: such a step has no bound.
 bool is_implicit(IntegratorKind kind);
@@ -71,10 +77,10 @@ struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kSymplecticEuler;
   int threads = 1;
   double speed_limit_m_s =
-      0.0;               ///< longer velocities are cut to this, but those of held vertices; 0: no limit
-  LinearOptions linear;  ///< kImplicitEuler and those that are solved by Newton's method
-  StepSolverOptions solver;   ///< of those that iterate within a step: all implicit ones but kImplicitEuler
-  std::size_t substeps = 1;   ///< kXpbd, kVbd: each step is taken as so many
+      0.0;                   ///< longer velocities are cut to this, but those of held vertices; 0: no limit
+  LinearOptions linear;      ///< kImplicitEuler and those that are solved by Newton's method
+  StepSolverOptions solver;  ///< of those that iterate within a step: all implicit ones but kImplicitEuler
+  std::size_t substeps = 1;  ///< kXpbd, kVbd: each step is taken as so many
 };
 
 /// What happened in one step.

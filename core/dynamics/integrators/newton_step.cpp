@@ -73,7 +73,7 @@ struct NewtonStep::Work {
         from_v[v] = (1.0 / 3.0) * (4.0 * now_v[v] - before_v[v]);
       }
     }
-    const double steps = step_rule == ImplicitRule::kBackwardEuler  ? 1.0
+    const double steps = step_rule == ImplicitRule::kBackwardEuler ? 1.0
                          : step_rule == ImplicitRule::kTrapezoidal ? 2.0
                                                                    : 1.5;
     rate = steps / h;

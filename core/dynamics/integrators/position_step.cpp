@@ -98,9 +98,8 @@ struct PositionStep::Work {
       state.term = &term;
       for (std::size_t s = 0; s < term.op.domains(); ++s) {
         const auto vertices = term.op.vertices_of(s);
-        state.is_mixed.push_back(std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
-          return (*held)[v] != 0 && (*held)[v] != 7;
-        }));
+        state.is_mixed.push_back(std::any_of(vertices.begin(), vertices.end(),
+                                             [&](Index v) { return (*held)[v] != 0 && (*held)[v] != 7; }));
       }
     }
     for (std::vector<Vec3>* field : {&inverse_mass, &dead_load, &velocity, &imbalance}) field->resize(n);
@@ -153,8 +152,8 @@ struct PositionStep::Work {
       // From u + h v to u + h W (m v + h f), which leaves held components where they are.
       const double drag =
           model->environment_damping_n_s_per_m.empty() ? 0.0 : model->environment_damping_n_s_per_m[v];
-      u[v] = u[v] + step_s * scaled(inverse_mass[v], step_s * dead_load[v] -
-                                                         (step_s * drag) * state.velocity_m_s[v]);
+      u[v] = u[v] + step_s * scaled(inverse_mass[v],
+                                    step_s * dead_load[v] - (step_s * drag) * state.velocity_m_s[v]);
     }
     spring_multiplier.assign(model->elastic.springs.springs.size(), 0.0);
     support_multiplier.assign(supports.size(), {});
@@ -197,8 +196,7 @@ struct PositionStep::Work {
       const Mat3 since = h - displacement_gradient(op, s, state.displacement_m);
       wanted += (step_s * b) * strains_of(multiply_transposed(r, since));
     }
-    const Vector6 off =
-        term.multiplier[s] + build_stiffness(term.term->moduli, op.volume_m3[s]) * wanted;
+    const Vector6 off = term.multiplier[s] + build_stiffness(term.term->moduli, op.volume_m3[s]) * wanted;
     const Vector6 change =
         -((term.is_mixed[s] != 0 ? correct(term, s, r, step_s * step_s + step_s * b) : term.correction[s]) *
           off);
@@ -216,8 +214,7 @@ struct PositionStep::Work {
     const Vec3 place = shares[support.group] * support.face.by_m;
     for (std::size_t mode = 0; mode < 3; ++mode) {
       const std::array<double, 3>& e = kFaceModes.at(mode);
-      const double stiffness =
-          step_s * step_s * kFaceWeights.at(mode) * support.face.coefficient_n_per_m;
+      const double stiffness = step_s * step_s * kFaceWeights.at(mode) * support.face.coefficient_n_per_m;
       Vec3 moved;
       Vec3 inverse;
       for (std::size_t i = 0; i < 3; ++i) {

@@ -22,8 +22,7 @@ std::vector<ScalarEntry> build_entries(const MotionModel& model, double h) {
   for (std::size_t v = 0; v < model.mass_kg.size(); ++v) {
     const double drag =
         model.environment_damping_n_s_per_m.empty() ? 0.0 : model.environment_damping_n_s_per_m[v];
-    entries.push_back(
-        {static_cast<Index>(v), static_cast<Index>(v), model.mass_kg[v] / (h * h) + drag / h});
+    entries.push_back({static_cast<Index>(v), static_cast<Index>(v), model.mass_kg[v] / (h * h) + drag / h});
   }
   for (std::size_t s = 0; s < elastic.springs.springs.size(); ++s) {
     const auto [a, b] = elastic.springs.springs[s];
@@ -133,7 +132,8 @@ struct PrefactoredStep::Work {
 PrefactoredStep::PrefactoredStep(const MotionForces& forces, const StepSolverOptions& options)
     : work_(std::make_unique<Work>(forces, options)) {
   if (forces.model().elastic.volume_force)
-    throw InputError("integrator", 0, "a model that has an energy for prefactored", "the thesis's volume force");
+    throw InputError("integrator", 0, "a model that has an energy for prefactored",
+                     "the thesis's volume force");
 }
 
 PrefactoredStep::~PrefactoredStep() = default;
@@ -148,8 +148,7 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
   ImplicitResult result;
   const double tolerance = work.options.tolerance;
   const auto look = [&] {
-    result.zero_length_springs +=
-        find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
+    result.zero_length_springs += find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
     return norm_of(work.imbalance);
   };
   const double first = look();
@@ -158,7 +157,8 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
   double share = 1.0;
   const bool is_looked_at = is_leftover_due(work.steps++);
   while (result.iterations < work.options.iterations) {
-    result.solved = residual == 0.0 || (tolerance > 0.0 && residual <= tolerance * first + work.rounding.of(u, step_s));
+    result.solved =
+        residual == 0.0 || (tolerance > 0.0 && residual <= tolerance * first + work.rounding.of(u, step_s));
     if (result.solved) break;
     work.correct();
     std::copy(u.begin(), u.end(), work.before.begin());
@@ -175,7 +175,8 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
     }
     residual = found;
   }
-  if (!result.solved) result.solved = tolerance == 0.0 || residual <= tolerance * first + work.rounding.of(u, step_s);
+  if (!result.solved)
+    result.solved = tolerance == 0.0 || residual <= tolerance * first + work.rounding.of(u, step_s);
   if (tolerance > 0.0 || is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;
   return result;
 }

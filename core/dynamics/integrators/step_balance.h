@@ -64,9 +64,9 @@ void set_inertial_guess(const MotionForces& forces, const MotionState& state, do
 
 /// How a step that is taken by sweeps looks at itself.
 struct SweptStep {
-  std::function<double()> residual;         ///< norm of the forces out of balance as things stand, in N
-  std::function<double()> rounding;         ///< what rounding alone leaves of them
-  std::function<void(std::size_t)> sweep;   ///< the next sweep, counted from 0
+  std::function<double()> residual;        ///< norm of the forces out of balance as things stand, in N
+  std::function<double()> rounding;        ///< what rounding alone leaves of them
+  std::function<void(std::size_t)> sweep;  ///< the next sweep, counted from 0
 };
 
 /// Sweeps until the step is solved, as `options` have it; `count` is the number of steps before this one.

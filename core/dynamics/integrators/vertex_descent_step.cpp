@@ -30,9 +30,9 @@ bool solve_block(Mat3 a, Vec3 b, std::uint8_t held, Vec3& x) {
 /// A strain term with the gradients of its domains, kept as the vertices move.
 struct TermState {
   const StrainTerm* term = nullptr;
-  VertexLists entries;              ///< entries of the operator at each vertex
-  std::vector<Index> domain_of;     ///< of each entry
-  std::vector<Mat3> gradient;       ///< H of each domain
+  VertexLists entries;                ///< entries of the operator at each vertex
+  std::vector<Index> domain_of;       ///< of each entry
+  std::vector<Mat3> gradient;         ///< H of each domain
   std::vector<Mat3> gradient_before;  ///< at the start of the step
 };
 
@@ -43,7 +43,8 @@ struct VertexDescentStep::Work {
       : options(given), rounding(forces), model(&forces.model()), held(&forces.held_bits()) {
     const std::size_t n = held->size();
     std::vector<Index> ends;
-    for (const Edge& spring : model->elastic.springs.springs) ends.insert(ends.end(), spring.begin(), spring.end());
+    for (const Edge& spring : model->elastic.springs.springs)
+      ends.insert(ends.end(), spring.begin(), spring.end());
     spring_ends = list_by_vertex(n, ends);
     supports = list_supports(*model);
     std::vector<Index> corners;
@@ -84,7 +85,8 @@ struct VertexDescentStep::Work {
     }
   }
 
-  void add_springs(const MotionState& state, std::span<const Vec3> u, std::size_t v, Vec3& f, Mat3& block) const {
+  void add_springs(const MotionState& state, std::span<const Vec3> u, std::size_t v, Vec3& f,
+                   Mat3& block) const {
     const ElasticModel& elastic = model->elastic;
     for (const Index end : spring_ends.of(v)) {
       const std::size_t s = end / 2;
@@ -134,8 +136,7 @@ struct VertexDescentStep::Work {
       const TimedSupport& support = supports[corner / 3];
       const double c = support.face.coefficient_n_per_m;
       const Vec3 place = shares[support.group] * support.face.by_m;
-      for (const Index other : support.face.face)
-        f = f - (other == v ? 2.0 * c : c) * (u[other] - place);
+      for (const Index other : support.face.face) f = f - (other == v ? 2.0 * c : c) * (u[other] - place);
       block += (2.0 * c) * kIdentity;
     }
   }

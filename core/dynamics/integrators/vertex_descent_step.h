@@ -1,4 +1,5 @@
-// Backward Euler by sweeps over the vertices, each moved to where its own energy is least: vertex block descent.
+// Backward Euler by sweeps over the vertices, each moved to where its own energy is least: vertex block
+// descent.
 #pragma once
 
 #include <memory>

@@ -28,7 +28,8 @@ LaplaceFactor factor_laplace(std::size_t size, std::span<const ScalarEntry> entr
   matrix.setFromTriplets(both.begin(), both.end());
   const Eigen::SimplicialLLT<Sparse, Eigen::Lower> factor(matrix);
   if (factor.info() != Eigen::Success)
-    throw InputError("matrix", 0, "one that is positive definite", std::to_string(size) + " rows that are not");
+    throw InputError("matrix", 0, "one that is positive definite",
+                     std::to_string(size) + " rows that are not");
 
   LaplaceFactor out;
   const Sparse lower = factor.matrixL();

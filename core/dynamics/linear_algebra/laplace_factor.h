@@ -21,8 +21,8 @@ struct ScalarEntry {
 /// is what an iteration that measures its own residual needs, and half the memory to read.
 ///
 /// Shape:  offsets has one entry a column of L and one more; rows and values hold the entries below the
-///         diagonal of column j at offsets[j] .. offsets[j + 1]; inverse_diagonal one entry a column; place[v]
-///         is the column of row v of A.
+///         diagonal of column j at offsets[j] .. offsets[j + 1]; inverse_diagonal one entry a column;
+///         place[v] is the column of row v of A.
 struct LaplaceFactor {
   std::vector<std::size_t> offsets{0};
   std::vector<Index> rows;

@@ -42,7 +42,7 @@ struct MotionReport {
   std::uint64_t speeds_cut = 0;           ///< vertices times steps
   std::uint64_t steps_with_cuts = 0;
   std::uint64_t solver_iterations = 0;
-  std::uint64_t steps_unsolved = 0;    ///< whose solver did not come to its tolerance
+  std::uint64_t steps_unsolved = 0;  ///< whose solver did not come to its tolerance
   /// Largest share of the forces out of balance that a solver left, of the steps in which it was measured.
   std::optional<double> residual_worst;
   double peak_speed_m_s = 0.0;         ///< after cutting

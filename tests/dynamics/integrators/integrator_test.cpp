@@ -16,13 +16,17 @@ namespace {
 
 using namespace testing_support;
 
-const std::map<IntegratorKind, double> kOrder{
-    {IntegratorKind::kExplicitEuler, 1.0},  {IntegratorKind::kSymplecticEuler, 1.0},
-    {IntegratorKind::kVelocityVerlet, 2.0}, {IntegratorKind::kRungeKutta4, 4.0},
-    {IntegratorKind::kImplicitEuler, 1.0},  {IntegratorKind::kPrefactored, 1.0},
-    {IntegratorKind::kBackwardEuler, 1.0},  {IntegratorKind::kBdf2, 2.0},
-    {IntegratorKind::kTrapezoidal, 2.0},    {IntegratorKind::kXpbd, 1.0},
-    {IntegratorKind::kVbd, 1.0}};
+const std::map<IntegratorKind, double> kOrder{{IntegratorKind::kExplicitEuler, 1.0},
+                                              {IntegratorKind::kSymplecticEuler, 1.0},
+                                              {IntegratorKind::kVelocityVerlet, 2.0},
+                                              {IntegratorKind::kRungeKutta4, 4.0},
+                                              {IntegratorKind::kImplicitEuler, 1.0},
+                                              {IntegratorKind::kPrefactored, 1.0},
+                                              {IntegratorKind::kBackwardEuler, 1.0},
+                                              {IntegratorKind::kBdf2, 2.0},
+                                              {IntegratorKind::kTrapezoidal, 2.0},
+                                              {IntegratorKind::kXpbd, 1.0},
+                                              {IntegratorKind::kVbd, 1.0}};
 
 IntegratorOptions options_of(IntegratorKind kind) {
   IntegratorOptions options;
@@ -133,8 +137,8 @@ TEST(Integrator, AFreeBodyKeepsItsMomentum) {
     if (kind == IntegratorKind::kVbd) options.solver = {2000, 1e-13};
     const MotionState end = march(model, options, start, 0.2, 100);
     EXPECT_GT(field_distance(start.velocity_m_s, end.velocity_m_s), 0.1);
-    // 1000 kg at about 0.5 m/s, rounded some thousand times. Of kVbd a hundred steps of 2 ms, each solved to what
-    // rounding leaves: some 1e-9 N a vertex.
+    // 1000 kg at about 0.5 m/s, rounded some thousand times. Of kVbd a hundred steps of 2 ms, each solved to
+    // what rounding leaves: some 1e-9 N a vertex.
     EXPECT_LT(length(measure_momentum(model, end) - before), kind == IntegratorKind::kVbd ? 1e-8 : 1e-9);
   }
 }
@@ -239,7 +243,8 @@ TEST(Integrator, NamesAreReadBackAndOthersRefused) {
 TEST(Integrator, WhatHasNoEnergyIsRefusedByThoseThatNeedOne) {
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 1);
   MotionModel model = make_free_body(mesh, 0.1, VolumeModel::kThesis);
-  for (const IntegratorKind kind : {IntegratorKind::kPrefactored, IntegratorKind::kXpbd, IntegratorKind::kVbd})
+  for (const IntegratorKind kind :
+       {IntegratorKind::kPrefactored, IntegratorKind::kXpbd, IntegratorKind::kVbd})
     EXPECT_THROW(Integrator(model, options_of(kind)), InputError);
   EXPECT_NO_THROW(Integrator(model, options_of(IntegratorKind::kBackwardEuler)));
 

@@ -95,14 +95,13 @@ TEST(SolvedStep, WhatPositionsConvergeToComesNearerAsStepsGrowShorter) {
       const MotionState start = start_at_rest(model);
       const MotionState wanted =
           march(model, options_of(IntegratorKind::kBackwardEuler, 50, 1e-9), start, 0.3, steps);
-      const MotionState found =
-          march(model, options_of(IntegratorKind::kXpbd, 300, 0.0), start, 0.3, steps);
+      const MotionState found = march(model, options_of(IntegratorKind::kXpbd, 300, 0.0), start, 0.3, steps);
       return field_distance(found.displacement_m, wanted.displacement_m) / field_norm(wanted.displacement_m);
     };
     const double coarse = off(6);
     EXPECT_LT(coarse, 1e-2);
-    // A correction turns a constraint by the share of its length that a step moves it, so a step is off by the
-    // square of that at the least.
+    // A correction turns a constraint by the share of its length that a step moves it, so a step is off by
+    // the square of that at the least.
     EXPECT_LT(off(24), 0.25 * coarse);
   }
 }
@@ -137,7 +136,8 @@ TEST(SolvedStep, ALinearBodyTakesOneSolutionAStep) {
 }
 
 TEST(SolvedStep, TheTrapezoidalRuleKeepsTheEnergyOfALinearBodyAndTheOthersLoseIt) {
-  // It keeps quadratic invariants exactly. Backward Euler divides the energy of a mode by 1 + (h omega)^2 a step.
+  // It keeps quadratic invariants exactly. Backward Euler divides the energy of a mode by 1 + (h omega)^2 a
+  // step.
   const double omega = 3.0;
   const double step = 0.1;
   MotionModel model = make_oscillator(omega, 0.0);

@@ -15,7 +15,8 @@ namespace {
 /// A random graph's Laplacian plus 1 on the diagonal: eigenvalues from 1 to 1 + twice the largest degree.
 std::vector<ScalarEntry> random_laplacian(std::size_t size, SplitMix64& random) {
   std::vector<ScalarEntry> entries;
-  for (std::size_t v = 0; v < size; ++v) entries.push_back({static_cast<Index>(v), static_cast<Index>(v), 1.0});
+  for (std::size_t v = 0; v < size; ++v)
+    entries.push_back({static_cast<Index>(v), static_cast<Index>(v), 1.0});
   for (std::size_t k = 0; k < 4 * size; ++k) {
     const auto a = static_cast<Index>(random.below(size));
     const auto b = static_cast<Index>(random.below(size));

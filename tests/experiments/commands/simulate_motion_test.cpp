@@ -134,7 +134,8 @@ TEST_F(SimulateMotion, EveryIntegratorRuns) {
     EXPECT_EQ(report.at("outcome"), "completed") << name;
     EXPECT_EQ(report.at("integrator"), name);
     EXPECT_EQ(report.at("steps"), 100) << name;
-    EXPECT_EQ(report.at("residual_worst").is_number(), kind >= dynamics::IntegratorKind::kPrefactored) << name;
+    EXPECT_EQ(report.at("residual_worst").is_number(), kind >= dynamics::IntegratorKind::kPrefactored)
+        << name;
     EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / name / "frames.pvd"));
   }
 }
