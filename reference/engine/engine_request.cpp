@@ -25,7 +25,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kThesisTickS = 5e-3;  ///< the thesis takes one step at each tick of its timer (4.2.9)
-constexpr std::size_t kMostSamples = 1000;
 constexpr double kMostSeconds = 1e9;
 constexpr std::int64_t kMostCount = 536'870'912;
 
@@ -182,81 +181,33 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
   return response;
 }
 
-/// The only tool of a motion whose loads stay: its group of loads.
-std::size_t find_tool(const MotionProblem& problem, const MotionSetup& setup) {
-  for (std::size_t k = 0; k < problem.loads.size(); ++k) {
-    if (problem.loads[k].from_s > 0.0 || problem.loads[k].until_s)
-      throw InputError("load " + std::to_string(k + 1), 0, "a load that is there all the time",
-                       "one that comes or goes");
-  }
-  const std::vector<std::size_t>& loads = setup.phases.front().loads;
-  std::vector<std::size_t> tools;
-  for (std::size_t k = 0; k < loads.size(); ++k) {
-    if (problem.loads[loads[k]].is_tool()) tools.push_back(k + 1);
-  }
-  if (tools.size() != 1) throw InputError("loads", 0, "one tool (displace)", std::to_string(tools.size()));
-  return tools.front();
-}
-
-void add_times(const TickRun& run, double tick_s, json& report) {
-  const TickTimes times = describe_ticks(run.seconds, tick_s);
-  report["ticks"] = run.seconds.size();
-  report["tick_p50_s"] = times.p50_s;
-  report["tick_p99_s"] = times.p99_s;
-  report["tick_p99_9_s"] = times.p99_9_s;
-  report["tick_worst_s"] = times.worst_s;
-  report["tick_mean_s"] = times.mean_s;
-  report["ticks_missed"] = times.missed;
-  report["bucket_ends_s"] = times.bucket_ends_s;
-  report["buckets"] = times.buckets;
-}
-
 TickOptions take_tick_options(json& left) {
   TickOptions out;
-  out.tick_s = take_number(left, "tick_s", 1e-5, 1.0, out.tick_s);
+  out.loop = take_tick_loop(left);
   out.steps_per_tick = static_cast<std::uint64_t>(take_whole(left, "steps_per_tick", 0, 100'000, 0));
-  out.ticks = static_cast<std::uint64_t>(take_whole(left, "ticks", 100, 100'000'000, 2000));
-  out.warm_ticks = out.ticks / 10;
   out.threads = static_cast<int>(take_whole(left, "engine_threads", 1, 64, 1));
   const auto precision =
       take_option<std::string>(left, "precision", &json::is_string, "single or double", "single");
   if (precision != "single" && precision != "double")
     throw InputError("precision", 0, "single or double", precision);
   out.single_precision = precision == "single";
-  out.paced = take_option<bool>(left, "paced", &json::is_boolean, "true or false", false);
   return out;
-}
-
-/// Some of the forces with their times, and those of the last tenth all.
-json describe_forces(const TickRun& run, double tick_s) {
-  json written{{"schema", "palpate/engine/1"},
-               {"kind", "ticks"},
-               {"columns", {"time_s", "fx_n", "fy_n", "fz_n"}},
-               {"rows", json::array()},
-               {"held_forces_n", json::array()}};
-  const std::vector<Vec3>& forces = run.force_n;
-  const std::size_t stride = std::max<std::size_t>(1, forces.size() / kMostSamples);
-  for (std::size_t k = 0; k < forces.size(); k += stride)
-    written["rows"].push_back({static_cast<double>(k + 1) * tick_s, forces[k].x, forces[k].y, forces[k].z});
-  if (run.diverged || forces.empty()) return written;
-  const std::size_t held = std::max<std::size_t>(1, forces.size() / 10);
-  for (std::size_t k = forces.size() - held; k < forces.size(); ++k)
-    written["held_forces_n"].push_back({forces[k].x, forces[k].y, forces[k].z});
-  return written;
 }
 
 Response answer_ticks(MovingTask task, const Request& request, json& left) {
   TickOptions options = take_tick_options(left);
   require_all_taken(left);
   task.body.stepping.time_step_s.reset();
-  task.body.motion.duration_s = options.tick_s;
+  task.body.motion.duration_s = options.loop.tick_s;
   task.body.stepping.engine = EngineChoice::kPlain;
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
   if (options.steps_per_tick == 0) options.steps_per_tick = setup.steps;
-  options.tool = find_tool(task.body.motion, setup);
+  const std::size_t tool = find_only_tool(task.body.motion);
+  const std::vector<std::size_t>& loads = setup.phases.front().loads;
+  options.tool = static_cast<std::size_t>(std::find(loads.begin(), loads.end(), tool) - loads.begin()) + 1;
   const TickRun run = run_ticks(setup.phases.front().model, options);
   Response response;
-  const double step_s = options.tick_s / static_cast<double>(options.steps_per_tick);
+  const double step_s = options.loop.tick_s / static_cast<double>(options.steps_per_tick);
   if (step_s > setup.stable.step_s)
     response.notes.push_back("a time step of " + short_number(step_s) + " s is over the bound at rest, " +
                              short_number(setup.stable.step_s) + " s");
@@ -265,14 +216,14 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
                      {"kind", "ticks"},
                      {"steps_per_tick", options.steps_per_tick},
                      {"fewest_steps_per_tick", setup.steps},
-                     {"tick_s", options.tick_s},
+                     {"tick_s", options.loop.tick_s},
                      {"time_step_s", step_s},
                      {"stable_step_s", number_or_null(setup.stable.step_s)},
                      {"engine_threads", options.threads},
                      {"vertices", task.mesh.points.size()},
                      {"springs", setup.phases.front().model.elastic.springs.springs.size()}};
-  if (!run.seconds.empty()) add_times(run, options.tick_s, response.report);
-  write_file_atomically(request.output, describe_forces(run, options.tick_s).dump() + "\n");
+  if (!run.seconds.empty()) add_tick_times(run.seconds, options.loop.tick_s, response.report);
+  write_file_atomically(request.output, describe_tick_forces(run.force_n, options.loop.tick_s, run.diverged).dump() + "\n");
   return response;
 }
 

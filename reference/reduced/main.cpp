@@ -1,11 +1,13 @@
-// Adapter of reduced.compliance and reduced.modal, at rest and in motion.
+// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, and reduced.modal, at rest and in motion.
 #include "reference/reduced/compliance_run.h"
 #include "reference/reduced/modal_run.h"
+#include "reference/reduced/tick_run.h"
 
 int main(int argc, char** argv) {
   using namespace palpate::reference;
   return run_adapter(argc, argv, [](const Request& request) {
     if (request.contest == "motion") return run_modal_motion(request);
+    if (request.contest == "engine") return run_compliance_ticks(request);
     return request.method == "reduced.modal" ? run_modal_at_rest(request) : run_compliance(request);
   });
 }

@@ -47,8 +47,8 @@ TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
   const dynamics::MotionModel model = pressed();
   TickOptions options;
   options.steps_per_tick = 4;
-  options.ticks = 20;
-  options.warm_ticks = 5;
+  options.loop.ticks = 20;
+  options.loop.warm_ticks = 5;
   options.single_precision = false;
   options.tool = 1;
   const TickRun run = run_ticks(model, options);
@@ -63,15 +63,15 @@ TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
   }
   EXPECT_EQ(hash_state(run.state), hash_state(engine.state()));
   options.threads = 2;
-  options.paced = true;
+  options.loop.paced = true;
   EXPECT_EQ(run_ticks(model, options).force_n, run.force_n);
 }
 
 TEST(TickTimes, ABodyThatFliesApartEndsTheRun) {
   TickOptions options;
-  options.tick_s = 10.0;
-  options.ticks = 500;
-  options.warm_ticks = 0;
+  options.loop.tick_s = 10.0;
+  options.loop.ticks = 500;
+  options.loop.warm_ticks = 0;
   options.tool = 1;
   const TickRun run = run_ticks(pressed(), options);
   EXPECT_TRUE(run.diverged);
