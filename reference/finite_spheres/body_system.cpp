@@ -67,8 +67,8 @@ void add_force(const FunctionValues& here, const Vec3& force, std::vector<Vec3>&
 }
 
 /// Adds the integral of phi (gravity + body forces).
-void add_body_forces(const SphereField& field, const BoundaryProblem& problem, const std::vector<TetPoint>& rule,
-                     SphereSystem& system) {
+void add_body_forces(const SphereField& field, const BoundaryProblem& problem,
+                     const std::vector<TetPoint>& rule, SphereSystem& system) {
   const TetMesh& mesh = *field.mesh;
   const QuadraticField varying(mesh, problem.body_force_n_m3);
   const Vec3 weight_n_m3 = problem.material.density_kg_m3 * problem.gravity_m_s2;

@@ -43,6 +43,10 @@ Options take_options(const Request& request) {
   build_tet_rule(options.integration.points, 0);  // refuses what is no rule
   options.integration.subdivide =
       static_cast<int>(take_whole(left, "subdivide", 0, 2, options.integration.subdivide));
+  if (options.functions == SphereFunctions::kShepard && options.integration.kind == SphereIntegration::kNodal)
+    throw InputError("integration", 0,
+                     "gauss for the functions of shepard: a point a vertex leaves half of them loose",
+                     "nodal");
   options.nitsche = take_number(left, "nitsche", 1.0, 1e6, options.nitsche);
   options.local_radius_m = take_number(left, "local_radius_m", 0.0, 1e6, options.local_radius_m);
   options.solver.solver = take_name(left, kSphereSolverNames, options.solver.solver);

@@ -32,7 +32,10 @@ struct SphereSystem {
 /// one point a triangle of that surface, each shared by both cells beside it or by the boundary's own rule:
 /// what the cells pass to each other cancels, and a linear field is in equilibrium with its tractions to
 /// rounding. Source: J.-S. Chen, C.-T. Wu, S. Yoon and Y. You, Int. J. Numer. Meth. Engng 50 (2001), 435-466.
-/// Throws: InputError for a rule of points that is not known, or a flat part of the mesh.
+/// Its six strains a vertex cannot hold the twelve unknowns a vertex of kShepard: that stiffness is singular.
+/// Body forces are integrated over four points a tet then, not at the vertices: a weight that is gathered at
+/// the vertices of a coarse cell does not balance the averaged stress. Throws: InputError for a rule of
+/// points that is not known, or a flat part of the mesh.
 SphereSystem build_body_system(const SphereField& field, const BoundaryProblem& problem,
                                const IntegrationOptions& integration);
 
