@@ -121,7 +121,7 @@ void apply_shepard(const Spheres& spheres, const Vec3& at, FunctionValues& out) 
     const std::array<double, 4> p{1.0, from.x, from.y, from.z};
     const std::array<Vec3, 4> dp{Vec3{}, {scale, 0.0, 0.0}, {0.0, scale, 0.0}, {0.0, 0.0, scale}};
     for (std::size_t n = 0; n < 4; ++n) {
-      out.numbers[4 * i + n] = static_cast<Index>(4 * sphere + n);
+      out.numbers[4 * i + n] = static_cast<Index>(4 * std::size_t{sphere} + n);
       out.values[4 * i + n] = unity * p[n];
       out.gradients[4 * i + n] = p[n] * gradient + unity * dp[n];
     }

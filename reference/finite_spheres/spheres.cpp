@@ -54,8 +54,9 @@ class Walk {
     found_.clear();
     for (const Index tet : stars_.of(centre)) take(tet, centre);
     const Vec3& middle = mesh_.points[centre];
-    for (std::size_t next = 0; next < found_.size(); ++next) {
-      const Index tet = found_[next];
+    std::size_t next = 0;
+    while (next < found_.size()) {  // grows on the way
+      const Index tet = found_[next++];
       for (std::size_t i = 0; i < 4; ++i) {
         const Index other = across_[tet][i];
         if (other == kNoIndex || last_[other] == centre) continue;
