@@ -17,7 +17,7 @@ using nlohmann::json;
 
 struct Options {
   SphereFunctions functions = SphereFunctions::kLeastSquares;
-  double radius = 1.3;
+  double radius = 1.5;
   IntegrationOptions integration;
   double nitsche = 100.0;
   double local_radius_m = 0.0;  ///< 0: all spheres move
@@ -50,7 +50,7 @@ Options take_options(const Request& request) {
   options.nitsche = take_number(left, "nitsche", 1.0, 1e6, options.nitsche);
   options.local_radius_m = take_number(left, "local_radius_m", 0.0, 1e6, options.local_radius_m);
   options.solver.solver = take_name(left, kSphereSolverNames, options.solver.solver);
-  options.solver.tolerance = take_number(left, "rtol", 1e-13, 1e-6, options.solver.tolerance);
+  options.solver.tolerance = take_number(left, "rtol", 1e-13, 1e-7, options.solver.tolerance);
   options.solver.most_iterations = static_cast<std::size_t>(take_whole(
       left, "iterations", 1, 10'000'000, static_cast<std::int64_t>(options.solver.most_iterations)));
   options.solver.threads = request.threads;
@@ -134,6 +134,11 @@ Response answer(const Request& request) {
                      {"factor_entries", found.factor_entries},
                      {"spheres_a_tet", static_cast<double>(field.spheres.members.size()) /
                                            static_cast<double>(task.mesh.tets.size())}};
+  if (options.functions == SphereFunctions::kShepard && options.integration.points < 14) {
+    response.notes.emplace_back(
+        "four functions a sphere want more points of integration: errors of fewer than 14 a tet don't fall "
+        "with the mesh");
+  }
   if (found.indefinite) {
     response.notes.emplace_back(
         "the matrix is not positive definite: a larger `nitsche`, or more points of integration, may be "
