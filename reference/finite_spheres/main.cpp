@@ -1,0 +1,158 @@
+// Adapter of the method of finite spheres.
+
+#include "core/base/error.h"
+#include "core/base/stopwatch.h"
+#include "core/dynamics/elasticity/loads.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/request_options.h"
+#include "reference/finite_spheres/solution.h"
+#include "reference/finite_spheres/sphere_field.h"
+#include "reference/finite_spheres/sphere_system.h"
+
+namespace palpate::reference {
+namespace {
+
+using nlohmann::json;
+
+struct Options {
+  SphereFunctions functions = SphereFunctions::kLeastSquares;
+  double radius = 1.5;
+  IntegrationOptions integration;
+  double nitsche = 100.0;
+  double local_radius_m = 0.0;  ///< 0: all spheres move
+  SphereSolverOptions solver;
+  bool midpoints = false;
+};
+
+template <typename Enum, std::size_t kCount>
+Enum take_name(json& left, const EnumNames<Enum, kCount>& names, Enum fallback) {
+  return names.parse(take_option<std::string>(left, names.what, &json::is_string, names.known().c_str(),
+                                              names.of(fallback)));
+}
+
+Options take_options(const Request& request) {
+  if (request.method != "finite_spheres") throw InputError("method", 0, "finite_spheres", request.method);
+  json left = request.options;
+  Options options;
+  options.functions = take_name(left, kSphereFunctionNames, options.functions);
+  options.radius = take_number(left, "radius", 1.01, 4.0, options.radius);
+  options.integration.kind = take_name(left, kSphereIntegrationNames, options.integration.kind);
+  options.integration.points =
+      static_cast<int>(take_whole(left, "points", 1, 14, options.integration.points));
+  build_tet_rule(options.integration.points, 0);  // refuses what is no rule
+  options.integration.subdivide =
+      static_cast<int>(take_whole(left, "subdivide", 0, 2, options.integration.subdivide));
+  if (options.functions == SphereFunctions::kShepard && options.integration.kind == SphereIntegration::kNodal)
+    throw InputError("integration", 0,
+                     "gauss for the functions of shepard: a point a vertex leaves half of them loose",
+                     "nodal");
+  options.nitsche = take_number(left, "nitsche", 1.0, 1e6, options.nitsche);
+  options.local_radius_m = take_number(left, "local_radius_m", 0.0, 1e6, options.local_radius_m);
+  options.solver.solver = take_name(left, kSphereSolverNames, options.solver.solver);
+  options.solver.tolerance = take_number(left, "rtol", 1e-13, 1e-7, options.solver.tolerance);
+  options.solver.most_iterations = static_cast<std::size_t>(take_whole(
+      left, "iterations", 1, 10'000'000, static_cast<std::int64_t>(options.solver.most_iterations)));
+  options.solver.threads = request.threads;
+  options.midpoints =
+      take_option<bool>(left, "midpoints", &json::is_boolean, "true or false", options.midpoints);
+  require_all_taken(left);
+  return options;
+}
+
+/// Where something presses: faces of tractions, of pads and held faces that are moved, and vertices with a
+/// force.
+std::vector<Triangle> loaded_places(const BoundaryProblem& problem) {
+  std::vector<Triangle> loaded;
+  const auto add = [&](const std::vector<Triangle>& faces) {
+    loaded.insert(loaded.end(), faces.begin(), faces.end());
+  };
+  for (const Traction& traction : problem.tractions) add(traction.patch.faces);
+  for (const ElasticSupport& support : problem.supports) {
+    if (length_sq(support.by_m) > 0.0) add(support.patch.faces);
+  }
+  for (const HeldFaces& held : problem.held) {
+    if (length_sq(held.by_m) > 0.0 || !problem.held_field_m.empty()) add(held.faces);
+  }
+  for (const NodalForce& force : problem.nodal_forces)
+    loaded.push_back({force.vertex, force.vertex, force.vertex});
+  return loaded;
+}
+
+/// The energies of an answer; what supports and held faces added to the matrix is taken off it.
+void report_energies(const DeformTask& task, const Options& options, const SphereField& field,
+                     const SphereSystem& system, const SphereSolution& found, json& report) {
+  const std::vector<Vec3>& a = found.coefficients_m;
+  const BoundaryFigures boundary =
+      measure_boundary(field, task.problem, options.integration, options.nitsche, a);
+  std::vector<Vec3> pull(a.size());
+  dynamics::multiply(system.matrix, a, pull);
+  const double energy_j = 0.5 * dynamics::dot_of(a, pull) - boundary.quadratic_j;
+  report["energy_j"] = energy_j;
+  report["potential_j"] = energy_j + boundary.supports_j - dynamics::dot_of(system.dead_n, a);
+  if (!task.problem.held.empty()) report["held_error_m"] = boundary.held_error_m;
+  json forces = json::array();
+  for (const Vec3& f : boundary.supports_n) forces.push_back({f.x, f.y, f.z});
+  report["support_forces_n"] = std::move(forces);
+}
+
+Response answer(const Request& request) {
+  const Options options = take_options(request);
+  const DeformTask task = read_deform_task(request);
+  if (task.problem.strain == StrainSize::kLarge)
+    throw InputError("strain", 0, "small: finite_spheres is linear", "large");
+  dynamics::require_no_rigid_motion(task.mesh, dynamics::build_loads(task.mesh, task.problem));
+
+  const Stopwatch watch;
+  SphereField field = build_sphere_field(task.mesh, options.radius, options.functions);
+  if (options.local_radius_m > 0.0) localise(field, loaded_places(task.problem), options.local_radius_m);
+  SphereSystem system = build_body_system(field, task.problem, options.integration);
+  add_boundary(field, task.problem, options.integration, options.nitsche, system);
+  const double assembly_s = watch.seconds();
+  const SphereSolution found = solve_spheres(system, options.solver);
+  const double solved_s = watch.seconds();
+  const std::vector<Vec3> displacement = sample_displacement(field, found.coefficients_m, options.midpoints);
+  Response response;
+  response.kernel_s = watch.seconds();
+
+  const std::size_t blocks = system.matrix.blocks.size();
+  response.report = {{"method", request.method},
+                     {"outcome", found.converged ? "converged" : "not_converged"},
+                     {"identify_s", 0.0},
+                     {"assembly_s", assembly_s},
+                     {"solve_s", solved_s - assembly_s},
+                     {"sample_s", response.kernel_s - solved_s},
+                     {"iterations", found.iterations},
+                     {"residual_relative", found.residual_relative},
+                     {"indefinite", found.indefinite},
+                     {"solver", found.factored ? "direct" : "cg"},
+                     {"spheres", field.moving_spheres},
+                     {"unknowns", 3 * field.coefficients()},
+                     {"points", system.points},
+                     {"matrix_entries", 9 * blocks},
+                     {"matrix_bytes", blocks * (sizeof(dynamics::Mat3) + sizeof(Index))},
+                     {"factor_entries", found.factor_entries},
+                     {"spheres_a_tet", static_cast<double>(field.spheres.members.size()) /
+                                           static_cast<double>(task.mesh.tets.size())}};
+  if (options.functions == SphereFunctions::kShepard && options.integration.points < 14) {
+    response.notes.emplace_back(
+        "four functions a sphere want more points of integration: errors of fewer than 14 a tet don't fall "
+        "with the mesh");
+  }
+  if (found.indefinite) {
+    response.notes.emplace_back(
+        "the matrix is not positive definite: a larger `nitsche`, or more points of integration, may be "
+        "needed");
+  }
+  if (!found.converged) return response;
+  report_energies(task, options, field, system, found, response.report);
+  write_displacement(request.output, displacement);
+  return response;
+}
+
+}  // namespace
+}  // namespace palpate::reference
+
+int main(int argc, char** argv) {
+  return palpate::reference::run_adapter(argc, argv, palpate::reference::answer);
+}
