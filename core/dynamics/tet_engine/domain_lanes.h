@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/dynamics/tet_engine/domain_kernel.h"
 #include "core/dynamics/tet_engine/law_lanes.h"
 
@@ -39,48 +40,86 @@ PALPATE_LANES Mat3Lanes<Eight> gradient_lanes(const typename Eight::Number* grad
   return h;
 }
 
+/// Fetches the cache lines of `count` numbers at `where`, which may lie past the end of an array.
+template <typename Number>
+PALPATE_LANES void fetch_numbers(const Number* where, std::size_t count) {
+  const auto* bytes = reinterpret_cast<const char*>(where);
+  for (std::size_t k = 0; k < count * sizeof(Number); k += 64) fetch_ahead(bytes + k);
+}
+
+/// Adds the forces of -V P = `p` of a group.
+template <typename Eight, std::size_t kVertices>
+PALPATE_LANES void add_stress(const Mat3Lanes<Eight>& p, const typename Eight::Number* gradients,
+                              const std::uint16_t* at, std::size_t count, typename Eight::Number* force) {
+  const std::size_t n = kVertices != 0 ? kVertices : count;
+  const Eight zero = Eight::of(0);
+  Vec3Lanes<Eight> sum{zero, zero, zero};
+  for (std::size_t k = 1; k < n; ++k) {
+    const typename Eight::Number* g = gradients + 3 * kGroupDomains * (k - 1);
+    const Eight gx = Eight::load(g);
+    const Eight gy = Eight::load(g + kGroupDomains);
+    const Eight gz = Eight::load(g + 2 * kGroupDomains);
+    const Vec3Lanes<Eight> f{dot_lanes(p[0], gx, p[1], gy, p[2], gz), dot_lanes(p[3], gx, p[4], gy, p[5], gz),
+                             dot_lanes(p[6], gx, p[7], gy, p[8], gz)};
+    Eight::add_rows(force, at + kGroupDomains * k, f);
+    sum = {sum.x - f.x, sum.y - f.y, sum.z - f.z};
+  }
+  Eight::add_rows(force, at, sum);
+}
+
+/// Groups between whose passes roots and quotients are on their way.
+inline constexpr std::size_t kBatchGroups = 4;
+
 /// As add_domain_forces, for one law, with damping or without. `kVertices` is the number of vertices of a
-/// domain, or 0 for any.
+/// domain, or 0 for any. Batches go through gradients, roots and forces, so that no pass waits for its own
+/// divisions.
 template <typename Eight, StrainLaw kLaw, bool kDamped, std::size_t kVertices>
 PALPATE_LANES_TARGET void add_run(const DomainLaw& law, const DomainRun<typename Eight::Number>& run,
                                   const BlockMotion<typename Eight::Number>& motion,
                                   typename Eight::Number* force) {
   using Real = typename Eight::Number;
   const std::size_t n = kVertices != 0 ? kVertices : run.vertices;
-  const Real* values = run.values;
-  const std::uint16_t* at = run.at;
+  const std::size_t values_a_group = group_values(n);
+  const std::size_t places_a_group = kGroupDomains * n;
   const Eight lambda = Eight::of(static_cast<Real>(-law.moduli.lambda_pa));
   const Eight mu = Eight::of(static_cast<Real>(-law.moduli.mu_pa));
   const Eight damping = Eight::of(static_cast<Real>(law.damping_s));
-  for (std::size_t group = 0; group < run.groups; ++group) {
-    const Eight volume = Eight::load(values);
-    const Real* gradients = values + kGroupDomains;
-    const Mat3Lanes<Eight> h = gradient_lanes<Eight, kVertices>(gradients, at, n, motion.u);
-    const ModuliLanes<Eight> moduli{lambda * volume, mu * volume, damping};
-    Mat3Lanes<Eight> rate;
-    if constexpr (kDamped) rate = gradient_lanes<Eight, kVertices>(gradients, at, n, motion.v);
-    Mat3Lanes<Eight> p;
-    if constexpr (kLaw == StrainLaw::kLinear) p = linear_stress(moduli, h);
-    if constexpr (kLaw == StrainLaw::kCorotated)
-      p = corotated_stress<Eight, kDamped>(law, moduli, volume, h, kDamped ? rate : h);
-    if constexpr (kLaw == StrainLaw::kNeoHookean)
-      p = neo_hookean_stress<Eight, kDamped>(law, moduli, volume, h, kDamped ? rate : h);
-    const Eight zero = Eight::of(0);
-    Vec3Lanes<Eight> sum{zero, zero, zero};
-    for (std::size_t k = 1; k < n; ++k) {
-      const Real* g = gradients + 3 * kGroupDomains * (k - 1);
-      const Eight gx = Eight::load(g);
-      const Eight gy = Eight::load(g + kGroupDomains);
-      const Eight gz = Eight::load(g + 2 * kGroupDomains);
-      const Vec3Lanes<Eight> f{dot_lanes(p[0], gx, p[1], gy, p[2], gz),
-                               dot_lanes(p[3], gx, p[4], gy, p[5], gz),
-                               dot_lanes(p[6], gx, p[7], gy, p[8], gz)};
-      Eight::add_rows(force, at + kGroupDomains * k, f);
-      sum = {sum.x - f.x, sum.y - f.y, sum.z - f.z};
+  std::array<Pending<Eight>, kBatchGroups> pending;
+  for (std::size_t first = 0; first < run.groups; first += kBatchGroups) {
+    const std::size_t last = first + kBatchGroups < run.groups ? first + kBatchGroups : run.groups;
+    for (std::size_t group = first; group < last; ++group) {
+      const Real* values = run.values + group * values_a_group;
+      const std::uint16_t* at = run.at + group * places_a_group;
+      fetch_numbers(values + kBatchGroups * values_a_group, values_a_group);
+      fetch_numbers(at + kBatchGroups * places_a_group, places_a_group);
+      Pending<Eight>& each = pending[group - first];
+      each.h = gradient_lanes<Eight, kVertices>(values + kGroupDomains, at, n, motion.u);
+      if constexpr (kDamped)
+        each.rate = gradient_lanes<Eight, kVertices>(values + kGroupDomains, at, n, motion.v);
+      if constexpr (kLaw != StrainLaw::kLinear) find_change(each.h, each.at);
+      if constexpr (kLaw == StrainLaw::kCorotated) {
+        find_strain(each.h, each.at);
+        start_trace(each.at, each.root);
+      }
     }
-    Eight::add_rows(force, at, sum);
-    values += group_values(n);
-    at += kGroupDomains * n;
+    for (std::size_t group = first; group < last; ++group) {
+      Pending<Eight>& each = pending[group - first];
+      if constexpr (kLaw == StrainLaw::kCorotated) find_trace(each.at.change, each.root);
+      if constexpr (kLaw == StrainLaw::kNeoHookean) find_logarithm(each);
+    }
+    for (std::size_t group = first; group < last; ++group) {
+      const Real* values = run.values + group * values_a_group;
+      const Pending<Eight>& each = pending[group - first];
+      const Eight volume = Eight::load(values);
+      const ModuliLanes<Eight> moduli{lambda * volume, mu * volume, damping};
+      Mat3Lanes<Eight> p;
+      if constexpr (kLaw == StrainLaw::kLinear) p = linear_stress(moduli, each.h);
+      if constexpr (kLaw == StrainLaw::kCorotated)
+        p = corotated_stress<Eight, kDamped>(law, moduli, volume, each);
+      if constexpr (kLaw == StrainLaw::kNeoHookean)
+        p = neo_hookean_stress<Eight, kDamped>(law, moduli, volume, each);
+      add_stress<Eight, kVertices>(p, values + kGroupDomains, run.at + group * places_a_group, n, force);
+    }
   }
 }
 

@@ -151,21 +151,26 @@ PALPATE_LANES void find_strain(const Mat3Lanes<Eight>& h, Stretched<Eight>& out)
   out.e.yz = (h[5] + h[7]) + dot_lanes(h[1], h[2], h[4], h[5], h[7], h[8]);
 }
 
-/// y = tr S - 3, half of D = 2 (s1 + s2)(s2 + s3)(s3 + s1) as its inverse, and m.
+/// The largest root x = 3 + y of (x^2 - I1)^2 - 4 I2 - 8 J x, which is tr S; I1 and I2 are the invariants of
+/// F^T F. With a = tr E, b the second invariant of E and q = 6 y + y^2 - a it is
+///
+///   y (64 + 12 y - 8 j) + q^2 = 20 a + 4 b + 24 j
+///
+/// and a quarter of the slope there is D = 2 (s1 + s2)(s2 + s3)(s3 + s1).
 template <typename Eight>
 struct TraceRoot {
+  Eight a;
+  Eight target;  ///< the right-hand side
   Eight y;
+  Eight last_step;
+  Eight margin;  ///< below zero where D is small or the root another one
   Eight two_over_d;
   Eight m;
-  bool is_off;  ///< in some lane
 };
 
-/// The largest root x = 3 + y of (x^2 - I1)^2 - 4 I2 - 8 J x, I1 and I2 the invariants of F^T F: with
-/// a = tr E, b the second invariant of E and q = 6 y + y^2 - a it is y (64 + 12 y - 8 j) + q^2 = 20 a + 4 b +
-/// 24 j. Starts from tr(sqrt(I + E) - I) = tr(E/2 - E^2/8 + E^3/16 - ...).
+/// Begins with y = tr(sqrt(I + E) - I) = tr(E/2 - E^2/8 + E^3/16 - ...).
 template <typename Eight>
-PALPATE_LANES TraceRoot<Eight> find_trace(const Stretched<Eight>& at, bool is_damped, Eight& last_step,
-                                          Eight& margin) {
+PALPATE_LANES void start_trace(const Stretched<Eight>& at, TraceRoot<Eight>& root) {
   using Real = typename Eight::Number;
   const SymmetricLanes<Eight>& e = at.e;
   const Eight yz_sq = e.yz * e.yz;
@@ -178,34 +183,62 @@ PALPATE_LANES TraceRoot<Eight> find_trace(const Stretched<Eight>& at, bool is_da
   const Eight square = a * a;
   const Eight tr_square = square - (b + b);
   const Eight tr_cube = a * (square - Eight::of(3) * b) + Eight::of(3) * det;
-  Eight y =
+  root.a = a;
+  root.target = (Eight::of(20) * a + Eight::of(4) * b) + Eight::of(24) * at.change;
+  root.y =
       (Eight::of(Real(0.5)) * a - Eight::of(Real(0.125)) * tr_square) + Eight::of(Real(0.0625)) * tr_cube;
-  const Eight eight_j = Eight::of(8) * at.change;
-  const Eight target = (Eight::of(20) * a + Eight::of(4) * b) + Eight::of(3) * eight_j;
+}
+
+/// Newton's steps. The margin is D - x^3 / 50, four times; at rest D is 16 and x^3 27.
+template <typename Eight>
+PALPATE_LANES void find_trace(const Eight& change, TraceRoot<Eight>& root) {
+  using Real = typename Eight::Number;
+  const Eight eight_j = Eight::of(8) * change;
   const Eight base = Eight::of(64) - eight_j;
   const Eight twelve = Eight::of(12);
   const Eight six = Eight::of(6);
-  last_step = Eight::of(0);
+  Eight y = root.y;
+  Eight last_step = Eight::of(0);
   for (int k = 0; k < LaneLimits<Real>::kNewtonSteps; ++k) {
-    const Eight q = y * (six + y) - a;
-    const Eight value = (y * (base + twelve * y) + q * q) - target;
+    const Eight q = y * (six + y) - root.a;
+    const Eight value = (y * (base + twelve * y) + q * q) - root.target;
     const Eight slope = (base + (twelve + twelve) * y) + q * (twelve + Eight::of(4) * y);
     last_step = value / slope;
     y = y - last_step;
   }
-  const Eight q = y * (six + y) - a;
-  const Eight slope = (base + (twelve + twelve) * y) + q * (twelve + Eight::of(4) * y);  // 4 D
+  const Eight q = y * (six + y) - root.a;
+  const Eight slope = (base + (twelve + twelve) * y) + q * (twelve + Eight::of(4) * y);
   const Eight x = Eight::of(3) + y;
-  // D over x^3, which is 16 / 27 at rest; negative as well where the root is another one.
-  margin = slope - Eight::of(Real(0.08)) * (x * (x * x));
-  TraceRoot<Eight> out;
-  out.y = y;
-  out.two_over_d = Eight::of(8) / slope;
-  out.m = ((six * y + (q + q)) + y * q) - (Eight::of(Real(0.25)) * eight_j + (a + a));
+  root.y = y;
+  root.last_step = last_step;
+  root.margin = slope - Eight::of(Real(0.08)) * (x * (x * x));
+  root.two_over_d = Eight::of(8) / slope;
+  root.m = ((six * y + (q + q)) + y * q) - (Eight::of(Real(0.25)) * eight_j + (root.a + root.a));
+}
+
+/// Whether some domain's root cannot be relied on; with damping a mirrored one neither.
+template <typename Eight, bool kDamped>
+PALPATE_LANES bool is_any_off(const TraceRoot<Eight>& root, const Eight& change) {
+  using Real = typename Eight::Number;
   const Eight zero = Eight::of(0);
-  out.is_off = any_less(Eight::of(LaneLimits<Real>::kLastStepSq), last_step * last_step) ||
-               any_less(margin, zero) || any_less(x, zero) ||
-               (is_damped && any_less(Eight::of(1) + at.change, zero));
+  return any_less(Eight::of(LaneLimits<Real>::kLastStepSq), root.last_step * root.last_step) ||
+         any_less(root.margin, zero) || any_less(Eight::of(3) + root.y, zero) ||
+         (kDamped && any_less(Eight::of(1) + change, zero));
+}
+
+/// The same, domain by domain.
+template <typename Eight, bool kDamped>
+PALPATE_LANES std::array<bool, kGroupDomains> find_off(const TraceRoot<Eight>& root, const Eight& change) {
+  using Real = typename Eight::Number;
+  std::array<std::array<Real, kGroupDomains>, 4> each;
+  root.last_step.store(each[0].data());
+  root.margin.store(each[1].data());
+  (Eight::of(3) + root.y).store(each[2].data());
+  (Eight::of(1) + change).store(each[3].data());
+  std::array<bool, kGroupDomains> out;
+  for (std::size_t i = 0; i < kGroupDomains; ++i)
+    out[i] = each[0][i] * each[0][i] > LaneLimits<Real>::kLastStepSq || each[1][i] < 0 || each[2][i] < 0 ||
+             (kDamped && each[3][i] < 0);
   return out;
 }
 
@@ -284,18 +317,26 @@ PALPATE_LANES void add_corotated_damping(const ModuliLanes<Eight>& moduli, const
   for (std::size_t i = 0; i < 9; ++i) p[i] = p[i] + viscous[i];
 }
 
+/// What is known of eight domains between the passes of a batch.
+template <typename Eight>
+struct Pending {
+  Mat3Lanes<Eight> h;
+  Mat3Lanes<Eight> rate;
+  Stretched<Eight> at;
+  TraceRoot<Eight> root;  ///< kCorotated
+  Eight inverse;          ///< kNeoHookean: 1 / J
+  Eight log_j;
+  Eight z_sq;
+};
+
 /// P = 2 mu (F - R) + lambda y R.
 template <typename Eight, bool kDamped>
 PALPATE_LANES Mat3Lanes<Eight> corotated_stress(const DomainLaw& law, const ModuliLanes<Eight>& moduli,
-                                                const Eight& volume, const Mat3Lanes<Eight>& h,
-                                                const Mat3Lanes<Eight>& rate) {
+                                                const Eight& volume, const Pending<Eight>& from) {
   using Real = typename Eight::Number;
-  Stretched<Eight> at;
-  find_change(h, at);
-  find_strain(h, at);
-  Eight last_step;
-  Eight margin;
-  const TraceRoot<Eight> root = find_trace(at, kDamped, last_step, margin);
+  const Mat3Lanes<Eight>& h = from.h;
+  const Stretched<Eight>& at = from.at;
+  const TraceRoot<Eight>& root = from.root;
   // D (F - R) / 2 = (m/2 + 3) H + (3 + y)(H^T - cof H) + E + H E + (m/2 - (3 + y) tr H - y) I.
   const Eight x = Eight::of(3) + root.y;
   const Eight half_m = Eight::of(Real(0.5)) * root.m;
@@ -310,81 +351,68 @@ PALPATE_LANES Mat3Lanes<Eight> corotated_stress(const DomainLaw& law, const Modu
     d[i] = (own * h[i] + x * (turned[i] - at.cofactors[i])) + (full[i] + bent[i]);
   for (std::size_t i = 0; i < 9; i += 4) d[i] = d[i] + even;
   const Eight pull = moduli.lambda * root.y;
+  const Eight shear = ((moduli.mu + moduli.mu) - pull) * root.two_over_d;
   Mat3Lanes<Eight> p;
-  if (kDamped) {
+  for (std::size_t i = 0; i < 9; ++i) p[i] = shear * d[i] + pull * h[i];
+  for (std::size_t i = 0; i < 9; i += 4) p[i] = p[i] + pull;
+  if constexpr (kDamped) {
     for (std::size_t i = 0; i < 9; ++i) d[i] = root.two_over_d * d[i];
-    const Eight shear = (moduli.mu + moduli.mu) - pull;
-    for (std::size_t i = 0; i < 9; ++i) p[i] = shear * d[i] + pull * h[i];
-    for (std::size_t i = 0; i < 9; i += 4) p[i] = p[i] + pull;
-    add_corotated_damping(moduli, h, d, root, rate, p);
-  } else {
-    const Eight shear = ((moduli.mu + moduli.mu) - pull) * root.two_over_d;
-    for (std::size_t i = 0; i < 9; ++i) p[i] = shear * d[i] + pull * h[i];
-    for (std::size_t i = 0; i < 9; i += 4) p[i] = p[i] + pull;
+    add_corotated_damping(moduli, h, d, root, from.rate, p);
   }
-  if (root.is_off) {
-    std::array<Real, kGroupDomains> step;
-    std::array<Real, kGroupDomains> left;
-    std::array<Real, kGroupDomains> size;
-    std::array<Real, kGroupDomains> change;
-    last_step.store(step.data());
-    margin.store(left.data());
-    x.store(size.data());
-    at.change.store(change.data());
-    std::array<bool, kGroupDomains> is_off;
-    for (std::size_t i = 0; i < kGroupDomains; ++i)
-      is_off[i] = step[i] * step[i] > LaneLimits<Real>::kLastStepSq || left[i] < 0 || size[i] < 0 ||
-                  (kDamped && 1 + change[i] < 0);
-    mend<Eight, kDamped>(law, volume, h, rate, is_off, p);
-  }
+  if (is_any_off<Eight, kDamped>(root, at.change))
+    mend<Eight, kDamped>(law, volume, h, from.rate, find_off<Eight, kDamped>(root, at.change), p);
   return p;
+}
+
+/// 1 / J and ln J = 2 artanh(z), z = j / (2 + j).
+template <typename Eight>
+PALPATE_LANES void find_logarithm(Pending<Eight>& of) {
+  using Real = typename Eight::Number;
+  const Eight change = of.at.change;
+  of.inverse = Eight::of(1) / (Eight::of(1) + change);
+  const Eight z = change / (Eight::of(2) + change);
+  of.z_sq = z * z;
+  Eight series = Eight::of(Real(2) / Real(2 * LaneLimits<Real>::kLogTerms - 1));
+  for (int k = LaneLimits<Real>::kLogTerms - 2; k >= 0; --k)
+    series = series * of.z_sq + Eight::of(Real(2) / Real(2 * k + 1));
+  of.log_j = z * series;
 }
 
 /// P = mu (F - G) + lambda ln J G, G = F^-T = (I + tr H I - H^T + cof H) / J;
 /// F - G = H + ((j - tr H) I + H^T - cof H) / J.
 template <typename Eight, bool kDamped>
 PALPATE_LANES Mat3Lanes<Eight> neo_hookean_stress(const DomainLaw& law, const ModuliLanes<Eight>& moduli,
-                                                  const Eight& volume, const Mat3Lanes<Eight>& h,
-                                                  const Mat3Lanes<Eight>& rate) {
+                                                  const Eight& volume, const Pending<Eight>& from) {
   using Real = typename Eight::Number;
-  Stretched<Eight> at;
-  find_change(h, at);
-  const Eight one = Eight::of(1);
-  const Eight inverse = one / (one + at.change);
-  const Eight z = at.change / (Eight::of(2) + at.change);
-  const Eight w = z * z;
-  Eight series = Eight::of(Real(2) / Real(2 * LaneLimits<Real>::kLogTerms - 1));
-  for (int k = LaneLimits<Real>::kLogTerms - 2; k >= 0; --k)
-    series = series * w + Eight::of(Real(2) / Real(2 * k + 1));
-  const Eight log_j = z * series;
+  const Mat3Lanes<Eight>& h = from.h;
   const Mat3Lanes<Eight> turned = transpose_lanes(h);
   Mat3Lanes<Eight> apart;  // F - G
-  for (std::size_t i = 0; i < 9; ++i) apart[i] = turned[i] - at.cofactors[i];
-  for (std::size_t i = 0; i < 9; i += 4) apart[i] = apart[i] + at.second;
-  for (std::size_t i = 0; i < 9; ++i) apart[i] = h[i] + inverse * apart[i];
+  for (std::size_t i = 0; i < 9; ++i) apart[i] = turned[i] - from.at.cofactors[i];
+  for (std::size_t i = 0; i < 9; i += 4) apart[i] = apart[i] + from.at.second;
+  for (std::size_t i = 0; i < 9; ++i) apart[i] = h[i] + from.inverse * apart[i];
   // P = (mu - c) (F - G) + c F, c = lambda ln J.
-  const Eight pull = moduli.lambda * log_j;
+  const Eight pull = moduli.lambda * from.log_j;
   const Eight shear = moduli.mu - pull;
   Mat3Lanes<Eight> p;
   for (std::size_t i = 0; i < 9; ++i) p[i] = shear * apart[i] + pull * h[i];
   for (std::size_t i = 0; i < 9; i += 4) p[i] = p[i] + pull;
-  if (kDamped) {
+  if constexpr (kDamped) {
     Mat3Lanes<Eight> g;
     for (std::size_t i = 0; i < 9; ++i) g[i] = h[i] - apart[i];
-    for (std::size_t i = 0; i < 9; i += 4) g[i] = one + g[i];
-    const Mat3Lanes<Eight> spin = multiply_lanes(rate, transpose_lanes(g));
+    for (std::size_t i = 0; i < 9; i += 4) g[i] = Eight::of(1) + g[i];
+    const Mat3Lanes<Eight> spin = multiply_lanes(from.rate, transpose_lanes(g));
     const ModuliLanes<Eight> viscous{moduli.damping * moduli.lambda, moduli.damping * moduli.mu,
                                      moduli.damping};
     const Mat3Lanes<Eight> more = multiply_lanes(linear_stress(viscous, spin), g);
     for (std::size_t i = 0; i < 9; ++i) p[i] = p[i] + more[i];
   }
   constexpr Real kMost = Real(1) / Real(9);  // J from 1/2 to 2
-  if (any_less(Eight::of(kMost), w)) {
+  if (any_less(Eight::of(kMost), from.z_sq)) {
     std::array<Real, kGroupDomains> each;
-    w.store(each.data());
+    from.z_sq.store(each.data());
     std::array<bool, kGroupDomains> is_off;
     for (std::size_t i = 0; i < kGroupDomains; ++i) is_off[i] = each[i] > kMost;
-    mend<Eight, kDamped>(law, volume, h, rate, is_off, p);
+    mend<Eight, kDamped>(law, volume, h, from.rate, is_off, p);
   }
   return p;
 }
