@@ -43,7 +43,7 @@ void deal_out(std::vector<Index>& list) {
 }
 
 /// Groups of eight by number of vertices; those of one class in curve order, then dealt out.
-std::vector<DomainClass> build_classes(const StrainOperator& op, std::vector<Index> domains,
+std::vector<DomainClass> build_classes(const StrainOperator& op, const std::vector<Index>& domains,
                                        std::span<const Index> place) {
   const auto first_place = [&](Index s) {
     Index first = kNoIndex;
@@ -92,7 +92,7 @@ DomainBlocks build_domain_blocks(std::span<const StrainTerm> terms, std::span<co
       }
     }
     for (std::size_t b = 0; b < own.size(); ++b)
-      out.blocks[b].terms.push_back(build_classes(term.op, std::move(own[b]), place));
+      out.blocks[b].terms.push_back(build_classes(term.op, own[b], place));
   }
   for (DomainBlock& block : out.blocks) {
     std::sort(block.halo.begin(), block.halo.end());

@@ -252,12 +252,13 @@ struct TetEngine<Real>::Body {
       PlainReport report;
       const std::size_t first = blocks * t / threads;
       const std::size_t last = blocks * (t + 1) / threads;
-      while (!is_over) {
+      for (;;) {
         for (std::size_t b = first; b < last; ++b) pull_block(b, scratch[t]);
         pulled.arrive_and_wait();
         for (std::size_t b = first; b < last; ++b) move_block(b, h, report);
         cuts[t] = report.speeds_cut;
         moved.arrive_and_wait();
+        if (is_over) return;
       }
     };
     {
