@@ -58,6 +58,13 @@ struct PortableLanes {
     const auto sum = [](const PortableLanes& r) { return (r.v[0] + r.v[2]) + r.v[1]; };
     return {{sum(a), sum(b), sum(c), sum(d)}};
   }
+  /// The columns of the matrix whose rows are a, b, c and d.
+  static std::array<PortableLanes, 4> turn(const PortableLanes& a, const PortableLanes& b,
+                                           const PortableLanes& c, const PortableLanes& d) {
+    std::array<PortableLanes, 4> out;
+    for (std::size_t i = 0; i < 4; ++i) out[i] = {{a.v[i], b.v[i], c.v[i], d.v[i]}};
+    return out;
+  }
 };
 
 #ifdef __SSE2__
@@ -86,6 +93,14 @@ struct FloatLanes {
     const __m128 y = _mm_movehl_ps(cd_low, ab_low);
     const __m128 z = _mm_movelh_ps(ab_high, cd_high);
     return {_mm_add_ps(_mm_add_ps(x, z), y)};
+  }
+  static std::array<FloatLanes, 4> turn(FloatLanes a, FloatLanes b, FloatLanes c, FloatLanes d) {
+    const __m128 ab_low = _mm_unpacklo_ps(a.v, b.v);
+    const __m128 cd_low = _mm_unpacklo_ps(c.v, d.v);
+    const __m128 ab_high = _mm_unpackhi_ps(a.v, b.v);
+    const __m128 cd_high = _mm_unpackhi_ps(c.v, d.v);
+    return {FloatLanes{_mm_movelh_ps(ab_low, cd_low)}, FloatLanes{_mm_movehl_ps(cd_low, ab_low)},
+            FloatLanes{_mm_movelh_ps(ab_high, cd_high)}, FloatLanes{_mm_movehl_ps(cd_high, ab_high)}};
   }
 };
 
@@ -129,6 +144,12 @@ struct DoubleLanes {
     const __m128d of_d = _mm_add_pd(d.low, d.high);
     return {_mm_add_pd(_mm_unpacklo_pd(of_a, of_b), _mm_unpackhi_pd(of_a, of_b)),
             _mm_add_pd(_mm_unpacklo_pd(of_c, of_d), _mm_unpackhi_pd(of_c, of_d))};
+  }
+  static std::array<DoubleLanes, 4> turn(DoubleLanes a, DoubleLanes b, DoubleLanes c, DoubleLanes d) {
+    return {DoubleLanes{_mm_unpacklo_pd(a.low, b.low), _mm_unpacklo_pd(c.low, d.low)},
+            DoubleLanes{_mm_unpackhi_pd(a.low, b.low), _mm_unpackhi_pd(c.low, d.low)},
+            DoubleLanes{_mm_unpacklo_pd(a.high, b.high), _mm_unpacklo_pd(c.high, d.high)},
+            DoubleLanes{_mm_unpackhi_pd(a.high, b.high), _mm_unpackhi_pd(c.high, d.high)}};
   }
 };
 

@@ -31,10 +31,11 @@ dynamics::IntegratorKind read_integrator(const YamlValue& value) {
 }
 
 reference::EngineChoice read_engine(const YamlValue& value) {
-  const std::vector<std::string> known{"auto", "general", "plain"};
+  const std::vector<std::string> known{"auto", "general", "plain", "tets"};
   if (value.text() == known[0]) return reference::EngineChoice::kAuto;
   if (value.text() == known[1]) return reference::EngineChoice::kGeneral;
   if (value.text() == known[2]) return reference::EngineChoice::kPlain;
+  if (value.text() == known[3]) return reference::EngineChoice::kTets;
   value.fail("unknown engine \"" + value.text() + "\"" + nearest_hint(value.text(), known));
 }
 

@@ -18,7 +18,8 @@ constexpr const char* kSchema = "palpate/moving_body/1";
 constexpr std::uint64_t kMostFrames = 1'000'000'000;
 constexpr std::uint64_t kMostIterations = 100'000;
 constexpr std::uint64_t kMostSubsteps = 10'000;
-constexpr std::array<const char*, 3> kEngines{"auto", "general", "plain"};  // in the order of EngineChoice
+constexpr std::array<const char*, 4> kEngines{"auto", "general", "plain",
+                                              "tets"};  // in the order of EngineChoice
 
 /// The members of one object, each of a known name; messages name the place.
 class Members {
@@ -123,7 +124,7 @@ MotionStepping read_stepping(const json& value, const std::string& where) {
   if (out.safety > 1.0) members.fail("safety", "at most 1", out.safety);
   const std::string engine = members.text("engine");
   const auto choice = std::find(kEngines.begin(), kEngines.end(), engine);
-  if (choice == kEngines.end()) members.fail("engine", "auto, general or plain", engine);
+  if (choice == kEngines.end()) members.fail("engine", "auto, general, plain or tets", engine);
   out.engine = static_cast<EngineChoice>(choice - kEngines.begin());
   const std::string precision = members.text("precision");
   if (precision != "single" && precision != "double")
@@ -152,6 +153,10 @@ void put(const char* key, const std::optional<double>& value, json& into) {
 
 }  // namespace
 
+const char* engine_name(EngineChoice engine) {
+  return kEngines.at(static_cast<std::size_t>(engine));
+}
+
 json moving_body_to_json(const MovingBody& body) {
   const MotionStepping& stepping = body.stepping;
   json model = {{"method", body.model.method},
@@ -160,7 +165,7 @@ json moving_body_to_json(const MovingBody& body) {
   put("volume_force_of_n_per_m", body.model.volume_force_of_n_per_m, model);
   json steps = {{"integrator", dynamics::integrator_name(stepping.integrator)},
                 {"safety", stepping.safety},
-                {"engine", kEngines.at(static_cast<std::size_t>(stepping.engine))},
+                {"engine", engine_name(stepping.engine)},
                 {"precision", stepping.single_precision ? "single" : "double"},
                 {"allow_unstable", stepping.allow_unstable},
                 {"frames", stepping.frames},

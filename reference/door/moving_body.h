@@ -14,8 +14,12 @@
 namespace palpate::reference {
 
 /// What steps a body: kPlain is core/dynamics/spring_engine/plain_engine.h, for springs, loads and symplectic
-/// Euler alone; kAuto takes it where it can.
-enum class EngineChoice { kAuto, kGeneral, kPlain };
+/// Euler alone; kTets core/dynamics/tet_engine/tet_engine.h, for strain energies in place of springs; kAuto
+/// takes the one that can.
+enum class EngineChoice { kAuto, kGeneral, kPlain, kTets };
+
+/// "auto", "general", "plain" or "tets".
+const char* engine_name(EngineChoice engine);
 
 /// How a body is stepped, and what it has beside the problem's masses and shares of damping.
 struct MotionStepping {
@@ -23,7 +27,7 @@ struct MotionStepping {
   std::optional<double> time_step_s;  ///< nothing: the predicted bound times `safety`
   double safety = 0.9;
   EngineChoice engine = EngineChoice::kAuto;
-  bool single_precision = false;  ///< of the plain engine
+  bool single_precision = false;  ///< of the plain engine or the tet engine
   bool allow_unstable = false;    ///< take a step over the predicted bound all the same
   std::optional<double> speed_limit_m_s;
   std::uint64_t frames = 50;  ///< intervals between frames; 0: none

@@ -105,7 +105,7 @@ class MotionRunner {
 
   void add_rounding_gain(json& out) const {
     out["rounding_gain_j"] = out["rounding_gain_over_kinetic"] = nullptr;
-    if (!setup_.single_precision) return;
+    if (!setup_.single_precision || setup_.engine != EngineChoice::kPlain) return;
     const double gain =
         static_cast<double>(report_.steps) * dynamics::rounding_gain_per_step(setup_.phases.front().model);
     out["rounding_gain_j"] = number_or_null(gain);
@@ -121,7 +121,7 @@ class MotionRunner {
     const bool is_first = report_.steps == 0;
     std::optional<dynamics::Integrator> integrator;
     std::optional<dynamics::MotionForces> own_forces;
-    if (setup_.is_plain) {
+    if (setup_.engine != EngineChoice::kGeneral) {
       own_forces.emplace(phase.model, setup_.integrator.threads);
     } else {
       integrator.emplace(phase.model, setup_.integrator);
@@ -147,10 +147,10 @@ class MotionRunner {
     if (integrator) {
       merge(run_motion(*integrator, state_, options, observe), report_);
     } else {
-      merge(run_plain_motion(phase.model, state_,
-                             {options, setup_.integrator.threads, setup_.integrator.speed_limit_m_s,
-                              setup_.single_precision},
-                             observe),
+      const dynamics::PlainRunOptions own{options, setup_.integrator.threads,
+                                          setup_.integrator.speed_limit_m_s, setup_.single_precision};
+      merge(setup_.engine == EngineChoice::kTets ? run_tet_motion(phase.model, state_, own, observe)
+                                                 : run_plain_motion(phase.model, state_, own, observe),
             report_);
     }
   }
@@ -185,7 +185,7 @@ json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionS
   json summary = runner.report();
   summary["method"] = setup.method;
   summary["integrator"] = dynamics::integrator_name(setup.integrator.kind);
-  summary["engine"] = setup.is_plain ? "plain" : "general";
+  summary["engine"] = engine_name(setup.engine);
   summary["precision"] = setup.single_precision ? "single" : "double";
   summary["why_general"] = setup.why_general.empty() ? json(nullptr) : json(setup.why_general);
   summary["time_step_s"] = setup.step_s;

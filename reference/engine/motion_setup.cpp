@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
+#include "core/dynamics/tet_engine/tet_engine.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_request.h"
 
@@ -113,21 +114,41 @@ void choose_step(const MovingBody& body, MotionSetup& setup) {
   setup.steps = static_cast<std::uint64_t>(steps);
 }
 
-/// Takes the plain engine where the body allows and the body has no more than it takes.
-void choose_engine(const MotionStepping& wanted, MotionSetup& setup) {
+/// What of a body an engine cannot take, or an empty string. `find_more` asks for one model.
+template <typename FindMore>
+std::string find_obstacle(const MotionSetup& setup, const FindMore& find_more) {
   if (setup.integrator.kind != IntegratorKind::kSymplecticEuler)
-    setup.why_general = dynamics::integrator_name(setup.integrator.kind);
+    return dynamics::integrator_name(setup.integrator.kind);
   for (const MotionPhase& phase : setup.phases) {
-    if (setup.why_general.empty()) setup.why_general = dynamics::find_more_than_plain(phase.model);
+    std::string what = find_more(phase.model);
+    if (!what.empty()) return what;
   }
-  if (wanted.engine == EngineChoice::kPlain && !setup.why_general.empty())
+  return "";
+}
+
+/// Takes the plain engine or the tet engine where the body allows and has no more than it takes.
+void choose_engine(const MotionStepping& wanted, MotionSetup& setup) {
+  const std::string why_not_plain = find_obstacle(setup, dynamics::find_more_than_plain);
+  const std::string why_not_tets = find_obstacle(setup, dynamics::find_more_than_tets);
+  if (wanted.engine == EngineChoice::kPlain && !why_not_plain.empty())
     throw InputError(
         "engine: the plain engine takes springs with axial damping at large strain, and "
         "symplectic_euler; this body has " +
-        setup.why_general);
-  setup.is_plain = wanted.engine != EngineChoice::kGeneral && setup.why_general.empty();
-  if (wanted.single_precision && !setup.is_plain)
-    throw InputError("precision: single is the plain engine's alone; this body " +
+        why_not_plain);
+  if (wanted.engine == EngineChoice::kTets && !why_not_tets.empty())
+    throw InputError(
+        "engine: the tet engine takes strain energies without springs, and symplectic_euler; this "
+        "body has " +
+        why_not_tets);
+  setup.engine = wanted.engine;
+  if (wanted.engine == EngineChoice::kAuto) {
+    setup.engine = EngineChoice::kGeneral;
+    if (why_not_tets.empty()) setup.engine = EngineChoice::kTets;
+    if (why_not_plain.empty()) setup.engine = EngineChoice::kPlain;
+  }
+  if (!why_not_tets.empty()) setup.why_general = why_not_plain;
+  if (wanted.single_precision && setup.engine == EngineChoice::kGeneral)
+    throw InputError("precision: single is for the plain engine and the tet engine; this body " +
                      (setup.why_general.empty() ? "asks for the general one" : "has " + setup.why_general));
   setup.single_precision = wanted.single_precision;
 }

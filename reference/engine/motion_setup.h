@@ -23,9 +23,9 @@ struct MotionSetup {
   std::string method;  ///< "springs.uniform"
   std::vector<MotionPhase> phases;
   dynamics::IntegratorOptions integrator;
-  bool is_plain = false;          ///< the plain engine steps it (core/dynamics/spring_engine/plain_engine.h)
-  std::string why_general;        ///< what of it the plain engine cannot take; empty if it can take all
-  bool single_precision = false;  ///< plain engine alone
+  EngineChoice engine = EngineChoice::kGeneral;  ///< what steps it; never kAuto
+  std::string why_general;        ///< what of it a faster engine cannot take; empty if one can take all
+  bool single_precision = false;  ///< kPlain and kTets alone
   double step_s = 0.0;
   std::uint64_t steps = 0;
   dynamics::StableStep stable;  ///< the shortest of the phases' bounds

@@ -42,6 +42,28 @@ TEST(Lanes, BothFormsGiveTheSameBits) {
   compare_lanes<double>();
 }
 
+template <typename L, typename Real>
+void expect_columns(const std::array<std::array<Real, 4>, 4>& rows) {
+  const std::array<L, 4> columns = L::turn(L::load(rows[0].data()), L::load(rows[1].data()),
+                                           L::load(rows[2].data()), L::load(rows[3].data()));
+  for (std::size_t i = 0; i < 4; ++i) {
+    std::array<Real, 4> column{};
+    columns[i].store(column.data());
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(column[k], rows[k][i]) << i << ' ' << k;
+  }
+}
+
+TEST(Lanes, TurnRowsIntoColumns) {
+  const std::array<std::array<float, 4>, 4> rows{
+      {{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {12, 13, 14, 15}}};
+  const std::array<std::array<double, 4>, 4> wide{
+      {{0, 1, 2, 3}, {4, 5, 6, 7}, {8, 9, 10, 11}, {12, 13, 14, 15}}};
+  expect_columns<Lanes<float>>(rows);
+  expect_columns<PortableLanes<float>>(rows);
+  expect_columns<Lanes<double>>(wide);
+  expect_columns<PortableLanes<double>>(wide);
+}
+
 TEST(Lanes, TellWhetherAnyIsLess) {
   const auto any = [](auto lanes, const auto& a, const auto& b) {
     using L = decltype(lanes);

@@ -65,6 +65,19 @@ MotionModel make_pressed_body(const TetMesh& mesh, double duration_s, VolumeMode
   return model;
 }
 
+MotionModel make_continuum(MotionModel model, const TetMesh& mesh, Continuum kind, StrainLaw law) {
+  const bool is_tets = kind == Continuum::kTets;
+  BlendOptions options;
+  options.strain = law == StrainLaw::kLinear ? StrainSize::kSmall : StrainSize::kLarge;
+  options.large_law = law;
+  options.theta = is_tets ? 1.0 : 0.0;
+  options.domain = is_tets ? StrainDomain::kTet : StrainDomain::kNode;
+  options.rest = StrainDomain::kEdge;
+  model.elastic = build_blend_model(mesh, {1000.0, 0.4, 1000.0}, options).model;
+  model.spring_damping_n_s_per_m.clear();
+  return model;
+}
+
 MotionState march(const MotionModel& model, const IntegratorOptions& options, MotionState state,
                   double duration_s, std::uint64_t steps) {
   Integrator integrator(model, options);

@@ -27,6 +27,13 @@ dynamics::MotionModel make_free_body(const TetMesh& mesh, double damping_s,
 dynamics::MotionModel make_pressed_body(const TetMesh& mesh, double duration_s,
                                         dynamics::VolumeModel volume = dynamics::VolumeModel::kNone);
 
+/// Energies of a continuum: linear tets, or the dilatation averaged at nodes and the shear over edges.
+enum class Continuum { kTets, kEdgeNode };
+
+/// The model with a continuum of E = 1 kPa, nu = 0.4 in place of its springs; damping stays.
+dynamics::MotionModel make_continuum(dynamics::MotionModel model, const TetMesh& mesh, Continuum kind,
+                                     dynamics::StrainLaw law);
+
 /// Steps from `state` to the end.
 dynamics::MotionState march(const dynamics::MotionModel& model, const dynamics::IntegratorOptions& options,
                             dynamics::MotionState state, double duration_s, std::uint64_t steps);

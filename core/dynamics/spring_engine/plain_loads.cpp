@@ -84,7 +84,7 @@ void PlainLoads::add_rows(const TimedLoads& group, std::uint32_t number, bool is
     if (!is_steady) row.load = row.load + group.loads.force_n[places.order[k]];
     for (const auto& [other, coefficient] : support.coefficient) {
       entries_.push_back({other, coefficient});
-      row.pull = row.pull + coefficient * (model.elastic.rest[places.order[other]] - places.center);
+      row.pull = row.pull + coefficient * places.home(model.elastic.rest[places.order[other]]);
     }
     row.last = entries_.size();
     block.rows.push_back(row);
@@ -98,7 +98,7 @@ void PlainLoads::add_held(const MotionModel& model, const PlainPlaces& places) {
     Block& block = blocks_[k / places.block_vertices];
     Held held{static_cast<Index>(k - block.first), each.axis, each.group, 0.0, each.by_m,
               model.mass_kg[each.vertex],          0.0};
-    held.rest_m = component(model.elastic.rest[each.vertex] - places.center, each.axis);
+    held.rest_m = component(places.home(model.elastic.rest[each.vertex]), each.axis);
     if (!model.environment_damping_n_s_per_m.empty())
       held.drag_n_s_per_m = model.environment_damping_n_s_per_m[each.vertex];
     block.held.push_back(held);

@@ -9,13 +9,17 @@
 
 namespace palpate::dynamics {
 
-/// Where the plain engine keeps its vertices: order[k] is the vertex that comes k-th, place its inverse,
-/// blocks of `block_vertices`, positions from `center`.
+/// Where an engine keeps its vertices: order[k] is the vertex that comes k-th, place its inverse, blocks of
+/// `block_vertices`, positions from `center`, or each from its own place in the rest shape.
 struct PlainPlaces {
   std::span<const Index> order;
   std::span<const Index> place;
   std::size_t block_vertices = 0;
   Vec3 center;
+  bool from_rest = false;  ///< positions are displacements
+
+  /// What a displacement of zero is as a position.
+  Vec3 home(const Vec3& rest) const { return from_rest ? Vec3{} : rest - center; }
 };
 
 /// The first number of the first vertex, and how many numbers lie between two vertices.

@@ -5,6 +5,7 @@
 #include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
+#include "core/dynamics/tet_engine/tet_engine.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -38,20 +39,30 @@ class IntegratorStepper : public BodyStepper {
   std::uint64_t unsolved_ = 0;
 };
 
-template <typename Real>
-class PlainStepper : public BodyStepper {
+/// PlainEngine or TetEngine.
+template <typename Engine>
+class EngineStepper : public BodyStepper {
  public:
-  PlainStepper(const MotionModel& model, int threads) : model_(&model), engine_(model, {threads, 0.0}) {}
+  EngineStepper(const MotionModel& model, int threads) : model_(&model), engine_(model, {threads, 0.0}) {}
 
   const MotionModel& model() const override { return *model_; }
   void set_state(const MotionState& state) override { engine_.set_state(state); }
   void advance(double step_s, std::uint64_t steps) override { engine_.step(step_s, steps); }
   const MotionState& state() override { return state_ = engine_.state(); }
-  double rounding() const override { return sizeof(Real) == 4 ? kSingleRounding : kDoubleRounding; }
+  double rounding() const override { return is_single(engine_) ? kSingleRounding : kDoubleRounding; }
 
  private:
+  template <template <typename> class Any>
+  static bool is_single(const Any<float>&) {
+    return true;
+  }
+  template <template <typename> class Any>
+  static bool is_single(const Any<double>&) {
+    return false;
+  }
+
   const MotionModel* model_;
-  PlainEngine<Real> engine_;
+  Engine engine_;
   MotionState state_;
 };
 
@@ -70,8 +81,15 @@ std::unique_ptr<BodyStepper> make_stepper(const MotionModel& model, const Integr
 }
 
 std::unique_ptr<BodyStepper> make_plain_stepper(const MotionModel& model, Precision precision, int threads) {
-  if (precision == Precision::kSingle) return std::make_unique<PlainStepper<float>>(model, threads);
-  return std::make_unique<PlainStepper<double>>(model, threads);
+  if (precision == Precision::kSingle)
+    return std::make_unique<EngineStepper<PlainEngine<float>>>(model, threads);
+  return std::make_unique<EngineStepper<PlainEngine<double>>>(model, threads);
+}
+
+std::unique_ptr<BodyStepper> make_tet_stepper(const MotionModel& model, Precision precision, int threads) {
+  if (precision == Precision::kSingle)
+    return std::make_unique<EngineStepper<TetEngine<float>>>(model, threads);
+  return std::make_unique<EngineStepper<TetEngine<double>>>(model, threads);
 }
 
 }  // namespace palpate::dynamics

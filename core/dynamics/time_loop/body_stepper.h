@@ -1,4 +1,5 @@
-// One face for all that can step a body: the integrators, and the plain engine in either precision.
+// One face for all that can step a body: the integrators, and the plain and the tet engine in either
+// precision.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +10,7 @@
 
 namespace palpate::dynamics {
 
-/// In which numbers the plain engine computes.
+/// In which numbers the plain and the tet engine compute.
 enum class Precision { kDouble, kSingle };
 
 /// "double" or "float". Throws: InputError.
@@ -40,5 +41,8 @@ std::unique_ptr<BodyStepper> make_stepper(const MotionModel& model, const Integr
 /// The plain engine (core/dynamics/spring_engine/plain_engine.h). `model` must outlive it. Throws: as
 /// PlainEngine.
 std::unique_ptr<BodyStepper> make_plain_stepper(const MotionModel& model, Precision precision, int threads);
+
+/// The tet engine (core/dynamics/tet_engine/tet_engine.h). `model` must outlive it. Throws: as TetEngine.
+std::unique_ptr<BodyStepper> make_tet_stepper(const MotionModel& model, Precision precision, int threads);
 
 }  // namespace palpate::dynamics

@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/motion/motion_forces.h"
+#include "core/dynamics/tet_engine/tet_engine.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
@@ -66,11 +67,12 @@ class Stretch {
   std::uint64_t steps_ = 1;
 };
 
-template <typename Real>
+/// Engine is PlainEngine or TetEngine.
+template <typename Engine>
 MotionReport run(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
                  const MotionObserver& observer) {
   PlainOptions own{options.threads, options.speed_limit_m_s, find_escape(model, options.run.escape_ratio)};
-  PlainEngine<Real> engine(model, own);
+  Engine engine(model, own);
   engine.set_state(state);
   MotionReport report;
   observe(model, state, observer, report);
@@ -108,6 +110,11 @@ MotionReport run(const MotionModel& model, MotionState& state, const PlainRunOpt
   return report;
 }
 
+void check_step(const PlainRunOptions& options) {
+  if (!(options.run.step_s > 0.0) || !std::isfinite(options.run.step_s))
+    throw InputError("time_step_s", 0, "a finite number above zero", std::to_string(options.run.step_s));
+}
+
 double last_bit(double x) {
   const auto single = static_cast<float>(std::abs(x));
   return static_cast<double>(std::nextafter(single, std::numeric_limits<float>::infinity()) - single);
@@ -142,10 +149,16 @@ double rounding_gain_per_step(const MotionModel& model) {
 
 MotionReport run_plain_motion(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
                               const MotionObserver& observer) {
-  if (!(options.run.step_s > 0.0) || !std::isfinite(options.run.step_s))
-    throw InputError("time_step_s", 0, "a finite number above zero", std::to_string(options.run.step_s));
-  return options.single_precision ? run<float>(model, state, options, observer)
-                                  : run<double>(model, state, options, observer);
+  check_step(options);
+  return options.single_precision ? run<PlainEngine<float>>(model, state, options, observer)
+                                  : run<PlainEngine<double>>(model, state, options, observer);
+}
+
+MotionReport run_tet_motion(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
+                            const MotionObserver& observer) {
+  check_step(options);
+  return options.single_precision ? run<TetEngine<float>>(model, state, options, observer)
+                                  : run<TetEngine<double>>(model, state, options, observer);
 }
 
 }  // namespace palpate::dynamics

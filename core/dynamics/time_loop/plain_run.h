@@ -1,4 +1,4 @@
-// The time loop of the plain engine: the same report as run_motion.
+// The time loop of the plain engine and the tet engine: the same report as run_motion.
 #pragma once
 
 #include "core/dynamics/spring_engine/plain_engine.h"
@@ -6,7 +6,7 @@
 
 namespace palpate::dynamics {
 
-/// A run with the plain engine.
+/// A run with the plain engine or the tet engine.
 struct PlainRunOptions {
   MotionRunOptions run;
   int threads = 1;
@@ -31,5 +31,10 @@ double rounding_gain_per_step(const MotionModel& model);
 /// Throws: as PlainEngine; InputError for a step that is not a finite number above zero.
 MotionReport run_plain_motion(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
                               const MotionObserver& observer = {});
+
+/// The same on the tet engine. Throws: as TetEngine; InputError for a step that is not a finite number above
+/// zero.
+MotionReport run_tet_motion(const MotionModel& model, MotionState& state, const PlainRunOptions& options,
+                            const MotionObserver& observer = {});
 
 }  // namespace palpate::dynamics

@@ -12,9 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -22,13 +20,13 @@
 #include <vector>
 
 #include "core/base/large_pages.h"
-#include "core/base/stopwatch.h"
 #include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"
 #include "tests/support/pointer_springs.h"
+#include "tests/support/step_timing.h"
 #ifdef PALPATE_HAS_BULLET
 #include "reference/bullet/mass_springs.h"
 #include "reference/bullet/soft_body.h"
@@ -39,6 +37,8 @@ namespace {
 
 using testing_support::ObjectOrder;
 using testing_support::PointerBody;
+using testing_support::set_hash;
+using testing_support::time_medians;
 
 struct Body {
   MotionModel model;
@@ -67,60 +67,13 @@ double spring_count(const Body& body) {
   return static_cast<double>(body.model.elastic.springs.springs.size());
 }
 
-double seconds_of_this_thread() {
-  std::timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-/// Times `work` so many times; returns the medians of its seconds, by the wall and by this thread. All of it
-/// is one iteration to the library: a benchmark is then set up once a repetition, which takes long at 1M
-/// vertices.
-template <typename Work>
-std::array<double, 2> time_medians(benchmark::State& state, int times, const Work& work) {
-  std::vector<double> wall;
-  std::vector<double> cpu;
-  while (state.KeepRunning()) {
-    for (int k = 0; k < times; ++k) {
-      const double cpu_start = seconds_of_this_thread();
-      const Stopwatch watch;
-      work();
-      wall.push_back(watch.seconds());
-      cpu.push_back(seconds_of_this_thread() - cpu_start);
-    }
-    state.SetIterationTime(median(wall));
-  }
-  return {median(wall), median(cpu)};
-}
-
-/// Times `take_steps(count)` at least 15 times, with as many steps at once as the clock needs (some 0.2 ms);
-/// for an engine that starts its threads at each call with enough to make that small: 20, at 1M vertices 4.
+/// Times `take_steps(count)` (tests/support/step_timing.h).
 template <typename TakeSteps>
 void time_steps(benchmark::State& state, const Body& body, const TakeSteps& take_steps,
                 bool starts_threads = false) {
-  const double springs = spring_count(body);
-  const double at_once = starts_threads ? std::clamp(3e7 / springs, 4.0, 20.0) : 150000.0 / springs;
-  const auto steps = static_cast<std::uint64_t>(std::clamp(at_once, 1.0, 20.0));
-  const double times = (starts_threads ? 2e8 : 4e7) / (static_cast<double>(steps) * springs);
-  const auto [wall, cpu] =
-      time_medians(state, static_cast<int>(std::clamp(times, 15.0, 1500.0)), [&] { take_steps(steps); });
-  const double share = 1e9 / (static_cast<double>(steps) * springs);
-  state.counters["ns_per_spring"] = share * wall;
-  state.counters["cpu_ns_per_spring"] = share * cpu;
+  testing_support::time_steps_of(state, spring_count(body), "spring", take_steps, starts_threads);
   state.counters["vertices"] = static_cast<double>(body.model.mass_kg.size());
-  state.counters["springs"] = springs;
-}
-
-void set_hash(benchmark::State& state, std::uint64_t hash, const char* kind) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), "%016llx %s", static_cast<unsigned long long>(hash), kind);
-  state.SetLabel(text.data());
+  state.counters["springs"] = spring_count(body);
 }
 
 constexpr std::uint64_t kStepsBefore = 100;

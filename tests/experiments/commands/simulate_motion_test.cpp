@@ -324,6 +324,31 @@ TEST_F(SimulateMotion, ThePlainEngineStepsWhatItCanAndGivesTheSameMotion) {
   EXPECT_NEAR(single.at("max_displacement_m").get<double>(), 0.01, 1e-4);
 }
 
+TEST_F(SimulateMotion, TheTetEngineStepsEnergiesOfStrainAndGivesTheSameMotion) {
+  SceneText text = pressed(kGood);
+  text.rest = "strain: large\nmodel: {smoothed: edge_node}\n";
+  const json fast = simulate(text, "tets");
+  EXPECT_EQ(fast.at("engine"), "tets");
+  EXPECT_TRUE(fast.at("why_general").is_null());
+  text.analysis = "{dynamic: {" + kGood + ", engine: general}}";
+  const json general = simulate(text, "general");
+  EXPECT_EQ(general.at("engine"), "general");
+  EXPECT_NE(general.at("state_hash"), fast.at("state_hash"));
+  for (const char* key : {"outcome", "steps", "time_step_s", "inverted_tets_most", "speeds_cut"})
+    EXPECT_EQ(general.at(key), fast.at(key)) << key;
+  for (const char* key : {"max_displacement_m", "end_displacement_m", "peak_speed_m_s"})
+    EXPECT_NEAR(general.at(key).get<double>(), fast.at(key).get<double>(), 1e-12) << key;
+  text.analysis = "{dynamic: {" + kGood + ", engine: tets, precision: single}}";
+  const json single = simulate(text, "single", "2");
+  EXPECT_EQ(single.at("precision"), "single");
+  EXPECT_TRUE(single.at("rounding_gain_j").is_null());
+  EXPECT_NEAR(single.at("max_displacement_m").get<double>(), fast.at("max_displacement_m").get<double>(),
+              1e-6);
+  text.analysis = "{dynamic: {" + kGood + ", engine: plain}}";
+  EXPECT_THAT(error_of(text), HasSubstr("this body has strain energies"));
+  EXPECT_THAT(error_of(kGood + ", engine: tets"), HasSubstr("this body has springs"));
+}
+
 TEST_F(SimulateMotion, AnEngineThatCannotIsRefusedWithWhat) {
   EXPECT_THAT(error_of(kGood + ", engine: plane"),
               HasSubstr("unknown engine \"plane\"; did you mean \"plain\""));

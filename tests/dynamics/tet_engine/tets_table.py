@@ -1,0 +1,163 @@
+"""Runs the benchmark of a step of a continuum and holds it against its targets.
+
+    tets_table.py BENCH [--repetitions N] [--json FILE] [--clock wall|cpu]
+    tets_table.py --read FILE [--clock wall|cpu]
+
+BENCH is build/release/bin/palpate_bench. All rows come from one process, in random order, N times (default 5); a figure is
+the median over the repetitions, a spread (largest - smallest) / median. What a target's verdict is, and what the clocks
+are: tests/dynamics/spring_engine/speed_table.py. Exits with 1 if hashes of single or of double precision differ between
+threads and instruction sets.
+"""
+
+import argparse
+import json
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "spring_engine"))
+from speed_table import align, judge  # noqa: E402
+
+CELLS = {10: "1.3k", 21: "10k", 46: "100k"}
+LAWS = {0: "linear", 1: "corotated", 2: "neo_hookean"}
+NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/(\d))?(?:/|$)")
+SINGLE = {"tets": "bench_tets<float>", "edge_node": "bench_edge_node<float>"}
+TARGETS = (("tets", 6.0), ("edge_node", 15.0))
+ROOFLINES = 3.0
+
+
+def run_bench(bench, repetitions, path):
+    names = "bench_(tets|edge_node|general|triad)"
+    subprocess.run([bench, f"--benchmark_filter={names}", f"--benchmark_repetitions={repetitions}",
+                    "--benchmark_enable_random_interleaving=true", f"--benchmark_out={path}", "--benchmark_out_format=json"],
+                   check=True, stdout=subprocess.DEVNULL)
+
+
+def read_rows(data):
+    """(name, cells, threads, law) -> list of rows, one a repetition. The triad has law -1."""
+    rows = {}
+    for row in data["benchmarks"]:
+        match = NAME.match(row["name"])
+        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
+            law = -1 if match[1] == "bench_triad" else int(match[4])
+            rows.setdefault((match[1], int(match[2]), int(match[3]), law), []).append(row)
+    return rows
+
+
+class Figures:
+    def __init__(self, rows, clock):
+        self.rows, self.clock = rows, clock
+
+    def values(self, key, counter):
+        if self.clock == "cpu" and key[2] == 1 and counter in ("ns_per_tet", "gb_per_s"):
+            counter = "cpu_" + counter
+        return [row[counter] for row in self.rows[key]]
+
+    def median(self, key, counter="ns_per_tet"):
+        return statistics.median(self.values(key, counter))
+
+    def spread(self, key, counter="ns_per_tet"):
+        """None with one repetition."""
+        values = self.values(key, counter)
+        return (max(values) - min(values)) / statistics.median(values) if len(values) > 1 else None
+
+    def roofline(self, key):
+        """The least ns a tet: the layout's bytes over the triad's bytes a second."""
+        triad = ("bench_triad", 100, key[2], -1)
+        return self.median(key, "bytes_per_tet") / self.median(triad, "gb_per_s")
+
+
+def targets(figures):
+    out = []
+    for kind, bound in TARGETS:
+        for law, name in LAWS.items():
+            key = (SINGLE[kind], 21, 1, law)
+            if key not in figures.rows:
+                out.append((f"{kind} {name}, 10k", f"<= {bound}", None, "not measured"))
+                continue
+            value = figures.median(key)
+            out.append((f"{kind} {name}, 10k", f"<= {bound}", value,
+                        judge(value <= bound, abs(value / bound - 1), [figures.spread(key)])))
+            over = value / figures.roofline(key)
+            spreads = [figures.spread(key), figures.spread(("bench_triad", 100, 1, -1), "gb_per_s")]
+            out.append((f"{kind} {name} over its roofline, 10k", f"<= {ROOFLINES}", over,
+                        judge(over <= ROOFLINES, abs(over / ROOFLINES - 1), spreads)))
+    return out
+
+
+def hashes(rows):
+    """(body, precision, cells, law) -> the set of hashes, over threads, repetitions and instruction sets."""
+    found = {}
+    for (name, cells, _, law), repeated in rows.items():
+        match = re.match(r"bench_(tets|edge_node|tets_damped)(?:_portable)?<(\w+)>", name)
+        if match:
+            kind = found.setdefault((match[1], match[2], cells, law), set())
+            kind.update(row["label"].split()[0] for row in repeated)
+    return found
+
+
+def render(data, clock):
+    rows = read_rows(data)
+    figures = Figures(rows, clock)
+    context = data.get("context", {})
+    load = ", ".join(f"{value:.2f}" for value in context.get("load_avg", []))
+    repetitions = max((len(repeated) for repeated in rows.values()), default=0)
+    lines = [f"{context.get('num_cpus', '?')} processors of {context.get('mhz_per_cpu', '?')} MHz, load {load} at the start, "
+             f"medians of {repetitions} repetitions, {clock} clock", ""]
+    table = [["ns a tet and step", "law", *CELLS.values(), "spread"]]
+    for name, threads, law in sorted({(name, threads, law) for name, _, threads, law in rows if law >= 0}):
+        keys = {cells: (name, cells, threads, law) for cells in CELLS if (name, cells, threads, law) in rows}
+        cells = [f"{figures.median(keys[size]):.2f}" if size in keys else "-" for size in CELLS]
+        spreads = [figures.spread(key) for key in keys.values()]
+        spread = "-" if None in spreads else f"{100 * max(spreads):.0f}%"
+        label = name.removeprefix("bench_") + (f", {threads} threads" if threads > 1 else "")
+        table.append([label, LAWS[law], *cells, spread])
+    triad = ("bench_triad", 100, 1, -1)
+    if triad in rows:
+        for kind, name in SINGLE.items():
+            keys = {size: (name, size, 1, 0) for size in CELLS if (name, size, 1, 0) in rows}
+            table.append([f"roofline of {kind} ({figures.median(triad, 'gb_per_s'):.1f} GB/s)", "",
+                          *[f"{figures.roofline(keys[size]):.2f}" if size in keys else "-" for size in CELLS], ""])
+    lines += [align(table), ""]
+    table = [["target", "bound", "measured", ""]]
+    for what, bound, value, verdict in targets(figures) if triad in rows else []:
+        table.append([what, bound, "-" if value is None else f"{value:.2f}", verdict])
+    lines += [align(table), ""]
+    for (kind, precision, cells, law), found in sorted(hashes(rows).items()):
+        lines.append(f"hash after 100 steps, {kind} {precision} {CELLS[cells]} {LAWS[law]}: "
+                     + (next(iter(found)) if len(found) == 1 else "DIFFERS: " + ", ".join(sorted(found))))
+    for kind, name in SINGLE.items():
+        for size in CELLS:
+            if (name, size, 1, 0) in rows:
+                row = rows[name, size, 1, 0][0]
+                lines.append(f"{kind}, {CELLS[size]}: {row['bytes_per_tet']:.0f} bytes a tet, "
+                             f"halo {100 * row['halo']:.0f}% of the vertices")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bench", nargs="?")
+    parser.add_argument("--read")
+    parser.add_argument("--json")
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
+    given = parser.parse_args()
+    if (given.bench is None) == (given.read is None):
+        parser.error("give the benchmark program, or --read FILE")
+    with tempfile.TemporaryDirectory() as folder:
+        path = given.read or given.json or os.path.join(folder, "rows.json")
+        if given.read is None:
+            run_bench(given.bench, given.repetitions, path)
+        with open(path, encoding="utf-8") as file:
+            data = json.load(file)
+    print(render(data, given.clock))
+    return 1 if any(len(found) > 1 for found in hashes(read_rows(data)).values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
