@@ -107,7 +107,8 @@ json describe_tick_forces(std::span<const Vec3> force_n, double tick_s, bool end
                {"held_forces_n", json::array()}};
   const std::size_t stride = std::max<std::size_t>(1, force_n.size() / kMostSamples);
   for (std::size_t k = 0; k < force_n.size(); k += stride)
-    written["rows"].push_back({static_cast<double>(k + 1) * tick_s, force_n[k].x, force_n[k].y, force_n[k].z});
+    written["rows"].push_back(
+        {static_cast<double>(k + 1) * tick_s, force_n[k].x, force_n[k].y, force_n[k].z});
   if (ended_early || force_n.empty()) return written;
   const std::size_t held = std::max<std::size_t>(1, force_n.size() / 10);
   for (std::size_t k = force_n.size() - held; k < force_n.size(); ++k)

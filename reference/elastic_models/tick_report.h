@@ -23,9 +23,9 @@ struct TickLoop {
 /// Takes tick_s, ticks (a tenth of as many warm ones come before) and paced. Throws: InputError.
 TickLoop take_tick_loop(nlohmann::json& options);
 
-/// The steady clock of a loop: a tick's time is that between two readings of it. Ticks follow each other at once;
-/// or, paced, each starts tick_s after the one before, and how late the system wakes it counts as its time. A tick
-/// that is due while the one before still runs starts after it.
+/// The steady clock of a loop: a tick's time is that between two readings of it. Ticks follow each other at
+/// once; or, paced, each starts tick_s after the one before, and how late the system wakes it counts as its
+/// time. A tick that is due while the one before still runs starts after it.
 class TickClock {
  public:
   explicit TickClock(const TickLoop& loop);
@@ -69,12 +69,12 @@ TickTimes describe_ticks(std::vector<double> seconds, double deadline_s);
 /// Adds ticks and their times to a report.
 void add_tick_times(const std::vector<double>& seconds, double tick_s, nlohmann::json& report);
 
-/// palpate/engine/1 of the kind "ticks": some of the forces with their times, one force a tick, and those of the last
-/// tenth all; none of those where the run ended early.
+/// palpate/engine/1 of the kind "ticks": some of the forces with their times, one force a tick, and those of
+/// the last tenth all; none of those where the run ended early.
 nlohmann::json describe_tick_forces(std::span<const Vec3> force_n, double tick_s, bool ended_early);
 
-/// The place of the only tool among the loads of a motion. Throws: InputError for a load that comes or goes, or
-/// another number of tools.
+/// The place of the only tool among the loads of a motion. Throws: InputError for a load that comes or goes,
+/// or another number of tools.
 std::size_t find_only_tool(const MotionProblem& problem);
 
 }  // namespace palpate::reference

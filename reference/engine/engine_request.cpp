@@ -223,7 +223,8 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
                      {"vertices", task.mesh.points.size()},
                      {"springs", setup.phases.front().model.elastic.springs.springs.size()}};
   if (!run.seconds.empty()) add_tick_times(run.seconds, options.loop.tick_s, response.report);
-  write_file_atomically(request.output, describe_tick_forces(run.force_n, options.loop.tick_s, run.diverged).dump() + "\n");
+  write_file_atomically(request.output,
+                        describe_tick_forces(run.force_n, options.loop.tick_s, run.diverged).dump() + "\n");
   return response;
 }
 

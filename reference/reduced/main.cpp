@@ -1,4 +1,5 @@
-// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, and reduced.modal, at rest and in motion.
+// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, and reduced.modal, at rest and in
+// motion.
 #include "reference/reduced/compliance_run.h"
 #include "reference/reduced/modal_run.h"
 #include "reference/reduced/tick_run.h"

@@ -107,8 +107,8 @@ std::vector<std::size_t> find_tool_nodes(const MotionProblem& motion, std::size_
   return out;
 }
 
-/// A load of the skin that follows the profiles: what is still, and what each load's whole share adds. All that
-/// react() reads is linear in the shares.
+/// A load of the skin that follows the profiles: what is still, and what each load's whole share adds. All
+/// that react() reads is linear in the shares.
 class ProfiledLoad {
  public:
   ProfiledLoad(const HeldBody& held, const MotionProblem& motion) : motion_(&motion) {
@@ -171,7 +171,8 @@ Response run_compliance_ticks(const Request& request) {
   const std::size_t tool = find_only_tool(motion);
   Response response;
   if (motion.body.strain == StrainSize::kLarge)
-    response.notes.emplace_back("reduced.ticks is linear: large strains and rotations are taken for small ones");
+    response.notes.emplace_back(
+        "reduced.ticks is linear: large strains and rotations are taken for small ones");
 
   const Stopwatch making;
   options.table.poisson_ratio = motion.body.material.poisson_ratio;
@@ -180,8 +181,7 @@ Response run_compliance_ticks(const Request& request) {
       build_compliance_table(task.mesh, options.table, choose_factor(options.factor), setup);
   if (options.single) table = to_single(table);
   const double identify_s = making.seconds();
-  const HeldBody held(table, task.mesh,
-                      build_problem(motion, std::vector<double>(motion.loads.size(), 0.0)));
+  const HeldBody held(table, task.mesh, build_problem(motion, std::vector<double>(motion.loads.size(), 0.0)));
   const std::vector<std::size_t> nodes = find_tool_nodes(motion, tool, table.nodes.vertices);
   ProfiledLoad load(held, motion);
   const double prepare_s = making.seconds() - identify_s;

@@ -47,7 +47,8 @@ TEST_F(ReducedTicks, TheForceFollowsThePadAndEndsAtTheStaticReaction) {
   const ContestantAnswer answer = ask({{"ticks", 100}, {"precision", "double"}, {"elements", "p1"}});
   ASSERT_EQ(answer.outcome, "ok") << answer.message;
   const json file = read_json_file(answer.output);
-  // Two springs in series, the rod and three times as stiff a pad. Linear tractions are exact for linear elements.
+  // Two springs in series, the rod and three times as stiff a pad. Linear tractions are exact for linear
+  // elements.
   const double expected = 0.75 * per_area() * -1e-3 * test::Rod::kAreaM2;
   ASSERT_EQ(file.at("rows").size(), 110U);
   for (std::size_t k = 0; k < 110; ++k) {
