@@ -34,8 +34,9 @@ ElementSpace build_element_space(const TetMesh& mesh, int order);
 /// Requires: a face of the mesh. The last three are kNoIndex at order 1.
 std::array<Index, 6> face_nodes(const ElementSpace& space, const Triangle& face);
 
-/// Integral of phi_i phi_j over a face of area 1, in the order of face_nodes. Exact.
+/// A number for each pair of a face's nodes, in the order of face_nodes.
 using FaceMass = std::array<std::array<double, 6>, 6>;
+/// Integral of phi_i phi_j over a face of area 1. Exact.
 FaceMass unit_face_mass(int order);
 
 /// The matrices of a body.

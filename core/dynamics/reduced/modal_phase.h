@@ -18,6 +18,7 @@ struct ModalGroup {
   TimeProfile profile;
 };
 
+/// How many modes, what stands beside them, and Rayleigh's damping by shares.
 struct ModalOptions {
   std::size_t modes = 60;
   bool correction = true;  ///< static correction of what the modes leave out of each load

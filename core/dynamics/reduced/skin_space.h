@@ -23,6 +23,7 @@ struct SkinPlaces {
   SkinNodes nodes;
   std::vector<Index> place;
 };
+/// Numbers the skin's nodes for tractions of the order of `space`.
 SkinPlaces number_skin(const TetMesh& mesh, const ElementSpace& space);
 
 /// One entry of a sparse column.

@@ -123,6 +123,7 @@ PALPATE_LANES_TARGET void add_run(const DomainLaw& law, const DomainRun<typename
   }
 }
 
+/// One law's domains: those of four vertices have a loop of their own.
 template <typename Eight, StrainLaw kLaw, bool kDamped>
 PALPATE_LANES_TARGET void add_law(const DomainLaw& law, const DomainRun<typename Eight::Number>& run,
                                   const BlockMotion<typename Eight::Number>& motion,

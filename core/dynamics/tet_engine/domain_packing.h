@@ -58,8 +58,10 @@ template <typename Real>
 PackedDomains<Real> pack_domains(std::span<const StrainTerm> terms, std::span<const Index> place,
                                  std::size_t block_vertices);
 
+/// Compiled once, in domain_packing.cpp.
 extern template PackedDomains<float> pack_domains(std::span<const StrainTerm>, std::span<const Index>,
                                                   std::size_t);
+/// Compiled once, in domain_packing.cpp.
 extern template PackedDomains<double> pack_domains(std::span<const StrainTerm>, std::span<const Index>,
                                                    std::size_t);
 

@@ -14,11 +14,14 @@
 #include "core/dynamics/tet_engine/domain_kernel.h"
 
 #ifndef PALPATE_LANES_TARGET
+/// The instruction set that the including source compiles its lanes for; empty: that of the build.
 #define PALPATE_LANES_TARGET
 #endif
 #ifdef __GNUC__
+/// A function of lanes, which is never called but always put in place.
 #define PALPATE_LANES PALPATE_LANES_TARGET __attribute__((always_inline)) inline
 #else
+/// A function of lanes.
 #define PALPATE_LANES inline
 #endif
 
@@ -132,6 +135,7 @@ struct Stretched {
   Eight change;  ///< j
 };
 
+/// The change of volume and what it is made of, from h.
 template <typename Eight>
 PALPATE_LANES void find_change(const Mat3Lanes<Eight>& h, Stretched<Eight>& out) {
   out.cofactors = cofactor_lanes(h);
@@ -141,6 +145,7 @@ PALPATE_LANES void find_change(const Mat3Lanes<Eight>& h, Stretched<Eight>& out)
   out.change = out.trace + out.second;
 }
 
+/// E from h.
 template <typename Eight>
 PALPATE_LANES void find_strain(const Mat3Lanes<Eight>& h, Stretched<Eight>& out) {
   out.e.xx = (h[0] + h[0]) + dot_lanes(h[0], h[0], h[3], h[3], h[6], h[6]);
@@ -242,6 +247,7 @@ PALPATE_LANES std::array<bool, kGroupDomains> find_off(const TraceRoot<Eight>& r
   return out;
 }
 
+/// Each of eight domains' nine numbers, by number.
 template <typename Eight>
 PALPATE_LANES void store_lanes(const Mat3Lanes<Eight>& from,
                                std::array<std::array<typename Eight::Number, kGroupDomains>, 9>& to) {

@@ -72,11 +72,13 @@ const char* ending_name(Ending ending);
 /// Whether the ending says that the step was too long. An inverted body was not driven so by its step alone.
 bool is_unstable(Ending ending);
 
+/// Where a run's motion counts as growth, and where as noise.
 struct RunBounds {
   double energy_factor = 100.0;  ///< nothing adds energy to a run; bounded ones come to some 25 times
   double noise_j = 0.0;          ///< kinetic energy of a motion that rounding alone explains
 };
 
+/// What the history of a run says.
 struct RunReading {
   Ending ending = Ending::kSteady;
   std::uint64_t steps = 0;      ///< taken
@@ -128,11 +130,13 @@ struct TrialHistory {
   std::vector<TrialStretch> stretches;
 };
 
+/// Where a trial's motion counts as growth.
 struct TrialBounds {
   double growth_factor = 1e6;     ///< kinetic energy over the start's that is growth for certain
   std::uint64_t horizon = 16384;  ///< steps after which a growth that slows down is none
 };
 
+/// What a trial says of its step; kTooShort: nothing yet.
 enum class TrialEnding { kStable, kGrows, kTooShort };
 
 /// With M the mean kinetic energy of a stretch and r its ratio to that of the stretch before:
