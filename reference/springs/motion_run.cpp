@@ -19,7 +19,6 @@
 namespace palpate::reference {
 namespace {
 
-using dynamics::IntegratorKind;
 using dynamics::MotionOutcome;
 using dynamics::MotionState;
 using nlohmann::json;
