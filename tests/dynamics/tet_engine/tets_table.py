@@ -42,7 +42,9 @@ def read_rows(data):
     rows = {}
     for row in data["benchmarks"]:
         match = NAME.match(row["name"])
-        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
+        if not match or (match[1] != "bench_triad" and match[4] is None):
+            continue  # the rows of another table
+        if row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
             law = -1 if match[1] == "bench_triad" else int(match[4])
             rows.setdefault((match[1], int(match[2]), int(match[3]), law), []).append(row)
     return rows

@@ -35,6 +35,10 @@ class TetsTable(unittest.TestCase):
         self.assertEqual(found["tets corotated over its roofline, 10k"], (2.0, "met"))
         self.assertEqual(found["tets linear, 10k"], (None, "not measured"))
 
+    def test_rows_of_springs_are_none_of_it(self):
+        springs = {"name": "bench_plain<float>/21/1/iterations:1/manual_time", "run_type": "iteration", "ns_per_spring": 1.5}
+        self.assertEqual(tets_table.read_rows(data(springs)), {})
+
     def test_a_missed_target_says_so(self):
         found = verdicts(2 * [row("bench_edge_node<float>/21/1/0", 20.0)] + 2 * [triad(30.0)])
         self.assertEqual(found["edge_node linear, 10k"][1], "missed")
