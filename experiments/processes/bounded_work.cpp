@@ -50,18 +50,24 @@ void send_text(int file, Kind kind, const char* text) {
   send(file, kind, text, std::strlen(text));
 }
 
-/// Bytes of address space that this process has.
+/// Bytes of address space that this process has. Reading them takes and gives back some, so that two readings
+/// may differ.
 std::uint64_t own_size() {
   std::uint64_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
+  if (!(std::ifstream("/proc/self/statm") >> pages))
+    throw UnavailableError("cannot tell the size of a process: expected it in /proc/self/statm");
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
 void bound_memory([[maybe_unused]] std::uint64_t bytes) {
 #ifndef PALPATE_SANITIZED
   if (bytes == 0) return;
-  const rlimit bound{own_size() + bytes, own_size() + bytes};
-  ::setrlimit(RLIMIT_AS, &bound);
+  rlimit bound{};
+  ::getrlimit(RLIMIT_AS, &bound);
+  bound.rlim_cur = std::min<std::uint64_t>(own_size() + bytes, bound.rlim_max);
+  bound.rlim_max = bound.rlim_cur;
+  if (::setrlimit(RLIMIT_AS, &bound) != 0)
+    throw UnavailableError(std::string("cannot bound the memory of a process: ") + std::strerror(errno));
 #endif
 }
 

@@ -69,6 +69,18 @@ TEST(BoundedWork, Memory) {
   EXPECT_EQ(result.end, WorkEnd::kOutOfMemory);
   EXPECT_EQ(result.message, "needed more than 64 MiB of memory");
 }
+
+TEST(BoundedWork, TheBoundHoldsWhereverTheHeapEnds) {
+  constexpr std::size_t kBlock = 1024;      // less than what a reading of the size takes and gives back
+  constexpr std::size_t kBlocks = 2 * 132;  // twice what the heap grows by
+  std::vector<std::vector<char>> taken;
+  for (std::size_t i = 0; i < kBlocks; ++i) {
+    taken.emplace_back(kBlock, 'x');
+    const WorkResult result = run_bounded([] { return json(std::vector<char>(256U << 20U, 'x').size()); },
+                                          {60.0, 64U << 20U, nullptr});
+    ASSERT_EQ(result.end, WorkEnd::kOutOfMemory) << "with " << taken.size() << " KiB taken";
+  }
+}
 #endif
 
 TEST(BoundedWork, ACrashIsAResult) {
