@@ -39,17 +39,14 @@ Options take_options(const Request& request) {
   if (request.method != "reduced.compliance")
     throw InputError("method", 0, "reduced.compliance", request.method);
   json left = request.options;
-  const auto choice = [&](const char* key, const std::vector<std::string>& choices) {
-    return left.contains(key) ? take_choice(left, key, choices) : std::size_t{0};
-  };
   Options options;
-  options.table.element_order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
+  options.table.element_order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.table.refine = static_cast<int>(take_whole(left, "refine", 0, 1, 0));
-  options.table.reaction_order = choice("reactions", {"linear", "quadratic"}) == 0 ? 1 : 2;
+  options.table.reaction_order = take_choice(left, "reactions", {"linear", "quadratic"}) == 0 ? 1 : 2;
   options.table.midpoints = take_option<bool>(left, "midpoints", &json::is_boolean, "true or false", false);
-  options.single = choice("precision", {"single", "double"}) == 0;
+  options.single = take_choice(left, "precision", {"single", "double"}) == 0;
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
-  options.factor = factors[choice("factor", factors)];
+  options.factor = factors[take_choice(left, "factor", factors)];
   options.read = take_option<std::string>(left, "table", &json::is_string, "the path of a table", "");
   options.write = take_option<bool>(left, "write_table", &json::is_boolean, "true or false", false);
   require_all_taken(left);

@@ -41,16 +41,13 @@ Options take_options(const Request& request, bool moves) {
   const std::string name = moves ? "moving_reduced.modal" : "reduced.modal";
   if (request.method != name) throw InputError("method", 0, name, request.method);
   json left = request.options;
-  const auto choice = [&](const char* key, const std::vector<std::string>& choices) {
-    return left.contains(key) ? take_choice(left, key, choices) : std::size_t{0};
-  };
   Options options;
-  options.order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
+  options.order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.modal.modes = static_cast<std::size_t>(take_whole(left, "modes", 1, 1000, 60));
   options.modal.correction = take_option<bool>(left, "correction", &json::is_boolean, "true or false", true);
   if (moves) options.time_step_s = take_number(left, "time_step_s", 1e-9, 1e6, options.time_step_s);
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
-  options.factor = factors[choice("factor", factors)];
+  options.factor = factors[take_choice(left, "factor", factors)];
   require_all_taken(left);
   return options;
 }

@@ -32,15 +32,12 @@ struct Options {
 Options take_options(const Request& request) {
   constexpr std::int64_t kMostVertices = 536'870'912;
   json left = request.options;
-  const auto choice = [&](const char* key, const std::vector<std::string>& choices) {
-    return left.contains(key) ? take_choice(left, key, choices) : std::size_t{0};
-  };
   Options options;
   options.loop = take_tick_loop(left);
-  options.table.element_order = choice("elements", {"p2", "p1"}) == 0 ? 2 : 1;
-  options.single = choice("precision", {"single", "double"}) == 0;
+  options.table.element_order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
+  options.single = take_choice(left, "precision", {"single", "double"}) == 0;
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
-  options.factor = factors[choice("factor", factors)];
+  options.factor = factors[take_choice(left, "factor", factors)];
   options.moves_skin = take_option<bool>(left, "skin", &json::is_boolean, "true or false", false);
   take_whole(left, "vertices", 0, kMostVertices, 0);  // of the mesh, which is there already
   require_all_taken(left);

@@ -151,11 +151,6 @@ Vec3 axial_of(const Mat3& a) {
   return {a(2, 1) - a(1, 2), a(0, 2) - a(2, 0), a(1, 0) - a(0, 1)};
 }
 
-/// [w]x.
-Mat3 cross_matrix(const Vec3& w) {
-  return {{0.0, -w.z, w.y, w.z, 0.0, -w.x, -w.y, w.x, 0.0}};
-}
-
 /// The rate of the right stretch U of one gradient F = Q U, as a linear map of dF/dt, and its transpose.
 ///
 ///   dU/dt = sym(B - [w]x U),  B = Q^T dF/dt,  G w = axial of B,  G = tr U I - U

@@ -8,11 +8,6 @@
 namespace palpate::dynamics {
 namespace {
 
-/// [w]x.
-Mat3 cross_matrix(const Vec3& w) {
-  return {{0.0, -w.z, w.y, w.z, 0.0, -w.x, -w.y, w.x, 0.0}};
-}
-
 Mat3 corotated_block(const Moduli& moduli, const Mat3& h, const Vec3& g) {
   const Mat3 f = kIdentity + h;
   const Mat3 r = nearest_rotation(f);

@@ -27,7 +27,7 @@ struct NewtonStep::Work {
        const LinearOptions& linear)
       : rule(given_rule),
         options(given),
-        rounding(forces),
+        goal(forces, given),
         is_linear(is_linear_body(forces.model())),
         pattern(build_motion_pattern(forces.model())),
         constant_damping(pattern),
@@ -136,17 +136,19 @@ struct NewtonStep::Work {
   /// The better of the two guesses is left in `u`; returns the residuals of the inertial one and of `u`.
   std::pair<double, double> guess(MotionForces& forces, const MotionState& state, double h) {
     const double time_s = state.time_s + h;
+    double warm = 0.0;
+    if (has_acceleration) {
+      for (std::size_t v = 0; v < u.size(); ++v)
+        tried[v] = state.displacement_m[v] + h * state.velocity_m_s[v] + (0.5 * h * h) * acceleration[v];
+      warm = find_residual(forces, time_s, tried);
+      change.swap(imbalance);  // kept
+    }
     for (std::size_t v = 0; v < u.size(); ++v) u[v] = state.displacement_m[v] + h * state.velocity_m_s[v];
     const double inertial = find_residual(forces, time_s, u);
-    if (!has_acceleration) return {inertial, inertial};
-    for (std::size_t v = 0; v < u.size(); ++v)
-      tried[v] = state.displacement_m[v] + h * state.velocity_m_s[v] + (0.5 * h * h) * acceleration[v];
-    const double warm = find_residual(forces, time_s, tried);
-    if (warm < inertial) {
-      u.swap(tried);
-      return {inertial, warm};
-    }
-    return {inertial, find_residual(forces, time_s, u)};
+    if (!has_acceleration || !(warm < inertial)) return {inertial, inertial};
+    u.swap(tried);
+    change.swap(imbalance);
+    return {inertial, warm};
   }
 
   ImplicitResult take(MotionForces& forces, MotionState& state, double h) {
@@ -157,16 +159,14 @@ struct NewtonStep::Work {
     const double first = guessed.first;
     double residual = guessed.second;
     ImplicitResult result;
-    const auto is_solved = [&] {
-      return residual == 0.0 ||
-             (options.tolerance > 0.0 && residual <= options.tolerance * first + rounding.of(u, h));
-    };
+    const auto is_solved = [&] { return goal.is_met(residual, first, u, h); };
     result.solved = is_solved();
+    bool is_broken = false;
     while (!result.solved && result.iterations < options.iterations) {
       prepare(forces);
-      const bool is_found = solver.solve(imbalance, change).status == LinearStatus::kSolved;
+      is_broken = solver.solve(imbalance, change).status != LinearStatus::kSolved;
       ++result.iterations;
-      const std::optional<double> found = is_found ? search(forces, time_s, residual) : std::nullopt;
+      const std::optional<double> found = is_broken ? std::nullopt : search(forces, time_s, residual);
       if (!found) {
         // Nothing is lower: rounding, or a place without a way down.
         residual = find_residual(forces, time_s, u);
@@ -175,7 +175,7 @@ struct NewtonStep::Work {
       residual = *found;
       result.solved = is_solved();
     }
-    if (options.tolerance == 0.0) result.solved = true;
+    if (options.tolerance == 0.0) result.solved = !is_broken;
     result.residual_relative = first > 0.0 ? residual / first : 0.0;
     result.zero_length_springs = zero_length;
     finish(forces, state, h);
@@ -199,7 +199,7 @@ struct NewtonStep::Work {
   ImplicitRule rule;
   ImplicitRule step_rule = ImplicitRule::kBackwardEuler;  ///< of this step
   StepSolverOptions options;
-  RoundingFloor rounding;
+  StepGoal goal;
   bool is_linear;
   BlockMatrix pattern;  ///< zero
   BlockMatrix constant_damping;

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/dynamics/integrators/vertex_incidence.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
+#include "core/dynamics/motion/vertex_incidence.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -90,7 +90,7 @@ constexpr std::array<double, 3> kFaceWeights{4.0, 1.0, 1.0};
 
 struct PositionStep::Work {
   Work(const MotionForces& forces, const StepSolverOptions& given)
-      : options(given), rounding(forces), model(&forces.model()), held(&forces.held_bits()) {
+      : sweeper(forces, given), model(&forces.model()), held(&forces.held_bits()) {
     const std::size_t n = held->size();
     supports = list_supports(*model);
     for (const StrainTerm& term : model->elastic.strain_terms) {
@@ -102,7 +102,7 @@ struct PositionStep::Work {
                                              [&](Index v) { return (*held)[v] != 0 && (*held)[v] != 7; }));
       }
     }
-    for (std::vector<Vec3>* field : {&inverse_mass, &dead_load, &velocity, &imbalance}) field->resize(n);
+    for (std::vector<Vec3>* field : {&inverse_mass, &dead_load}) field->resize(n);
   }
 
   /// What depends on the step alone.
@@ -255,8 +255,7 @@ struct PositionStep::Work {
     }
   }
 
-  StepSolverOptions options;
-  RoundingFloor rounding;
+  Sweeper sweeper;
   const MotionModel* model;
   const std::vector<std::uint8_t>* held;
   std::vector<TimedSupport> supports;
@@ -267,9 +266,6 @@ struct PositionStep::Work {
   std::vector<double> shares;      ///< of each group of loads, at the end of the step
   std::vector<Vec3> inverse_mass;  ///< along each axis, in 1/kg
   std::vector<Vec3> dead_load;     ///< at the end of the step
-  std::vector<Vec3> velocity;
-  std::vector<Vec3> imbalance;
-  std::size_t steps = 0;
 };
 
 PositionStep::PositionStep(const MotionForces& forces, const StepSolverOptions& options) {
@@ -285,21 +281,10 @@ ImplicitResult PositionStep::find_displacement(MotionForces& forces, const Motio
                                                std::span<Vec3> u) {
   Work& work = *work_;
   work.prepare(step_s);
-  set_inertial_guess(forces, state, step_s, u);
-  std::size_t zero_length = 0;
-  SweptStep step;
-  step.residual = [&] {
-    zero_length += find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
-    return norm_of(work.imbalance);
-  };
-  step.rounding = [&] { return work.rounding.of(u, step_s); };
-  step.sweep = [&](std::size_t sweep) {
+  return work.sweeper.solve(forces, state, step_s, u, [&](std::size_t sweep) {
     if (sweep == 0) work.start(state, u);
     work.sweep(state, u, sweep % 2 == 1);
-  };
-  ImplicitResult result = sweep_until_solved(work.options, work.steps++, step);
-  result.zero_length_springs = zero_length;
-  return result;
+  });
 }
 
 }  // namespace palpate::dynamics

@@ -59,7 +59,7 @@ std::vector<ScalarEntry> build_entries(const MotionModel& model, double h) {
 }  // namespace
 
 struct PrefactoredStep::Work {
-  Work(const MotionForces& forces, const StepSolverOptions& given) : options(given), rounding(forces) {
+  Work(const MotionForces& forces, const StepSolverOptions& given) : options(given), goal(forces, given) {
     const std::vector<std::uint8_t>& held = forces.held_bits();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::vector<Index>& number = numbers.at(axis);
@@ -114,7 +114,7 @@ struct PrefactoredStep::Work {
   }
 
   StepSolverOptions options;
-  RoundingFloor rounding;
+  StepGoal goal;
   double step_s = 0.0;
   std::size_t steps = 0;
   std::array<std::vector<Index>, 3> numbers;  ///< of the free vertices along each axis
@@ -157,8 +157,7 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
   double share = 1.0;
   const bool is_looked_at = is_leftover_due(work.steps++);
   while (result.iterations < work.options.iterations) {
-    result.solved =
-        residual == 0.0 || (tolerance > 0.0 && residual <= tolerance * first + work.rounding.of(u, step_s));
+    result.solved = work.goal.is_met(residual, first, u, step_s);
     if (result.solved) break;
     work.correct();
     std::copy(u.begin(), u.end(), work.before.begin());
@@ -175,8 +174,7 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
     }
     residual = found;
   }
-  if (!result.solved)
-    result.solved = tolerance == 0.0 || residual <= tolerance * first + work.rounding.of(u, step_s);
+  if (!result.solved) result.solved = tolerance == 0.0 || work.goal.is_met(residual, first, u, step_s);
   if (tolerance > 0.0 || is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;
   return result;
 }

@@ -55,26 +55,44 @@ void set_inertial_guess(const MotionForces& forces, const MotionState& state, do
   set_held(forces, state.time_s + step_s, u);
 }
 
-ImplicitResult sweep_until_solved(const StepSolverOptions& options, std::size_t count,
-                                  const SweptStep& step) {
-  const bool has_tolerance = options.tolerance > 0.0;
-  const bool is_looked_at = has_tolerance || is_leftover_due(count);
-  const double first = is_looked_at ? step.residual() : 0.0;
-  double residual = first;
+StepGoal::StepGoal(const MotionForces& forces, const StepSolverOptions& options)
+    : tolerance_(options.tolerance) {
+  if (tolerance_ > 0.0) rounding_.emplace(forces);
+}
+
+bool StepGoal::is_met(double residual, double first, std::span<const Vec3> u, double step_s) const {
+  return residual == 0.0 || (rounding_ && residual <= tolerance_ * first + rounding_->of(u, step_s));
+}
+
+Sweeper::Sweeper(const MotionForces& forces, const StepSolverOptions& options)
+    : options_(options),
+      goal_(forces, options),
+      velocity_(forces.held_bits().size()),
+      imbalance_(velocity_.size()) {}
+
+ImplicitResult Sweeper::solve(MotionForces& forces, const MotionState& state, double step_s,
+                              std::span<Vec3> u, const std::function<void(std::size_t)>& sweep) {
   ImplicitResult result;
-  const auto is_solved = [&] {
-    return has_tolerance && (residual == 0.0 || residual <= options.tolerance * first + step.rounding());
+  const auto look = [&] {
+    result.zero_length_springs += find_imbalance(forces, state, step_s, u, velocity_, imbalance_);
+    return norm_of(imbalance_);
   };
+  set_inertial_guess(forces, state, step_s, u);
+  const bool has_tolerance = options_.tolerance > 0.0;
+  const bool is_looked_at = has_tolerance || is_leftover_due(steps_++);
+  const double first = is_looked_at ? look() : 0.0;
+  double residual = first;
+  const auto is_solved = [&] { return has_tolerance && goal_.is_met(residual, first, u, step_s); };
   result.solved = is_solved();
-  while (!result.solved && result.iterations < options.iterations) {
-    step.sweep(result.iterations++);
+  while (!result.solved && result.iterations < options_.iterations) {
+    sweep(result.iterations++);
     if (!has_tolerance) continue;
-    residual = step.residual();
+    residual = look();
     result.solved = is_solved();
   }
   if (!has_tolerance) {
     result.solved = true;
-    if (is_looked_at) residual = step.residual();
+    if (is_looked_at) residual = look();
   }
   if (is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;
   return result;

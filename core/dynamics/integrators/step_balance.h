@@ -62,14 +62,37 @@ void set_held(const MotionForces& forces, double time_s, std::span<Vec3> u);
 void set_inertial_guess(const MotionForces& forces, const MotionState& state, double step_s,
                         std::span<Vec3> u);
 
-/// How a step that is taken by sweeps looks at itself.
-struct SweptStep {
-  std::function<double()> residual;        ///< norm of the forces out of balance as things stand, in N
-  std::function<double()> rounding;        ///< what rounding alone leaves of them
-  std::function<void(std::size_t)> sweep;  ///< the next sweep, counted from 0
+/// When a step counts as solved. What it needs to know of rounding is found only where there is a tolerance.
+class StepGoal {
+ public:
+  StepGoal(const MotionForces& forces, const StepSolverOptions& options);
+
+  /// Whether `residual` is below the tolerance times `first`, that of the inertial guess, or below what
+  /// rounding leaves at the displacements `u` (norms of the forces out of balance, in N). Without a
+  /// tolerance only a residual of zero will do.
+  bool is_met(double residual, double first, std::span<const Vec3> u, double step_s) const;
+
+ private:
+  double tolerance_;
+  std::optional<RoundingFloor> rounding_;
 };
 
-/// Sweeps until the step is solved, as `options` have it; `count` is the number of steps before this one.
-ImplicitResult sweep_until_solved(const StepSolverOptions& options, std::size_t count, const SweptStep& step);
+/// Backward Euler by sweeps, and how it looks at itself.
+class Sweeper {
+ public:
+  Sweeper(const MotionForces& forces, const StepSolverOptions& options);
+
+  /// Takes `u` from the inertial guess to the end of a step from `state`: `sweep` moves it, given the number
+  /// of sweeps before it in this step, until the step is solved as the options have it.
+  ImplicitResult solve(MotionForces& forces, const MotionState& state, double step_s, std::span<Vec3> u,
+                       const std::function<void(std::size_t)>& sweep);
+
+ private:
+  StepSolverOptions options_;
+  StepGoal goal_;
+  std::size_t steps_ = 0;  ///< before this one
+  std::vector<Vec3> velocity_;
+  std::vector<Vec3> imbalance_;
+};
 
 }  // namespace palpate::dynamics

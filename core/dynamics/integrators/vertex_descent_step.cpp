@@ -6,8 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/elasticity/vertex_stiffness.h"
-#include "core/dynamics/integrators/vertex_incidence.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
+#include "core/dynamics/motion/vertex_incidence.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -40,12 +40,9 @@ struct TermState {
 
 struct VertexDescentStep::Work {
   Work(const MotionForces& forces, const StepSolverOptions& given)
-      : options(given), rounding(forces), model(&forces.model()), held(&forces.held_bits()) {
+      : sweeper(forces, given), model(&forces.model()), held(&forces.held_bits()) {
     const std::size_t n = held->size();
-    std::vector<Index> ends;
-    for (const Edge& spring : model->elastic.springs.springs)
-      ends.insert(ends.end(), spring.begin(), spring.end());
-    spring_ends = list_by_vertex(n, ends);
+    spring_ends = list_spring_ends(*model);
     supports = list_supports(*model);
     std::vector<Index> corners;
     for (const TimedSupport& support : supports)
@@ -55,15 +52,9 @@ struct VertexDescentStep::Work {
       TermState& state = terms.emplace_back();
       state.term = &term;
       state.entries = list_by_vertex(n, term.op.vertices);
-      state.domain_of.resize(term.op.vertices.size());
-      for (std::size_t s = 0; s < term.op.domains(); ++s) {
-        for (Index k = term.op.offsets[s]; k < term.op.offsets[s + 1]; ++k)
-          state.domain_of[k] = static_cast<Index>(s);
-      }
+      state.domain_of = list_domains(term.op);
     }
     dead_load.resize(n);
-    velocity.resize(n);
-    imbalance.resize(n);
   }
 
   void start(const MotionState& state, double h, std::span<const Vec3> u) {
@@ -160,8 +151,7 @@ struct VertexDescentStep::Work {
     }
   }
 
-  StepSolverOptions options;
-  RoundingFloor rounding;
+  Sweeper sweeper;
   const MotionModel* model;
   const std::vector<std::uint8_t>* held;
   VertexLists spring_ends;
@@ -171,9 +161,6 @@ struct VertexDescentStep::Work {
   double step_s = 0.0;
   std::vector<double> shares;   ///< of each group of loads, at the end of the step
   std::vector<Vec3> dead_load;  ///< then
-  std::vector<Vec3> velocity;
-  std::vector<Vec3> imbalance;
-  std::size_t steps = 0;
 };
 
 VertexDescentStep::VertexDescentStep(const MotionForces& forces, const StepSolverOptions& options)
@@ -189,22 +176,11 @@ VertexDescentStep& VertexDescentStep::operator=(VertexDescentStep&&) noexcept = 
 ImplicitResult VertexDescentStep::find_displacement(MotionForces& forces, const MotionState& state,
                                                     double step_s, std::span<Vec3> u) {
   Work& work = *work_;
-  set_inertial_guess(forces, state, step_s, u);
-  work.start(state, step_s, u);
-  std::size_t zero_length = 0;
-  SweptStep step;
-  step.residual = [&] {
-    zero_length += find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
-    return norm_of(work.imbalance);
-  };
-  step.rounding = [&] { return work.rounding.of(u, step_s); };
-  step.sweep = [&](std::size_t sweep) {
+  return work.sweeper.solve(forces, state, step_s, u, [&](std::size_t sweep) {
+    if (sweep == 0) work.start(state, step_s, u);
     const std::size_t n = u.size();
     for (std::size_t k = 0; k < n; ++k) work.move_vertex(state, u, sweep % 2 == 0 ? k : n - 1 - k);
-  };
-  ImplicitResult result = sweep_until_solved(work.options, work.steps++, step);
-  result.zero_length_springs = zero_length;
-  return result;
+  });
 }
 
 }  // namespace palpate::dynamics

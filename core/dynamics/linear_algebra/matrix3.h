@@ -90,6 +90,11 @@ constexpr Mat3 outer(const Vec3& a, const Vec3& b) {
       {a.x * b.x, a.x * b.y, a.x * b.z, a.y * b.x, a.y * b.y, a.y * b.z, a.z * b.x, a.z * b.y, a.z * b.z}};
 }
 
+/// [w]x, the matrix of w x.
+constexpr Mat3 cross_matrix(const Vec3& w) {
+  return {{0.0, -w.z, w.y, w.z, 0.0, -w.x, -w.y, w.x, 0.0}};
+}
+
 /// Adds a b^T to `sum`.
 constexpr void add_outer(Mat3& sum, const Vec3& a, const Vec3& b) {
   sum += outer(a, b);

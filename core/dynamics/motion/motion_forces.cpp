@@ -33,14 +33,6 @@ Vec3 spring_pull(const MotionModel& model, std::span<const Vec3> u, std::span<co
   return along * edge;
 }
 
-std::vector<Triangle> all_support_faces(const MotionModel& model) {
-  std::vector<Triangle> faces;
-  for (const TimedLoads& group : model.loads) {
-    for (const SupportFace& support : group.loads.supports) faces.push_back(support.face);
-  }
-  return faces;
-}
-
 /// The moduli of a term's damping, in Pa s.
 Moduli viscous_moduli(const MotionModel& model, const StrainTerm& term) {
   return {model.strain_damping_s * term.moduli.lambda_pa, model.strain_damping_s * term.moduli.mu_pa};
@@ -55,30 +47,13 @@ MotionForces::MotionForces(const MotionModel& model, int threads) : model_(&mode
   held_bits_.resize(n);
   for (const HeldComponent& each : held_)
     held_bits_[each.vertex] = static_cast<std::uint8_t>(held_bits_[each.vertex] | (1U << each.axis));
-  std::vector<Index> ends;
-  ends.reserve(2 * model.elastic.springs.springs.size());
-  for (const Edge& spring : model.elastic.springs.springs)
-    ends.insert(ends.end(), spring.begin(), spring.end());
-  spring_ends_ = invert(n, ends);
+  spring_ends_ = list_spring_ends(model);
   pull_.resize(model.elastic.springs.springs.size());
   for (const StrainTerm& term : model.elastic.strain_terms) {
-    term_entries_.push_back(invert(n, term.op.vertices));
-    std::vector<Index>& domain_of = domain_of_entry_.emplace_back(term.op.vertices.size());
-    for (std::size_t s = 0; s < term.op.domains(); ++s) {
-      for (Index k = term.op.offsets[s]; k < term.op.offsets[s + 1]; ++k)
-        domain_of[k] = static_cast<Index>(s);
-    }
+    term_entries_.push_back(list_by_vertex(n, term.op.vertices));
+    domain_of_entry_.push_back(list_domains(term.op));
     stress_.emplace_back(term.op.domains());
   }
-}
-
-MotionForces::Incidence MotionForces::invert(std::size_t vertices, std::span<const Index> vertex_of) {
-  Incidence out{std::vector<std::size_t>(vertices + 1), std::vector<Index>(vertex_of.size())};
-  for (const Index v : vertex_of) ++out.offsets[v + 1];
-  for (std::size_t v = 0; v < vertices; ++v) out.offsets[v + 1] += out.offsets[v];
-  std::vector<std::size_t> next(out.offsets.begin(), out.offsets.end() - 1);
-  for (std::size_t k = 0; k < vertex_of.size(); ++k) out.items[next[vertex_of[k]]++] = static_cast<Index>(k);
-  return out;
 }
 
 std::size_t MotionForces::pull_springs(std::span<const Vec3> u, std::span<const Vec3> v) {
@@ -116,14 +91,12 @@ void MotionForces::gather(std::span<const Vec3> v, std::span<Vec3> force) const 
   for_ranges(force.size(), threads_, [&](std::size_t first, std::size_t last, std::size_t) {
     for (std::size_t i = first; i < last; ++i) {
       Vec3 sum;
-      for (std::size_t k = spring_ends_.offsets[i]; k < spring_ends_.offsets[i + 1]; ++k) {
-        const Index end = spring_ends_.items[k];
+      for (const Index end : spring_ends_.of(i)) {
         sum = end % 2 == 0 ? sum + pull_[end / 2] : sum - pull_[end / 2];
       }
       for (std::size_t t = 0; t < term_entries_.size(); ++t) {
         const StrainOperator& op = model_->elastic.strain_terms[t].op;
-        for (std::size_t k = term_entries_[t].offsets[i]; k < term_entries_[t].offsets[i + 1]; ++k) {
-          const Index entry = term_entries_[t].items[k];
+        for (const Index entry : term_entries_[t].of(i)) {
           sum = sum + stress_[t][domain_of_entry_[t][entry]] * op.gradients[entry];
         }
       }
@@ -184,7 +157,9 @@ void MotionForces::impose(double time_s, std::span<Vec3> u, std::span<Vec3> v) c
 }
 
 BlockMatrix build_motion_pattern(const MotionModel& model) {
-  return build_tangent_pattern(model.elastic, all_support_faces(model));
+  std::vector<Triangle> faces;
+  for (const TimedSupport& support : list_supports(model)) faces.push_back(support.face.face);
+  return build_tangent_pattern(model.elastic, faces);
 }
 
 void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, TangentKind kind,

@@ -8,6 +8,7 @@
 #include "core/dynamics/elasticity/tangent.h"
 #include "core/dynamics/linear_algebra/block_matrix.h"
 #include "core/dynamics/motion/motion_model.h"
+#include "core/dynamics/motion/vertex_incidence.h"
 
 namespace palpate::dynamics {
 
@@ -41,12 +42,6 @@ class MotionForces {
   int threads() const { return threads_; }
 
  private:
-  struct Incidence {
-    std::vector<std::size_t> offsets;
-    std::vector<Index> items;  ///< springs: 2 s for the first end, 2 s + 1 for the second; gradients of terms
-  };
-
-  static Incidence invert(std::size_t vertices, std::span<const Index> vertex_of);
   std::size_t pull_springs(std::span<const Vec3> u, std::span<const Vec3> v);
   void stress_domains(std::span<const Vec3> u, std::span<const Vec3> v);
   void gather(std::span<const Vec3> v, std::span<Vec3> force) const;
@@ -55,8 +50,8 @@ class MotionForces {
   int threads_;
   std::vector<HeldComponent> held_;
   std::vector<std::uint8_t> held_bits_;
-  Incidence spring_ends_;
-  std::vector<Incidence> term_entries_;
+  VertexLists spring_ends_;                ///< 2 s for the first end of spring s, 2 s + 1 for the second
+  std::vector<VertexLists> term_entries_;  ///< of each term: entries of its operator
   std::vector<std::vector<Index>> domain_of_entry_;
   std::vector<Vec3> pull_;                 ///< on the first end of each spring
   std::vector<std::vector<Mat3>> stress_;  ///< -V P of each domain of each term

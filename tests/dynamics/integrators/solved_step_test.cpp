@@ -186,6 +186,25 @@ TEST(SolvedStep, WhatIsLeftIsReportedAndOutOfIterationsIsAnOutcome) {
   }
 }
 
+TEST(SolvedStep, ASystemThatWasNotSolvedIsNoSolvedStep) {
+  const TetMesh mesh = build_kuhn_cube(2, 0.2, 5);
+  const MotionModel model = make_bedded_body(mesh, VolumeModel::kNodeAverage);
+  for (const double tolerance : {0.0, 1e-9}) {
+    IntegratorOptions options = options_of(IntegratorKind::kBackwardEuler, 5, tolerance);
+    options.linear.method = LinearMethod::kConjugateGradients;
+    const auto first = [&] {
+      Integrator integrator(model, options);
+      MotionState state = start_at_rest(model);
+      return integrator.step(state, 0.1);
+    };
+    EXPECT_TRUE(first().solved) << tolerance;
+    options.linear.max_iterations = 1;
+    const StepReport broken = first();
+    EXPECT_FALSE(broken.solved) << tolerance;
+    EXPECT_EQ(broken.iterations, 1U);
+  }
+}
+
 TEST(SolvedStep, NewtonsMethodConvergesQuadratically) {
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 5);
   const MotionModel model = make_bedded_body(mesh, VolumeModel::kNodeAverage);

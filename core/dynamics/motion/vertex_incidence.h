@@ -22,6 +22,12 @@ struct VertexLists {
 /// The entries k of `vertex_of`, sorted by the vertex that they hold; those of a vertex in rising order.
 VertexLists list_by_vertex(std::size_t vertices, std::span<const Index> vertex_of);
 
+/// At each vertex 2 s for each spring s that starts there, 2 s + 1 for each that ends there.
+VertexLists list_spring_ends(const MotionModel& model);
+
+/// The domain of each entry of an operator.
+std::vector<Index> list_domains(const StrainOperator& op);
+
 /// A face of a support with what belongs to its group of loads.
 struct TimedSupport {
   SupportFace face;
