@@ -27,7 +27,6 @@ namespace {
 using nlohmann::json;
 
 /// Of a modulus, a density or a unit, in size.
-constexpr double kMostNumber = 1e15;
 constexpr std::size_t kMostBytes = std::size_t{1} << 36U;  ///< of a model
 
 struct ExportArguments {

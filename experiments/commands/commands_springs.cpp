@@ -31,7 +31,6 @@ namespace {
 using nlohmann::json;
 
 /// Of a modulus, a density or a unit, in size.
-constexpr double kMostNumber = 1e15;
 
 struct SpringsArguments {
   std::string mesh;

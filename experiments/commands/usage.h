@@ -13,6 +13,8 @@ void set_plain_help(CLI::App& app);
 /// Puts all commands that the application has under the heading "Commands".
 void name_command_groups(CLI::App& app);
 
+inline constexpr double kMostNumber = 1e15;  ///< that an option without a limit of its own may be
+
 /// A check that an option is a finite number from `least` to `most`.
 CLI::Validator number_from(double least, double most);
 

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A file's bytes; nothing if it cannot be read.
-std::optional<std::string> bytes_of(const fs::path& path) {
+std::optional<std::string> read_whole(const fs::path& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return std::nullopt;
   std::ifstream file(path, std::ios::binary);
@@ -28,7 +28,7 @@ std::optional<std::string> bytes_of(const fs::path& path) {
 void InputGuard::watch(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(file, error)) return;
-  auto bytes = bytes_of(file);
+  auto bytes = read_whole(file);
   if (!bytes) throw InputError(file.string(), 0, "a readable file", "none");
   watched_.push_back({file, *std::move(bytes), false});
 }
@@ -51,7 +51,7 @@ fs::path InputGuard::copy(const fs::path& file, const fs::path& folder) {
 std::vector<std::string> InputGuard::restore() const {
   std::vector<std::string> changed;
   for (const Watched& watched : watched_) {
-    if (bytes_of(watched.file) == watched.bytes) continue;
+    if (read_whole(watched.file) == watched.bytes) continue;
     const std::string name = watched.file.filename().string();
     if (std::find(changed.begin(), changed.end(), name) == changed.end()) changed.push_back(name);
     if (!watched.is_copy) write_file_atomically(watched.file, watched.bytes);

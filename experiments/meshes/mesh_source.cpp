@@ -30,8 +30,6 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr std::uint64_t kDefaultVertices = 1503;
-constexpr std::uint64_t kFewestVertices = 100;
 constexpr std::uint64_t kMostVertices = 5'000'000;
 constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
 constexpr double kDefaultJitter = 0.25;   // cells

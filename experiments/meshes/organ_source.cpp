@@ -15,9 +15,7 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr std::uint64_t kDefaultVertices = 1503;  // the thesis's mesh
-constexpr std::uint64_t kFewestVertices = 100;
-constexpr std::uint64_t kMostVertices = 2'000'000;
+constexpr std::uint64_t kMostOrganVertices = 2'000'000;
 constexpr double kCoarseSkin = 2.2;         // skin to interior: gives the thesis's ratio of edges to vertices
 constexpr double kFineSkin = 1.0;           // as users' meshes have
 constexpr double kFirstInteriorSize = 4.0;  // mm, for kidney of 159 ml and 1503 vertices
@@ -61,7 +59,7 @@ MadeMesh make_body(const ShapeRequest& request) {
   require(is_body(request.name), "make_body: not a body");
   const MeshSize& size = request.size;
   const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
-  if (vertices < kFewestVertices || vertices > kMostVertices) {
+  if (vertices < kFewestVertices || vertices > kMostOrganVertices) {
     throw InputError(request.name, 0, "100 to 2000000 vertices", std::to_string(vertices));
   }
   if (size.edge_length) check_interior_size(kFirstVolume, *size.edge_length);

@@ -10,6 +10,9 @@
 
 namespace palpate::experiments {
 
+inline constexpr std::uint64_t kDefaultVertices = 1503;  ///< of the thesis's mesh
+inline constexpr std::uint64_t kFewestVertices = 100;    ///< that a body may be asked for
+
 /// How fine a made mesh is to be; at most one of the two. Without either, a shape takes its own default.
 struct MeshSize {
   std::optional<std::uint64_t> vertices{};

@@ -10,7 +10,7 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr std::int64_t kLargestCount = std::int64_t{1} << 40;
+constexpr std::int64_t kLargestSeed = std::int64_t{1} << 40;
 
 /// A contestant as read, with the places of the parts that are checked later.
 struct Entry {
@@ -51,7 +51,7 @@ std::vector<std::int64_t> read_seeds(const YamlValue& value) {
     return seeds;
   }
   for (const YamlValue& item : value.items()) {
-    const std::int64_t seed = item.integer(0, kLargestCount);
+    const std::int64_t seed = item.integer(0, kLargestSeed);
     if (std::find(seeds.begin(), seeds.end(), seed) != seeds.end()) item.fail_expected("seeds that differ");
     seeds.push_back(seed);
   }

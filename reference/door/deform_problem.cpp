@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "palpate/problem/1";
+constexpr const char* kProblemSchema = "palpate/problem/1";
 constexpr const char* kHeader = "vertex,ux_m,uy_m,uz_m";
 
 json vector_to_json(const Vec3& value) {
@@ -38,7 +38,8 @@ class ProblemReader {
     check_keys(value, "",
                {"schema", "strain", "material", "gravity_m_s2", "held", "supports", "tractions",
                 "nodal_forces", "body_force_n_m3", "held_field_m"});
-    if (value.value("schema", json()) != kSchema) fail("schema", kSchema, value.value("schema", json()));
+    if (value.value("schema", json()) != kProblemSchema)
+      fail("schema", kProblemSchema, value.value("schema", json()));
     BoundaryProblem problem;
     problem.material = read_material(at(value, "material"));
     const json strain = value.value("strain", json("small"));
@@ -253,7 +254,7 @@ bool take_number(std::string_view& text, Number& value, bool is_last) {
 }  // namespace
 
 json problem_to_json(const BoundaryProblem& problem) {
-  json value = {{"schema", kSchema},
+  json value = {{"schema", kProblemSchema},
                 {"strain", problem.strain == StrainSize::kSmall ? "small" : "large"},
                 {"material",
                  {{"young_modulus_pa", problem.material.young_modulus_pa},

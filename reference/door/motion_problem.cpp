@@ -20,7 +20,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "palpate/motion_problem/1";
+constexpr const char* kMotionSchema = "palpate/motion_problem/1";
 constexpr std::int64_t kMostSamples = 1'000'000'000;
 constexpr std::int64_t kMostFrequencies = 1000;
 
@@ -32,7 +32,8 @@ class MotionReader {
   MotionProblem read(const json& value) const {
     check_keys(value, "",
                {"schema", "body", "loads", "damping", "duration_s", "samples", "probes", "frequencies"});
-    if (value.value("schema", json()) != kSchema) fail("schema", kSchema, value.value("schema", json()));
+    if (value.value("schema", json()) != kMotionSchema)
+      fail("schema", kMotionSchema, value.value("schema", json()));
     MotionProblem problem;
     problem.body = problem_from_json(at(value, "body", ""), mesh_, where_ + ": body");
     const json& loads = at(value, "loads", "");
@@ -172,7 +173,7 @@ std::string joined_columns(const std::vector<std::string>& columns) {
 
 json motion_to_json(const MotionProblem& problem) {
   json value = {
-      {"schema", kSchema},
+      {"schema", kMotionSchema},
       {"body", problem_to_json(problem.body)},
       {"loads", json::array()},
       {"damping", {{"stiffness_s", problem.damping_stiffness_s}, {"mass_per_s", problem.damping_mass_per_s}}},

@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "palpate/moving_body/1";
+constexpr const char* kBodySchema = "palpate/moving_body/1";
 constexpr std::uint64_t kMostFrames = 1'000'000'000;
 constexpr std::uint64_t kMostIterations = 100'000;
 constexpr std::uint64_t kMostSubsteps = 10'000;
@@ -178,13 +178,15 @@ json moving_body_to_json(const MovingBody& body) {
   put("time_step_s", stepping.time_step_s, steps);
   put("speed_limit_m_s", stepping.speed_limit_m_s, steps);
   put("mass_per_vertex_kg", stepping.mass_per_vertex_kg, steps);
-  return {
-      {"schema", kSchema}, {"motion", motion_to_json(body.motion)}, {"model", model}, {"stepping", steps}};
+  return {{"schema", kBodySchema},
+          {"motion", motion_to_json(body.motion)},
+          {"model", model},
+          {"stepping", steps}};
 }
 
 MovingBody moving_body_from_json(const json& value, const TetMesh& mesh, const std::string& where) {
   const Members members(value, where, {"schema", "motion", "model", "stepping"});
-  if (members.text("schema") != kSchema) members.fail("schema", kSchema, members.need("schema"));
+  if (members.text("schema") != kBodySchema) members.fail("schema", kBodySchema, members.need("schema"));
   return {motion_from_json(members.need("motion"), mesh, where + ": motion"),
           read_model(members.need("model"), where + ": model"),
           read_stepping(members.need("stepping"), where + ": stepping")};

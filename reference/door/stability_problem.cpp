@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "palpate/stability_problem/1";
+constexpr const char* kStabilitySchema = "palpate/stability_problem/1";
 constexpr std::array<const char*, 6> kLaws{"none", "stiffness", "mass", "axial", "isotropic", "drag"};
 
 /// Reads one problem; `where` names the file in messages.
@@ -106,7 +106,7 @@ struct Reader {
 json stability_to_json(const StabilityProblem& problem) {
   json start = json::array();
   for (const Vec3& u : problem.start_m) start.push_back({u.x, u.y, u.z});
-  return {{"schema", kSchema},
+  return {{"schema", kStabilitySchema},
           {"material",
            {{"young_modulus_pa", problem.material.young_modulus_pa},
             {"poisson_ratio", problem.material.poisson_ratio},
@@ -125,7 +125,7 @@ StabilityProblem stability_from_json(const json& value, const TetMesh& mesh, con
   read.object(
       value, "problem",
       {"schema", "material", "stiffness_factor", "mass_factors", "damping", "held", "start_m", "seed"});
-  if (value.at("schema") != kSchema) read.fail("schema", kSchema, value.at("schema"));
+  if (value.at("schema") != kStabilitySchema) read.fail("schema", kStabilitySchema, value.at("schema"));
   StabilityProblem out;
   out.material = read.material(value.at("material"));
   out.stiffness_factor = read.not_negative(value.at("stiffness_factor"), "stiffness_factor");

@@ -15,9 +15,6 @@
 namespace palpate::reference {
 namespace {
 
-constexpr int kTriangleType = 2;
-constexpr int kTetType = 4;
-
 /// The triangles of each connected piece of a surface, in the order of their first triangle.
 std::vector<std::vector<Triangle>> split_pieces(const SurfaceMesh& surface) {
   std::vector<Index> root(surface.points.size());

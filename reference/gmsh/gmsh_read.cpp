@@ -13,8 +13,6 @@ namespace palpate::reference {
 namespace {
 
 constexpr int kLineType = 1;
-constexpr int kTriangleType = 2;
-constexpr int kTetType = 4;
 constexpr int kPointType = 15;
 
 /// Refuses every element kind but linear tets; simpler kinds that bound them are left out, and noted.

@@ -10,6 +10,10 @@
 
 namespace palpate::reference {
 
+// gmsh's numbers of kinds of elements.
+inline constexpr int kTriangleType = 2;
+inline constexpr int kTetType = 4;
+
 /// Starts gmsh quietly with one thread, and stops it.
 class GmshSession {
  public:

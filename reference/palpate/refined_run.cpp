@@ -16,7 +16,7 @@ bool take_switch(json& options, const char* key, bool fallback) {
   return take_option<bool>(options, key, &json::is_boolean, "true or false", fallback);
 }
 
-simplify::RefinedOptions read_options(const Request& request) {
+simplify::RefinedOptions read_refined_options(const Request& request) {
   json left = request.options;
   simplify::RefinedOptions options;
   options.stop = read_stop(request.stop);
@@ -43,7 +43,7 @@ simplify::RefinedOptions read_options(const Request& request) {
 }  // namespace
 
 Response run_refined(const Request& request) {
-  const simplify::RefinedOptions options = read_options(request);
+  const simplify::RefinedOptions options = read_refined_options(request);
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);

@@ -24,7 +24,7 @@ struct SurfaceRequest {
   double unit_m = 1.0;
 };
 
-SurfaceRequest read_options(const Request& request) {
+SurfaceRequest read_surface_options(const Request& request) {
   json left = request.options;
   SurfaceRequest result;
   result.options.stop = read_stop(request.stop);
@@ -60,7 +60,7 @@ std::string contact_note(const Vec3& place) {
 }  // namespace
 
 Response run_surface(const Request& request) {
-  const SurfaceRequest asked = read_options(request);
+  const SurfaceRequest asked = read_surface_options(request);
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);

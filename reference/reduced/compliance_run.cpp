@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/reduced/compliance_answer.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
@@ -19,15 +19,10 @@ namespace {
 using dynamics::ComplianceTable;
 using dynamics::HeldBody;
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kTimings = 51;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-struct Options {
+struct TableRunOptions {
   dynamics::ComplianceOptions table;
   bool single = true;
   std::string factor;
@@ -35,11 +30,11 @@ struct Options {
   bool write = false;  ///< beside the displacement
 };
 
-Options take_options(const Request& request) {
+TableRunOptions take_table_options(const Request& request) {
   if (request.method != "reduced.compliance")
     throw InputError("method", 0, "reduced.compliance", request.method);
   json left = request.options;
-  Options options;
+  TableRunOptions options;
   options.table.element_order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.table.refine = static_cast<int>(take_whole(left, "refine", 0, 1, 0));
   options.table.reaction_order = take_choice(left, "reactions", {"linear", "quadratic"}) == 0 ? 1 : 2;
@@ -54,9 +49,9 @@ Options take_options(const Request& request) {
 }
 
 /// The table, made or read, with what that took in the report.
-ComplianceTable obtain_table(const Options& options, const DeformTask& task, Response& response) {
+ComplianceTable obtain_table(const TableRunOptions& options, const DeformTask& task, Response& response) {
   json& report = response.report;
-  const auto start = Clock::now();
+  const Stopwatch start;
   if (!options.read.empty()) {
     ComplianceTable table = read_table(options.read);
     const auto& made = table.options;
@@ -66,7 +61,7 @@ ComplianceTable obtain_table(const Options& options, const DeformTask& task, Res
       throw InputError(options.read, 0,
                        "a table of the elements, reactions, precision and midpoints that are asked for",
                        "another");
-    report["read_s"] = seconds_since(start);
+    report["read_s"] = start.seconds();
     report["identify_s"] = 0.0;
     return table;
   }
@@ -75,7 +70,7 @@ ComplianceTable obtain_table(const Options& options, const DeformTask& task, Res
   dynamics::ComplianceSetup setup;
   ComplianceTable table = build_compliance_table(task.mesh, wanted, choose_factor(options.factor), setup);
   if (options.single) table = to_single(table);
-  report["identify_s"] = seconds_since(start);
+  report["identify_s"] = start.seconds();
   report["unknowns"] = setup.unknowns;
   report["factor_entries"] = setup.factor_entries;
   report["assembly_s"] = setup.assembly_s;
@@ -89,9 +84,9 @@ template <typename Work>
 double median_time(const Work& work) {
   std::array<double, kTimings> times{};
   for (double& time : times) {
-    const auto start = Clock::now();
+    const Stopwatch start;
     work();
-    time = seconds_since(start);
+    time = start.seconds();
   }
   std::nth_element(times.begin(), times.begin() + kTimings / 2, times.end());
   return times[kTimings / 2];
@@ -118,7 +113,7 @@ void time_answers(const HeldBody& held, const BoundaryProblem& problem, json& re
 }  // namespace
 
 Response run_compliance(const Request& request) {
-  const Options options = take_options(request);
+  const TableRunOptions options = take_table_options(request);
   const DeformTask task = read_deform_task(request);
   if (task.problem.strain == StrainSize::kLarge)
     throw InputError("strain", 0, "small: reduced.compliance is linear", "large");
@@ -126,15 +121,15 @@ Response run_compliance(const Request& request) {
   response.report = {{"method", request.method}};
   json& report = response.report;
 
-  const auto start = Clock::now();
+  const Stopwatch start;
   ComplianceTable table = obtain_table(options, task, response);
-  const auto holding = Clock::now();
+  const Stopwatch holding;
   const HeldBody held(table, task.mesh, task.problem);
-  report["prepare_s"] = seconds_since(holding);
-  const auto solving = Clock::now();
+  report["prepare_s"] = holding.seconds();
+  const Stopwatch solving;
   const dynamics::ComplianceAnswer answer = held.solve(task.problem);
-  report["solve_s"] = seconds_since(solving);
-  response.kernel_s = seconds_since(start);
+  report["solve_s"] = solving.seconds();
+  response.kernel_s = start.seconds();
 
   time_answers(held, task.problem, report);
   report["outcome"] = "converged";

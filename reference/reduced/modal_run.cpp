@@ -1,12 +1,12 @@
 #include "reference/reduced/modal_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/reduced/modal_phase.h"
 #include "core/mesh/rigid_motion.h"
@@ -22,26 +22,21 @@ using dynamics::BodyForces;
 using dynamics::ModalGroup;
 using dynamics::ModalPhase;
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 constexpr double kMostSteps = 1e8;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-struct Options {
+struct ModalRunOptions {
   int order = 2;
   double time_step_s = 1e-3;
   std::string factor;
   dynamics::ModalOptions modal;
 };
 
-Options take_options(const Request& request, bool moves) {
+ModalRunOptions take_modal_options(const Request& request, bool moves) {
   const std::string name = moves ? "moving_reduced.modal" : "reduced.modal";
   if (request.method != name) throw InputError("method", 0, name, request.method);
   json left = request.options;
-  Options options;
+  ModalRunOptions options;
   options.order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.modal.modes = static_cast<std::size_t>(take_whole(left, "modes", 1, 1000, 60));
   options.modal.correction = take_option<bool>(left, "correction", &json::is_boolean, "true or false", true);
@@ -59,7 +54,7 @@ void refuse_large(StrainSize strain, const std::string& method) {
 /// Takes a body through its phases.
 class ModalMotion {
  public:
-  ModalMotion(const MotionTask& task, const Options& options)
+  ModalMotion(const MotionTask& task, const ModalRunOptions& options)
       : task_(task),
         options_(options),
         space_(dynamics::build_element_space(task.mesh, options.order)),
@@ -77,9 +72,9 @@ class ModalMotion {
     dynamics::NodeState state{std::vector<Vec3>(space_.nodes()), std::vector<Vec3>(space_.nodes())};
     const std::vector<LoadPhase> phases = find_phases(task_.problem);
     for (std::size_t k = 0; k < phases.size(); ++k) {
-      const auto setting_up = Clock::now();
+      const Stopwatch setting_up;
       ModalPhase moving = build_phase(phases[k]);
-      setup_s_ += seconds_since(setting_up);
+      setup_s_ += setting_up.seconds();
       left_out_ = std::max(left_out_, moving.start(state, phases[k].from_s));
       if (k == 0) add_row(moving, phases[k], phases[k].from_s);
       step_through(moving, phases[k], k + 1 == phases.size());
@@ -141,14 +136,14 @@ class ModalMotion {
     const auto steps = static_cast<std::uint64_t>(steps_of(phase));
     const double step_s = (phase.to_s - phase.from_s) / static_cast<double>(steps);
     longest_step_s_ = std::max(longest_step_s_, step_s);
-    const auto preparing = Clock::now();
+    const Stopwatch preparing;
     moving.prepare(step_s);
-    setup_s_ += seconds_since(preparing);
+    setup_s_ += preparing.seconds();
     for (std::uint64_t k = 1; k <= steps; ++k) {
       const double time_s = k == steps ? phase.to_s : phase.from_s + static_cast<double>(k) * step_s;
-      const auto stepping = Clock::now();
+      const Stopwatch stepping;
       moving.advance(step_s, time_s);
-      stepping_s_ += seconds_since(stepping);
+      stepping_s_ += stepping.seconds();
       ++steps_;
       if (steps_ % stride_ == 0 || (is_last && k == steps)) add_row(moving, phase, time_s);
     }
@@ -175,7 +170,7 @@ class ModalMotion {
   }
 
   const MotionTask& task_;
-  const Options& options_;
+  const ModalRunOptions& options_;
   dynamics::ElementSpace space_;
   dynamics::ElementMatrices body_;
   MotionHistory history_;
@@ -192,23 +187,23 @@ class ModalMotion {
 }  // namespace
 
 Response run_modal_at_rest(const Request& request) {
-  const Options options = take_options(request, false);
+  const ModalRunOptions options = take_modal_options(request, false);
   const DeformTask task = read_deform_task(request);
   refuse_large(task.problem.strain, request.method);
   dynamics::require_no_rigid_motion(task.mesh, dynamics::build_loads(task.mesh, task.problem));
   Response response;
-  const auto start = Clock::now();
+  const Stopwatch start;
   const dynamics::ElementSpace space = dynamics::build_element_space(task.mesh, options.order);
   const dynamics::ElementMatrices body = build_element_matrices(task.mesh, space, task.problem.material);
   std::vector<ModalGroup> groups{
       {build_node_loads(task.mesh, space, task.problem, BodyForces::kInclude), {}}};
   ModalPhase modal(body, options.order, std::move(groups), options.modal, choose_factor(options.factor));
-  const double setup_s = seconds_since(start);
-  const auto solving = Clock::now();
+  const double setup_s = start.seconds();
+  const Stopwatch solving;
   modal.rest();
   std::vector<Vec3> u = modal.state().displacement_m;
-  response.kernel_s = seconds_since(start);
-  const double solve_s = seconds_since(solving);
+  response.kernel_s = start.seconds();
+  const double solve_s = solving.seconds();
   const dynamics::ModalMeasure at_rest = modal.measure();
   u.resize(task.mesh.points.size() + space.edges.edges.size());
   response.report = {{"method", request.method},
@@ -226,7 +221,7 @@ Response run_modal_at_rest(const Request& request) {
 }
 
 Response run_modal_motion(const Request& request) {
-  const Options options = take_options(request, true);
+  const ModalRunOptions options = take_modal_options(request, true);
   const MotionTask task = read_motion_task(request);
   refuse_large(task.problem.body.strain, request.method);
   Response response;
@@ -235,9 +230,9 @@ Response run_modal_motion(const Request& request) {
                      {"modes", options.modal.modes},
                      {"vertices", task.mesh.points.size()}};
   ModalMotion motion(task, options);
-  const auto start = Clock::now();
+  const Stopwatch start;
   motion.run();
-  response.kernel_s = std::min(motion.kernel_s(), seconds_since(start));
+  response.kernel_s = std::min(motion.kernel_s(), start.seconds());
   motion.report(response);
   if (motion.is_finite()) write_history(request.output, motion.history());
   return response;

@@ -21,7 +21,7 @@ namespace {
 using dynamics::HeldBody;
 using nlohmann::json;
 
-struct Options {
+struct TickRunOptions {
   TickLoop loop;
   dynamics::ComplianceOptions table;
   bool single = true;
@@ -29,10 +29,10 @@ struct Options {
   bool moves_skin = false;  ///< each tick also moves the skin, for a picture
 };
 
-Options take_options(const Request& request) {
+TickRunOptions take_tick_options(const Request& request) {
   constexpr std::int64_t kMostVertices = 536'870'912;
   json left = request.options;
-  Options options;
+  TickRunOptions options;
   options.loop = take_tick_loop(left);
   options.table.element_order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
   options.single = take_choice(left, "precision", {"single", "double"}) == 0;
@@ -162,7 +162,7 @@ Vec3 force_on(const HeldBody::SkinLoad& load, const std::vector<std::size_t>& no
 
 Response run_compliance_ticks(const Request& request) {
   if (request.method != "reduced.ticks") throw InputError("method", 0, "reduced.ticks", request.method);
-  Options options = take_options(request);
+  TickRunOptions options = take_tick_options(request);
   const MovingTask task = read_moving_task(request);
   const MotionProblem& motion = task.body.motion;
   const std::size_t tool = find_only_tool(motion);

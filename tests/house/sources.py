@@ -35,7 +35,8 @@ FOLDERS = ("core", "reference", "experiments", "tests")
 HELD = "tests/house/held.txt"
 RECORDED = ("headers", "tidy")
 KEY_LENGTH = 20
-PRECOMPILED_ALONE = ("-Winvalid-pch", "-Wno-stringop-overflow", "-Wno-array-bounds")
+# Options for the compiler's own sake, where headers are precompiled and where the sources of a folder are compiled together.
+COMPILER_ALONE = ("-Winvalid-pch", "-Wno-stringop-overflow", "-Wno-array-bounds", "-Wno-subobject-linkage")
 # Left out of tests: what costs half of the time there and asks about paths through a program. They are run, with sanitizers too
 # (preset debug); style, names and modernize stay.
 OF_PROGRAMS = "-clang-analyzer-*,-bugprone-*,-performance-unnecessary-value-param"
@@ -84,7 +85,7 @@ def without_precompiled(words):
     """A command without the compiler's own precompiled header and the options for its sake: no other tool reads it, nothing depends on it."""
     kept, is_file = [], False
     for word, following in zip(words, [*words[1:], ""]):
-        if is_file or word in PRECOMPILED_ALONE:
+        if is_file or word in COMPILER_ALONE:
             is_file = False
         elif word == "-include" and following.endswith("/cmake_pch.hxx"):
             is_file = True
@@ -94,9 +95,17 @@ def without_precompiled(words):
 
 
 def read_commands(build):
-    """The compile command of each source, as a list of words, by its absolute path."""
-    entries = json.loads((build / "compile_commands.json").read_text(encoding="utf-8"))
-    return {entry["file"]: without_precompiled(shlex.split(entry["command"])) for entry in entries}
+    """The compile command of each source, as a list of words, by its absolute path. A source that is compiled together with others
+    (cmake/unite.cmake) has the command that it would have alone."""
+    commands = {}
+    for entry in json.loads((build / "compile_commands.json").read_text(encoding="utf-8")):
+        file, words = entry["file"], without_precompiled(shlex.split(entry["command"]))
+        if "/Unity/" not in file:
+            commands[file] = words
+            continue
+        for each in INCLUDE.findall((pathlib.Path(entry["directory"]) / file).read_text(encoding="utf-8")):
+            commands[each] = [each if word == file else word for word in words]
+    return commands
 
 
 def write_commands(build, commands):

@@ -43,7 +43,7 @@ struct Named {
   TetMesh mesh;
 };
 
-std::vector<Named> shapes() {
+std::vector<Named> named_shapes() {
   std::vector<Named> all;
   all.push_back({"one tet", unit_tet()});
   for (const int n : {1, 2, 5}) all.push_back({"cube " + std::to_string(n), build_kuhn_cube(n, 0.0, 0)});
@@ -99,7 +99,7 @@ void expect_edges_as_by_brute_force(const TetMesh& mesh) {
 }
 
 TEST(Topology, StarsAndEdgesAgreeWithBruteForce) {
-  for (const Named& shape : shapes()) {
+  for (const Named& shape : named_shapes()) {
     SCOPED_TRACE(shape.name);
     expect_stars_as_by_brute_force(shape.mesh);
     expect_edges_as_by_brute_force(shape.mesh);
@@ -113,7 +113,7 @@ TEST(Topology, StarsAndEdgesAgreeWithBruteForce) {
 }
 
 TEST(Topology, FacesAgreeWithBruteForce) {
-  for (const Named& shape : shapes()) {
+  for (const Named& shape : named_shapes()) {
     SCOPED_TRACE(shape.name);
     const auto expected = faces_by_map(shape.mesh);
     const std::vector<Face> faces = build_faces(shape.mesh);
@@ -129,7 +129,7 @@ TEST(Topology, FacesAgreeWithBruteForce) {
 }
 
 TEST(Topology, BoundaryAgreesWithBruteForceAndPointsOutward) {
-  for (const Named& shape : shapes()) {
+  for (const Named& shape : named_shapes()) {
     SCOPED_TRACE(shape.name);
     std::map<Triangle, Index> expected;
     for (const auto& [face, tets] : faces_by_map(shape.mesh)) {
@@ -154,7 +154,7 @@ TEST(Topology, BoundaryAgreesWithBruteForceAndPointsOutward) {
 }
 
 TEST(Topology, BoundaryOfAShapeIsAClosedSphere) {
-  for (const Named& shape : shapes()) {
+  for (const Named& shape : named_shapes()) {
     SCOPED_TRACE(shape.name);
     std::map<Edge, int> balance;
     std::set<Edge> edges;
@@ -178,7 +178,7 @@ TEST(Topology, BoundaryOfAShapeIsAClosedSphere) {
 }
 
 TEST(Topology, EulerCharacteristicOfABallIsOne) {
-  for (const Named& shape : shapes()) {
+  for (const Named& shape : named_shapes()) {
     const std::size_t plus = shape.mesh.points.size() + build_faces(shape.mesh).size();
     const std::size_t minus = build_edges(shape.mesh).size() + shape.mesh.tets.size();
     EXPECT_EQ(plus - minus, 1U) << shape.name;

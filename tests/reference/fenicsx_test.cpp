@@ -25,7 +25,7 @@ using nlohmann::json;
 
 using namespace test;  // NOLINT(google-build-using-namespace)
 
-const std::vector<std::string> kMethods{"fem.p1", "fem.p2"};
+const std::vector<std::string> kElements{"fem.p1", "fem.p2"};
 
 TEST_F(FiniteElements, PassThePatchTest) {
   const TetMesh mesh = irregular_cube();
@@ -37,7 +37,7 @@ TEST_F(FiniteElements, PassThePatchTest) {
   problem.material = {10000.0, 0.45, 1050.0};
   problem.held.push_back({faces_where(mesh, is_everywhere), {true, true, true}, {}});
   problem.held_field_m = wanted;
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : kElements) {
     for (const StrainSize strain : {StrainSize::kSmall, StrainSize::kLarge}) {
       for (const char* solver : {"mumps", "gamg"}) {
         problem.strain = strain;
@@ -63,7 +63,7 @@ TEST_F(FiniteElements, BarInTensionIsExact) {
   const auto wanted = at_nodes(mesh, [&](const Vec3& p) {
     return strain * Vec3{p.x, -0.3 * p.y, -0.3 * p.z};
   });
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : kElements) {
     EXPECT_LT(difference(solve(method, mesh, problem), wanted), 1e-9) << method;
     EXPECT_NEAR(report_.at("energy_j").get<double>(), 0.5 * 500.0 * strain * 4.0, 1e-6) << method;
     EXPECT_LE(report_.at("residual_relative").get<double>(), 1e-10) << method;
@@ -80,7 +80,7 @@ TEST_F(FiniteElements, PressureActsAgainstTheOutwardNormal) {
         {patch_where(mesh, [&](const Vec3& p) { return p.*axis == 1.0; }), {}, 200.0});
   const double strain = -200.0 * (1.0 - 2.0 * 0.3) / 10000.0;
   const auto wanted = at_nodes(mesh, [&](const Vec3& p) { return strain * p; });
-  for (const std::string& method : kMethods)
+  for (const std::string& method : kElements)
     EXPECT_LT(difference(solve(method, mesh, problem), wanted), 1e-9) << method;
 }
 
@@ -113,7 +113,7 @@ TEST_F(FiniteElements, ElasticSupportIsASpringBedBelowTheBar) {
   const auto wanted = at_nodes(mesh, [&](const Vec3& p) {
     return Vec3{0.01 + 300.0 / (0.5 * stiffness) + 300.0 / 10000.0 * p.x, 0.02, 0.0};
   });
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : kElements) {
     EXPECT_LT(difference(solve(method, mesh, problem), wanted), 1e-9) << method;
     EXPECT_NEAR(report_.at("support_energy_j").get<double>(), 0.5 * 300.0 * 300.0 / (0.5 * stiffness), 1e-6);
     EXPECT_NEAR(report_.at("energy_j").get<double>(), 0.5 * 300.0 * 300.0 / 10000.0 * 4.0, 1e-6) << method;
@@ -134,7 +134,7 @@ TEST_F(FiniteElements, StiffBlockTiltsOnItsSpringBedAsItsSecondMomentSays) {
   // 1 / 12, which a lumped mass would miss.
   problem.nodal_forces = {{corner(0.0), {0.0, 0.0, 0.5}}, {corner(1.0), {0.0, 0.0, -0.5}}};
   const double tilt = 0.5 / (stiffness / 12.0);
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : kElements) {
     const auto found = solve(method, mesh, problem);
     ASSERT_FALSE(found.empty());
     double most = 0.0;
@@ -158,7 +158,7 @@ TEST_F(FiniteElements, NeoHookeanBarStretchesAsItsClosedFormSays) {
       const auto wanted = at_nodes(mesh, [&](const Vec3& p) {
         return Vec3{(along - 1.0) * p.x, (s.across - 1.0) * p.y, (s.across - 1.0) * p.z};
       });
-      for (const std::string& method : kMethods)
+      for (const std::string& method : kElements)
         EXPECT_LT(difference(solve(method, mesh, problem), wanted), 1e-8)
             << method << ' ' << poisson << ' ' << along;
     }
@@ -167,7 +167,7 @@ TEST_F(FiniteElements, NeoHookeanBarStretchesAsItsClosedFormSays) {
 
 TEST_F(FiniteElements, NeoHookeanTendsToLinearElasticity) {
   const TetMesh mesh = irregular_cube();
-  for (const std::string& method : kMethods) {
+  for (const std::string& method : kElements) {
     double last = 0.0;
     for (const double scale : {1e-2, 1e-3}) {
       BoundaryProblem problem = supported_cube(mesh, scale);

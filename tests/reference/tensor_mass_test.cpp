@@ -196,7 +196,7 @@ class TensorMassProgram : public ::testing::Test {
 };
 
 /// A cube on an elastic foot that is pressed by a pad, pulled by its weight, and held at one side.
-BoundaryProblem loaded_cube(const TetMesh& mesh) {
+BoundaryProblem pulled_cube(const TetMesh& mesh) {
   BoundaryProblem problem;
   problem.material = kSoft;
   problem.gravity_m_s2 = {0.0, 1.0, -9.81};
@@ -221,7 +221,7 @@ BoundaryProblem loaded_cube(const TetMesh& mesh) {
 
 TEST_F(TensorMassProgram, AgreesWithLinearFiniteElements) {
   const TetMesh mesh = build_kuhn_cube(4, 0.25, 6);
-  const BoundaryProblem problem = loaded_cube(mesh);
+  const BoundaryProblem problem = pulled_cube(mesh);
   const ContestantAnswer tensors = ask("tensor_mass", mesh, problem, {{"rtol", 1e-13}});
   const ContestantAnswer elements = ask("fem.p1", mesh, problem, {{"rtol", 1e-13}});
   ASSERT_EQ(tensors.outcome, "ok") << tensors.message;
@@ -248,7 +248,7 @@ TEST_F(TensorMassProgram, SaysWhatIsWrong) {
 
 TEST_F(TensorMassProgram, RunningOutOfIterationsLeavesNoDisplacement) {
   const TetMesh mesh = build_kuhn_cube(4, 0.25, 6);
-  const ContestantAnswer answer = ask("tensor_mass", mesh, loaded_cube(mesh), {{"iterations", 2}});
+  const ContestantAnswer answer = ask("tensor_mass", mesh, pulled_cube(mesh), {{"iterations", 2}});
   EXPECT_EQ(answer.outcome, "ok") << answer.message;
   EXPECT_EQ(answer.report.at("outcome"), "not_converged");
   EXPECT_FALSE(std::filesystem::exists(answer.output));

@@ -19,9 +19,9 @@ int count_shared(const Tet& a, const Tet& b) {
       std::count_if(a.begin(), a.end(), [&](Index v) { return std::count(b.begin(), b.end(), v); }));
 }
 
-class Naive {
+class NaiveHierarchical {
  public:
-  Naive(const TetMesh& mesh, const SimplifyOptions& options)
+  NaiveHierarchical(const TetMesh& mesh, const SimplifyOptions& options)
       : mesh_(mesh),
         options_(options),
         sizing_(options.sizing, mesh),
@@ -240,7 +240,7 @@ class Naive {
 }  // namespace
 
 NaiveReport simplify_naively(TetMesh& mesh, const SimplifyOptions& options) {
-  Naive naive(mesh, options);
+  NaiveHierarchical naive(mesh, options);
   const NaiveReport report = naive.run();
   mesh = naive.result();
   return report;

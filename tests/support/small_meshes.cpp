@@ -104,6 +104,11 @@ TetMesh make_two_tets() {
   return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}}, {{0, 1, 2, 3}, {0, 2, 1, 4}}};
 }
 
+int count_shared(const Tet& a, const Tet& b) {
+  return static_cast<int>(
+      std::count_if(a.begin(), a.end(), [&](Index v) { return std::count(b.begin(), b.end(), v); }));
+}
+
 TetMesh join_meshes(const TetMesh& a, const TetMesh& b) {
   TetMesh both = a;
   const auto shift = static_cast<Index>(a.points.size());

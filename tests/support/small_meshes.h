@@ -39,6 +39,9 @@ Index block_vertex(int nx, int ny, int x, int y, int z);
 /// Two tets that share a face, with the apexes above and below it.
 TetMesh make_two_tets();
 
+/// The number of vertices that two tets share.
+int count_shared(const Tet& a, const Tet& b);
+
 /// Both meshes side by side, the second's vertices after the first's.
 TetMesh join_meshes(const TetMesh& a, const TetMesh& b);
 

@@ -2,16 +2,10 @@
 
 #include <algorithm>
 
+#include "core/dynamics/linear_algebra/vertex_field.h"
+
 namespace palpate::dynamics {
 namespace {
-
-double component(const Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
-
-void add_to_component(Vec3& v, std::size_t axis, double value) {
-  (axis == 0 ? v.x : (axis == 1 ? v.y : v.z)) += value;
-}
 
 /// Velocities that carry held components to where they belong at the end of the step; `velocity` keeps the
 /// others.
@@ -21,7 +15,8 @@ void set_held_velocity(const MotionForces& forces, const MotionState& state, dou
     const double share = value_at(forces.model().loads[held.group].profile, state.time_s + step_s).share;
     const double change = share * held.by_m - component(state.displacement_m[held.vertex], held.axis);
     Vec3& v = velocity[held.vertex];
-    add_to_component(v, held.axis, change / step_s - component(v, held.axis));
+    double& along = component(v, held.axis);
+    along += change / step_s - along;
   }
 }
 

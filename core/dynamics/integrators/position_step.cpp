@@ -51,7 +51,7 @@ Matrix6 build_stiffness(const Moduli& moduli, double volume_m3) {
 }
 
 /// A strain term, and of each of its domains the multipliers and what corrects them.
-struct TermState {
+struct ConstrainedTerm {
   const StrainTerm* term = nullptr;
   std::vector<Matrix6> correction;     ///< (1 + (h^2 + h b) K G)^-1, for inverse masses alike along all axes
   std::vector<std::uint8_t> is_mixed;  ///< a vertex is held along some axes alone: `correction` does not hold
@@ -94,7 +94,7 @@ struct PositionStep::Work {
     const std::size_t n = held->size();
     supports = list_supports(*model);
     for (const StrainTerm& term : model->elastic.strain_terms) {
-      TermState& state = terms.emplace_back();
+      ConstrainedTerm& state = terms.emplace_back();
       state.term = &term;
       for (std::size_t s = 0; s < term.op.domains(); ++s) {
         const auto vertices = term.op.vertices_of(s);
@@ -117,7 +117,7 @@ struct PositionStep::Work {
     }
     clear_held(*held, inverse_mass);
     const double factor = h * h + h * model->strain_damping_s;
-    for (TermState& state : terms) {
+    for (ConstrainedTerm& state : terms) {
       const StrainOperator& op = state.term->op;
       state.correction.resize(op.domains());
       for (std::size_t s = 0; s < op.domains(); ++s)
@@ -126,7 +126,7 @@ struct PositionStep::Work {
   }
 
   /// (1 + factor K G)^-1 of a domain whose strains are taken in the frame `r`.
-  Matrix6 correct(const TermState& state, std::size_t s, const Mat3& r, double factor) const {
+  Matrix6 correct(const ConstrainedTerm& state, std::size_t s, const Mat3& r, double factor) const {
     const StrainOperator& op = state.term->op;
     Matrix6 g = Matrix6::Zero();
     using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -157,7 +157,7 @@ struct PositionStep::Work {
     }
     spring_multiplier.assign(model->elastic.springs.springs.size(), 0.0);
     support_multiplier.assign(supports.size(), {});
-    for (TermState& term : terms) term.multiplier.assign(term.term->op.domains(), Vector6::Zero());
+    for (ConstrainedTerm& term : terms) term.multiplier.assign(term.term->op.domains(), Vector6::Zero());
   }
 
   void solve_spring(const MotionState& state, std::span<Vec3> u, std::size_t s) {
@@ -184,7 +184,7 @@ struct PositionStep::Work {
     u[b] = u[b] + change * pull_b;
   }
 
-  void solve_domain(const MotionState& state, std::span<Vec3> u, TermState& term, std::size_t s) {
+  void solve_domain(const MotionState& state, std::span<Vec3> u, ConstrainedTerm& term, std::size_t s) {
     const StrainOperator& op = term.term->op;
     const double b = model->strain_damping_s;
     const Mat3 h = displacement_gradient(op, s, u);
@@ -259,7 +259,7 @@ struct PositionStep::Work {
   const MotionModel* model;
   const std::vector<std::uint8_t>* held;
   std::vector<TimedSupport> supports;
-  std::vector<TermState> terms;
+  std::vector<ConstrainedTerm> terms;
   std::vector<double> spring_multiplier;
   std::vector<std::array<Vec3, 3>> support_multiplier;
   double step_s = 0.0;

@@ -44,8 +44,7 @@ std::size_t find_imbalance(MotionForces& forces, const MotionState& state, doubl
 void set_held(const MotionForces& forces, double time_s, std::span<Vec3> u) {
   for (const HeldComponent& held : forces.held()) {
     const double place = value_at(forces.model().loads[held.group].profile, time_s).share * held.by_m;
-    Vec3& moved = u[held.vertex];
-    (held.axis == 0 ? moved.x : (held.axis == 1 ? moved.y : moved.z)) = place;
+    component(u[held.vertex], held.axis) = place;
   }
 }
 

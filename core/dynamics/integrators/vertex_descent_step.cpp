@@ -18,7 +18,7 @@ bool solve_block(Mat3 a, Vec3 b, std::uint8_t held, Vec3& x) {
     if (((static_cast<unsigned>(held) >> axis) & 1U) == 0) continue;
     for (std::size_t other = 0; other < 3; ++other) a(axis, other) = a(other, axis) = 0.0;
     a(axis, axis) = 1.0;
-    (axis == 0 ? b.x : (axis == 1 ? b.y : b.z)) = 0.0;
+    component(b, axis) = 0.0;
   }
   const double det = determinant(a);
   const double minor = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
@@ -28,7 +28,7 @@ bool solve_block(Mat3 a, Vec3 b, std::uint8_t held, Vec3& x) {
 }
 
 /// A strain term with the gradients of its domains, kept as the vertices move.
-struct TermState {
+struct DescentTerm {
   const StrainTerm* term = nullptr;
   VertexLists entries;                ///< entries of the operator at each vertex
   std::vector<Index> domain_of;       ///< of each entry
@@ -49,7 +49,7 @@ struct VertexDescentStep::Work {
       corners.insert(corners.end(), support.face.face.begin(), support.face.face.end());
     support_corners = list_by_vertex(n, corners);
     for (const StrainTerm& term : model->elastic.strain_terms) {
-      TermState& state = terms.emplace_back();
+      DescentTerm& state = terms.emplace_back();
       state.term = &term;
       state.entries = list_by_vertex(n, term.op.vertices);
       state.domain_of = list_domains(term.op);
@@ -65,7 +65,7 @@ struct VertexDescentStep::Work {
       shares.push_back(value_at(group.profile, state.time_s + h).share);
       add_scaled(dead_load, shares.back(), group.loads.force_n);
     }
-    for (TermState& term : terms) {
+    for (DescentTerm& term : terms) {
       const StrainOperator& op = term.term->op;
       term.gradient.resize(op.domains());
       term.gradient_before.resize(op.domains());
@@ -106,7 +106,7 @@ struct VertexDescentStep::Work {
 
   void add_domains(std::size_t v, Vec3& f, Mat3& block) const {
     const double b = model->strain_damping_s;
-    for (const TermState& state : terms) {
+    for (const DescentTerm& state : terms) {
       const StrainTerm& term = *state.term;
       const Moduli viscous{b * term.moduli.lambda_pa, b * term.moduli.mu_pa};
       for (const Index entry : state.entries.of(v)) {
@@ -145,7 +145,7 @@ struct VertexDescentStep::Work {
     Vec3 change;
     if (!solve_block(block, f, (*held)[v], change)) return;
     u[v] = u[v] + change;
-    for (TermState& term : terms) {
+    for (DescentTerm& term : terms) {
       for (const Index entry : term.entries.of(v))
         add_outer(term.gradient[term.domain_of[entry]], change, term.term->op.gradients[entry]);
     }
@@ -157,7 +157,7 @@ struct VertexDescentStep::Work {
   VertexLists spring_ends;
   std::vector<TimedSupport> supports;
   VertexLists support_corners;
-  std::vector<TermState> terms;
+  std::vector<DescentTerm> terms;
   double step_s = 0.0;
   std::vector<double> shares;   ///< of each group of loads, at the end of the step
   std::vector<Vec3> dead_load;  ///< then

@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/parallel.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -127,11 +128,7 @@ std::vector<Vec3> MotionForces::group_forces(const MotionState& state) {
   for (const HeldComponent& each : held_) {
     const ProfileValue profile = value_at(model_->loads[each.group].profile, state.time_s);
     const double inertia = model_->mass_kg[each.vertex] * profile.acceleration_per_s2 * each.by_m;
-    const Vec3& f = force[each.vertex];
-    Vec3& sum = out[each.group];
-    if (each.axis == 0) sum.x += inertia - f.x;
-    if (each.axis == 1) sum.y += inertia - f.y;
-    if (each.axis == 2) sum.z += inertia - f.z;
+    component(out[each.group], each.axis) += inertia - component(force[each.vertex], each.axis);
   }
   for (std::size_t g = 0; g < out.size(); ++g) {
     std::fill(force.begin(), force.end(), Vec3{});
@@ -149,10 +146,8 @@ void MotionForces::impose(double time_s, std::span<Vec3> u, std::span<Vec3> v) c
   for (const TimedLoads& group : model_->loads) profiles.push_back(value_at(group.profile, time_s));
   for (const HeldComponent& each : held_) {
     const ProfileValue& profile = profiles[each.group];
-    const std::array<double*, 3> place{&u[each.vertex].x, &u[each.vertex].y, &u[each.vertex].z};
-    const std::array<double*, 3> speed{&v[each.vertex].x, &v[each.vertex].y, &v[each.vertex].z};
-    *place.at(each.axis) = profile.share * each.by_m;
-    *speed.at(each.axis) = profile.rate_per_s * each.by_m;
+    component(u[each.vertex], each.axis) = profile.share * each.by_m;
+    component(v[each.vertex], each.axis) = profile.rate_per_s * each.by_m;
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/enum_names.h"
 #include "core/base/error.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
@@ -32,10 +33,6 @@ void check_not_negative(const std::vector<double>& values, const char* where) {
     if (!(value >= 0.0) || !std::isfinite(value))
       throw InputError(where, 0, "finite numbers >= 0", std::to_string(value));
   }
-}
-
-double component(const Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
 }
 
 }  // namespace
@@ -102,10 +99,8 @@ MotionState start_at_rest(const MotionModel& model) {
   MotionState state{0.0, std::vector<Vec3>(n), std::vector<Vec3>(n)};
   for (const HeldComponent& held : find_held(model)) {
     const ProfileValue profile = value_at(model.loads[held.group].profile, 0.0);
-    Vec3& u = state.displacement_m[held.vertex];
-    Vec3& v = state.velocity_m_s[held.vertex];
-    (held.axis == 0 ? u.x : (held.axis == 1 ? u.y : u.z)) = profile.share * held.by_m;
-    (held.axis == 0 ? v.x : (held.axis == 1 ? v.y : v.z)) = profile.rate_per_s * held.by_m;
+    component(state.displacement_m[held.vertex], held.axis) = profile.share * held.by_m;
+    component(state.velocity_m_s[held.vertex], held.axis) = profile.rate_per_s * held.by_m;
   }
   return state;
 }

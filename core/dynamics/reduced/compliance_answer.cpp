@@ -8,6 +8,8 @@
 #include "core/base/error.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/finite_elements/node_loads.h"
+#include "core/dynamics/linear_algebra/signed_index.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/dynamics/reduced/rigid_frame.h"
 #include "core/dynamics/reduced/skin_space.h"
 #include "core/dynamics/reduced/table_product.h"
@@ -19,14 +21,6 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-Eigen::Index whole(std::size_t number) {
-  return static_cast<Eigen::Index>(number);
-}
-
-double component(const Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
 
 void check_table(const ComplianceTable& table, const TetMesh& mesh, const BoundaryProblem& problem) {
   if (problem.strain == StrainSize::kLarge)
@@ -110,13 +104,13 @@ struct HeldBody::State {
   }
 
   void number_rigid_motions() {
-    rigid.resize(whole(3 * skin.nodes.size()), 6);
+    rigid.resize(signed_index(3 * skin.nodes.size()), 6);
     for (std::size_t node = 0; node < space.nodes(); ++node) {
       if (skin.place[node] == kNoIndex) continue;
       for (std::size_t k = 0; k < 6; ++k) {
         const Vec3 at = frame.motion(k, space.points[node]);
         for (std::size_t i = 0; i < 3; ++i)
-          rigid(whole(3 * std::size_t{skin.place[node]} + i), whole(k)) = component(at, i);
+          rigid(signed_index(3 * std::size_t{skin.place[node]} + i), signed_index(k)) = component(at, i);
       }
     }
   }
@@ -126,11 +120,11 @@ struct HeldBody::State {
     const std::size_t n = skin.nodes.size();
     std::vector<std::size_t> place(3 * n, 3 * n);
     for (std::size_t t = 0; t < touched.size(); ++t) place[touched[t]] = t;
-    Matrix stiffness = Matrix::Zero(whole(supported), whole(supported));
+    Matrix stiffness = Matrix::Zero(signed_index(supported), signed_index(supported));
     for (std::size_t s = 0; s < supported; ++s) {
       for (const NodeWeight& entry : rows[touched[s] / 3]) {
         const std::size_t other = place[3 * std::size_t{entry.node} + touched[s] % 3];
-        if (other < supported) stiffness(whole(s), whole(other)) = entry.weight;
+        if (other < supported) stiffness(signed_index(s), signed_index(other)) = entry.weight;
       }
     }
     return stiffness;
@@ -139,19 +133,20 @@ struct HeldBody::State {
   void factor() {
     number_rigid_motions();
     support_inverse.compute(support_stiffness());
-    Matrix all(whole(touched.size()), whole(touched.size()));
+    Matrix all(signed_index(touched.size()), signed_index(touched.size()));
     for (std::size_t t = 0; t < touched.size(); ++t) {
       for (std::size_t u = 0; u < touched.size(); ++u)
-        all(whole(t), whole(u)) = skin_entry(*table, touched[t], touched[u]) / material.young_modulus_pa;
+        all(signed_index(t), signed_index(u)) =
+            skin_entry(*table, touched[t], touched[u]) / material.young_modulus_pa;
     }
-    const Eigen::Index s = whole(supported);
+    const Eigen::Index s = signed_index(supported);
     if (s > 0) {
       const Matrix soft = support_inverse.solve(Matrix::Identity(s, s));
       all.topLeftCorner(s, s) += 0.5 * (soft + soft.transpose());
     }
-    Matrix rigid_touched(whole(touched.size()), 6);
+    Matrix rigid_touched(signed_index(touched.size()), 6);
     for (std::size_t t = 0; t < touched.size(); ++t)
-      rigid_touched.row(whole(t)) = rigid.row(whole(touched[t]));
+      rigid_touched.row(signed_index(t)) = rigid.row(signed_index(touched[t]));
     // Forces that balance a rigid motion's inertia alone deform nothing: where nearly all is touched the
     // block may be singular for them. What their resultant must be is known, so its square can be added.
     stabiliser = touched.empty() ? 0.0 : all.trace() / rigid_touched.squaredNorm();
@@ -218,11 +213,11 @@ void bring_supports(const HeldBody::State& s, const NodeLoads& loads,
       if (is_held[other] != 0) load.support_force_n[c] -= entry.weight * held_by[other];
     }
   }
-  const Eigen::Index supported = whole(s.supported);
-  Vector right(whole(s.touched.size()));
+  const Eigen::Index supported = signed_index(s.supported);
+  Vector right(signed_index(s.touched.size()));
   for (std::size_t t = 0; t < s.touched.size(); ++t) {
     const std::size_t c = s.touched[t];
-    right[whole(t)] = t < s.supported ? load.support_force_n[c] : held_by[c];
+    right[signed_index(t)] = t < s.supported ? load.support_force_n[c] : held_by[c];
   }
   if (supported > 0) right.head(supported) = s.support_inverse.solve(right.head(supported).eval());
   load.holding_m.assign(right.data(), right.data() + right.size());
@@ -269,7 +264,7 @@ std::unique_ptr<HeldBody::SkinLoad> HeldBody::prepare(const BoundaryProblem& pro
   load->resultant = load->weight;
   for (const std::size_t c : load->loaded) {
     for (std::size_t k = 0; k < 6; ++k)
-      load->resultant[k] += s.rigid(whole(c), whole(k)) * load->external_n[c];
+      load->resultant[k] += s.rigid(signed_index(c), signed_index(k)) * load->external_n[c];
   }
   load->displacement_m.assign(3 * s.table->order.size(), 0.0);
   return load;
@@ -277,23 +272,23 @@ std::unique_ptr<HeldBody::SkinLoad> HeldBody::prepare(const BoundaryProblem& pro
 
 void HeldBody::react(SkinLoad& load) const {
   const State& s = *state_;
-  Vector right = Eigen::Map<const Vector>(load.holding_m.data(), whole(load.holding_m.size()));
+  Vector right = Eigen::Map<const Vector>(load.holding_m.data(), signed_index(load.holding_m.size()));
   for (std::size_t t = 0; t < s.touched.size(); ++t) {
     double sum = 0.0;
     for (const std::size_t c : load.loaded) sum += skin_entry(*s.table, s.touched[t], c) * load.external_n[c];
-    right[whole(t)] -= sum / s.material.young_modulus_pa;
+    right[signed_index(t)] -= sum / s.material.young_modulus_pa;
   }
   Vector6 missing = Eigen::Map<const Vector6>(load.resultant.data());
   for (std::size_t t = 0; t < s.touched.size(); ++t)
-    right[whole(t)] -= s.stabiliser * s.rigid.row(whole(s.touched[t])).dot(missing);
+    right[signed_index(t)] -= s.stabiliser * s.rigid.row(signed_index(s.touched[t])).dot(missing);
   const Vector free = s.system.solve(right);
   for (std::size_t t = 0; t < s.touched.size(); ++t)
-    missing += s.rigid.row(whole(s.touched[t])).transpose() * free[whole(t)];
+    missing += s.rigid.row(signed_index(s.touched[t])).transpose() * free[signed_index(t)];
   const Vector6 rigid = s.motions.solve(missing);
   const Vector reaction = free - s.solved_rigid * rigid;
   load.force_n = load.external_n;
-  for (std::size_t t = 0; t < s.touched.size(); ++t) load.force_n[s.touched[t]] += reaction[whole(t)];
-  for (std::size_t k = 0; k < 6; ++k) load.rigid[k] = rigid[whole(k)];
+  for (std::size_t t = 0; t < s.touched.size(); ++t) load.force_n[s.touched[t]] += reaction[signed_index(t)];
+  for (std::size_t k = 0; k < 6; ++k) load.rigid[k] = rigid[signed_index(k)];
 }
 
 namespace {
@@ -365,7 +360,7 @@ ComplianceAnswer HeldBody::finish(const SkinLoad& load) const {
   for (std::size_t c = 0; c < 3 * n; ++c) {
     const double own = elastic[c] / s.material.young_modulus_pa;
     double rigid = 0.0;
-    for (std::size_t k = 0; k < 6; ++k) rigid += s.rigid(whole(c), whole(k)) * load.rigid[k];
+    for (std::size_t k = 0; k < 6; ++k) rigid += s.rigid(signed_index(c), signed_index(k)) * load.rigid[k];
     skin[c] = own + rigid;
     out.energy_j += 0.5 * own * load.force_n[c];
     work += load.external_n[c] * skin[c];

@@ -3,11 +3,12 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
-#include <chrono>
 #include <cstring>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
+#include "core/dynamics/linear_algebra/signed_index.h"
 #include "core/dynamics/reduced/rigid_frame.h"
 #include "core/dynamics/reduced/skin_space.h"
 #include "core/mesh/rigid_motion.h"
@@ -18,18 +19,9 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Clock = std::chrono::steady_clock;
 
 constexpr double kMostBytes = 4.0 * 1024.0 * 1024.0 * 1024.0;
 constexpr Eigen::Index kBlock = 48;  ///< right sides that are solved at once
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-Eigen::Index whole(std::size_t number) {
-  return static_cast<Eigen::Index>(number);
-}
 
 void check_options(const ComplianceOptions& options) {
   if (options.element_order != 1 && options.element_order != 2)
@@ -54,28 +46,28 @@ class FreeBody {
  public:
   FreeBody(const TetMesh& mesh, const ElementSpace& space, double poisson_ratio, const RigidFrame& frame,
            const FactorMaker& make_factor, ComplianceSetup& setup) {
-    const auto start = Clock::now();
+    const Stopwatch start;
     const ElementMatrices body = build_element_matrices(mesh, space, {1.0, poisson_ratio, 1.0});
     const std::size_t n = space.nodes();
-    rigid_.resize(whole(3 * n), 6);
-    weighted_.resize(whole(3 * n), 6);
+    rigid_.resize(signed_index(3 * n), 6);
+    weighted_.resize(signed_index(3 * n), 6);
     std::vector<Vec3> motion(n);
     std::vector<Vec3> product(n);
     for (std::size_t k = 0; k < 6; ++k) {
       for (std::size_t v = 0; v < n; ++v) motion[v] = frame.motion(k, space.points[v]);
       multiply_mass(body, motion, product);
-      std::memcpy(rigid_.col(whole(k)).data(), motion.data(), n * sizeof(Vec3));
-      std::memcpy(weighted_.col(whole(k)).data(), product.data(), n * sizeof(Vec3));
+      std::memcpy(rigid_.col(signed_index(k)).data(), motion.data(), n * sizeof(Vec3));
+      std::memcpy(weighted_.col(signed_index(k)).data(), product.data(), n * sizeof(Vec3));
     }
     inverse_ = (rigid_.transpose() * weighted_).inverse();
     std::vector<std::uint8_t> held = pin_statically(mesh, frame);
     held.resize(n, 0);
     free_ = number_free(held);
     const LowerHalf lower = lower_half(body.stiffness, free_);
-    setup.assembly_s += seconds_since(start);
-    const auto factoring = Clock::now();
+    setup.assembly_s += start.seconds();
+    const Stopwatch factoring;
     factor_ = make_factor(lower);
-    setup.factor_s += seconds_since(factoring);
+    setup.factor_s += factoring.seconds();
     setup.unknowns = free_.count;
     setup.factor_entries = factor_->entries();
   }
@@ -83,16 +75,16 @@ class FreeBody {
   /// K^+ times loads, one a column: balanced, solved, freed of rigid motion.
   void solve(Matrix& loads) const {
     loads -= weighted_ * (inverse_ * (rigid_.transpose() * loads));
-    Matrix inner(whole(free_.count), loads.cols());
+    Matrix inner(signed_index(free_.count), loads.cols());
     for (Eigen::Index c = 0; c < loads.cols(); ++c) {
       for (std::size_t i = 0; i < free_.number.size(); ++i) {
-        if (free_.number[i] != kNoIndex) inner(free_.number[i], c) = loads(whole(i), c);
+        if (free_.number[i] != kNoIndex) inner(free_.number[i], c) = loads(signed_index(i), c);
       }
     }
     factor_->solve({inner.data(), static_cast<std::size_t>(inner.size())});
     for (Eigen::Index c = 0; c < loads.cols(); ++c) {
       for (std::size_t i = 0; i < free_.number.size(); ++i)
-        loads(whole(i), c) = free_.number[i] == kNoIndex ? 0.0 : inner(free_.number[i], c);
+        loads(signed_index(i), c) = free_.number[i] == kNoIndex ? 0.0 : inner(free_.number[i], c);
     }
     loads -= rigid_ * (inverse_ * (weighted_.transpose() * loads));
   }
@@ -115,7 +107,7 @@ class TractionMass {
       for (const NodeWeight& entry : columns[c])
         entries.emplace_back(static_cast<int>(entry.node), static_cast<int>(c), entry.weight);
     }
-    Eigen::SparseMatrix<double> mass(whole(columns.size()), whole(columns.size()));
+    Eigen::SparseMatrix<double> mass(signed_index(columns.size()), signed_index(columns.size()));
     mass.setFromTriplets(entries.begin(), entries.end());
     factor_.compute(mass);
     require(factor_.info() == Eigen::Success, "the mass of the skin is positive definite");
@@ -130,13 +122,13 @@ class TractionMass {
     const std::size_t height = rows.size() / width;
     for (std::size_t first = 0; first < height; first += kRows) {
       const std::size_t count = std::min(kRows, height - first);
-      RowMatrix all(whole(size_), whole(3 * count));
+      RowMatrix all(signed_index(size_), signed_index(3 * count));
       const auto row = [&](std::size_t r) {
-        return Eigen::Map<RowMatrix>(rows.data() + (first + r) * width, whole(size_), 3);
+        return Eigen::Map<RowMatrix>(rows.data() + (first + r) * width, signed_index(size_), 3);
       };
-      for (std::size_t r = 0; r < count; ++r) all.middleCols(whole(3 * r), 3) = row(r);
+      for (std::size_t r = 0; r < count; ++r) all.middleCols(signed_index(3 * r), 3) = row(r);
       const RowMatrix solved = factor_.solve(all);
-      for (std::size_t r = 0; r < count; ++r) row(r) = solved.middleCols(whole(3 * r), 3);
+      for (std::size_t r = 0; r < count; ++r) row(r) = solved.middleCols(signed_index(3 * r), 3);
     }
   }
 
@@ -146,13 +138,13 @@ class TractionMass {
 };
 
 void make_symmetric(std::vector<double>& square, std::size_t n) {
-  Eigen::Map<RowMatrix> all(square.data(), whole(n), whole(n));
+  Eigen::Map<RowMatrix> all(square.data(), signed_index(n), signed_index(n));
   const RowMatrix mean = 0.5 * (all + all.transpose());
   all = mean;
 }
 
 void transpose(std::vector<double>& square, std::size_t n) {
-  Eigen::Map<RowMatrix> all(square.data(), whole(n), whole(n));
+  Eigen::Map<RowMatrix> all(square.data(), signed_index(n), signed_index(n));
   const RowMatrix other = all.transpose();
   all = other;
 }
@@ -165,10 +157,10 @@ void solve_columns(const FreeBody& body, std::size_t nodes, const SkinCoupling& 
   table.field.assign(3 * table.order.size() * columns, 0.0);
   for (std::size_t first = 0; first < columns; first += static_cast<std::size_t>(kBlock)) {
     const std::size_t last = std::min(columns, first + static_cast<std::size_t>(kBlock));
-    Matrix block = Matrix::Zero(whole(3 * nodes), whole(last - first));
+    Matrix block = Matrix::Zero(signed_index(3 * nodes), signed_index(last - first));
     for (std::size_t c = first; c < last; ++c) {
       for (const NodeWeight& entry : skin.coupling[c / 3])
-        block(whole(3 * std::size_t{entry.node} + c % 3), whole(c - first)) = entry.weight;
+        block(signed_index(3 * std::size_t{entry.node} + c % 3), signed_index(c - first)) = entry.weight;
     }
     body.solve(block);
     for (std::size_t k = 0; k < skin.coupling.size(); ++k) {
@@ -176,7 +168,8 @@ void solve_columns(const FreeBody& body, std::size_t nodes, const SkinCoupling& 
         for (std::size_t c = first; c < last; ++c) {
           double sum = 0.0;
           for (const NodeWeight& entry : skin.coupling[k])
-            sum += entry.weight * block(whole(3 * std::size_t{entry.node} + i), whole(c - first));
+            sum +=
+                entry.weight * block(signed_index(3 * std::size_t{entry.node} + i), signed_index(c - first));
           table.skin[(3 * k + i) * columns + c] = sum;
         }
       }
@@ -185,7 +178,7 @@ void solve_columns(const FreeBody& body, std::size_t nodes, const SkinCoupling& 
       for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t c = first; c < last; ++c)
           table.field[(3 * row + i) * columns + c] =
-              block(whole(3 * std::size_t{table.order[row]} + i), whole(c - first));
+              block(signed_index(3 * std::size_t{table.order[row]} + i), signed_index(c - first));
       }
     }
   }
@@ -220,7 +213,7 @@ std::uint64_t hash_body(const TetMesh& mesh) {
 
 ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOptions& options,
                                        const FactorMaker& make_factor, ComplianceSetup& setup) {
-  const auto start = Clock::now();
+  const Stopwatch start;
   check_options(options);
   require_one_body(mesh);
   ComplianceTable table;
@@ -239,9 +232,9 @@ ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOpti
   const TetMesh fine_mesh = options.refine == 1 ? refine_uniformly(mesh) : mesh;
   const ElementSpace fine = build_element_space(fine_mesh, options.element_order);
   const SkinCoupling coupling = couple_skin(mesh, coarse, fine_mesh, fine, skin);
-  setup.assembly_s += seconds_since(start);
+  setup.assembly_s += start.seconds();
   const FreeBody body(fine_mesh, fine, options.poisson_ratio, build_rigid_frame(mesh), make_factor, setup);
-  const auto solving = Clock::now();
+  const Stopwatch solving;
   solve_columns(body, fine.nodes(), coupling, table);
   const TractionMass mass(coupling.mass);
   mass.divide_rows(table.field);
@@ -249,7 +242,7 @@ ComplianceTable build_compliance_table(const TetMesh& mesh, const ComplianceOpti
   transpose(table.skin, columns);
   mass.divide_rows(table.skin);
   make_symmetric(table.skin, columns);
-  setup.solve_s += seconds_since(solving);
+  setup.solve_s += solving.seconds();
   return table;
 }
 

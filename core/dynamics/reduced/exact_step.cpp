@@ -6,16 +6,13 @@
 #include <unsupported/Eigen/MatrixFunctions>
 
 #include "core/base/error.h"
+#include "core/dynamics/linear_algebra/signed_index.h"
 
 namespace palpate::dynamics {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-Eigen::Index whole(std::size_t number) {
-  return static_cast<Eigen::Index>(number);
-}
 
 }  // namespace
 
@@ -25,8 +22,8 @@ ExactStep::ExactStep(const SmallSystem& system, double step_s)
   require(system.damping.size() == modes_ * modes_ && system.load.size() == modes_ * loads_ &&
               system.load_rate.size() == modes_ * loads_,
           "sizes of a small system");
-  const Eigen::Index k = whole(modes_);
-  const Eigen::Index l = whole(loads_);
+  const Eigen::Index k = signed_index(modes_);
+  const Eigen::Index l = signed_index(loads_);
   for (const double square : system.squares) scale_per_s_ = std::max(scale_per_s_, std::sqrt(square));
   // The state (scale eta, eta', s, h s'): the shares and their change are carried along.
   Matrix all = Matrix::Zero(2 * k + 2 * l, 2 * k + 2 * l);
@@ -57,9 +54,9 @@ void ExactStep::advance(std::span<double> eta, std::span<double> rate, std::span
     in_[2 * modes_ + j] = from[j];
     in_[2 * modes_ + loads_ + j] = to[j] - from[j];
   }
-  const Eigen::Index rows = whole(2 * modes_);
-  const Eigen::Map<const Matrix> map(map_.data(), rows, whole(in_.size()));
-  const Eigen::Map<const Eigen::VectorXd> in(in_.data(), whole(in_.size()));
+  const Eigen::Index rows = signed_index(2 * modes_);
+  const Eigen::Map<const Matrix> map(map_.data(), rows, signed_index(in_.size()));
+  const Eigen::Map<const Eigen::VectorXd> in(in_.data(), signed_index(in_.size()));
   Eigen::Map<Eigen::VectorXd> out(out_.data(), rows);
   out.noalias() = map * in;
   for (std::size_t i = 0; i < modes_; ++i) {

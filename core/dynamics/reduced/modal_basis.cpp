@@ -8,13 +8,10 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
-
-double component(const Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
 
 /// Puts numbers of free components to their nodes.
 std::vector<Vec3> spread(const FreeNumbers& free, const double* numbers) {

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/dynamics/linear_algebra/signed_index.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -15,14 +16,10 @@ using Matrix = Eigen::MatrixXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using Vector = Eigen::VectorXd;
 
-Eigen::Index whole(std::size_t number) {
-  return static_cast<Eigen::Index>(number);
-}
-
 Matrix to_matrix(const std::vector<std::vector<Vec3>>& fields, std::size_t nodes) {
-  Matrix out(whole(3 * nodes), whole(fields.size()));
+  Matrix out(signed_index(3 * nodes), signed_index(fields.size()));
   for (std::size_t c = 0; c < fields.size(); ++c)
-    std::memcpy(out.col(whole(c)).data(), fields[c].data(), nodes * sizeof(Vec3));
+    std::memcpy(out.col(signed_index(c)).data(), fields[c].data(), nodes * sizeof(Vec3));
   return out;
 }
 
@@ -42,9 +39,9 @@ Matrix support_product(const NodeLoads& loads, int order, const Matrix& columns)
   for (const ElasticFace& face : loads.faces) {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t j = 0; j < count; ++j)
-        out.middleRows(whole(3 * std::size_t{face.nodes[i]}), 3) +=
+        out.middleRows(signed_index(3 * std::size_t{face.nodes[i]}), 3) +=
             (face.coefficient_n_per_m * mass[i][j]) *
-            columns.middleRows(whole(3 * std::size_t{face.nodes[j]}), 3);
+            columns.middleRows(signed_index(3 * std::size_t{face.nodes[j]}), 3);
     }
   }
   return out;
@@ -52,7 +49,7 @@ Matrix support_product(const NodeLoads& loads, int order, const Matrix& columns)
 
 /// S_g by, and by^T S_g by.
 Vector support_force(const NodeLoads& loads, int order, std::size_t nodes, double& square) {
-  Vector out = Vector::Zero(whole(3 * nodes));
+  Vector out = Vector::Zero(signed_index(3 * nodes));
   const FaceMass mass = unit_face_mass(order);
   const std::size_t count = order == 1 ? 3 : 6;
   for (const ElasticFace& face : loads.faces) {
@@ -60,7 +57,7 @@ Vector support_force(const NodeLoads& loads, int order, std::size_t nodes, doubl
       double row = 0.0;
       for (std::size_t j = 0; j < count; ++j) row += face.coefficient_n_per_m * mass[i][j];
       const Vec3 part = row * face.by_m;
-      out.segment(whole(3 * std::size_t{face.nodes[i]}), 3) += Eigen::Vector3d(part.x, part.y, part.z);
+      out.segment(signed_index(3 * std::size_t{face.nodes[i]}), 3) += Eigen::Vector3d(part.x, part.y, part.z);
       square += dot(part, face.by_m);
     }
   }
@@ -124,18 +121,18 @@ struct ModalPhase::Parts {
 
   /// (eta, s) and its first two derivatives.
   std::array<Vector, 3> amounts() const {
-    const Eigen::Index k = whole(modes());
+    const Eigen::Index k = signed_index(modes());
     std::array<Vector, 3> w;
-    for (Vector& each : w) each = Vector::Zero(k + whole(groups.size()));
+    for (Vector& each : w) each = Vector::Zero(k + signed_index(groups.size()));
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const ProfileValue now = value_at(groups[g].profile, time_s);
-      w[0][k + whole(g)] = now.share;
-      w[1][k + whole(g)] = now.rate_per_s;
-      w[2][k + whole(g)] = now.acceleration_per_s2;
+      w[0][k + signed_index(g)] = now.share;
+      w[1][k + signed_index(g)] = now.rate_per_s;
+      w[2][k + signed_index(g)] = now.acceleration_per_s2;
     }
     w[0].head(k) = Eigen::Map<const Vector>(eta.data(), k);
     w[1].head(k) = Eigen::Map<const Vector>(rate.data(), k);
-    const Eigen::Index l = whole(groups.size());
+    const Eigen::Index l = signed_index(groups.size());
     w[2].head(k) = Eigen::Map<const RowMatrix>(system.load.data(), k, l) * w[0].tail(l) +
                    Eigen::Map<const RowMatrix>(system.load_rate.data(), k, l) * w[1].tail(l) -
                    Eigen::Map<const RowMatrix>(system.damping.data(), k, k) * w[1].head(k) -
@@ -168,12 +165,12 @@ void ModalPhase::Parts::build(const ElementMatrices& body, int order, const Fact
   system.loads = groups.size();
   std::vector<Vector> loads;
   std::vector<std::vector<Vec3>> rests;
-  squares = Vector::Zero(whole(groups.size()));
+  squares = Vector::Zero(signed_index(groups.size()));
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const NodeLoads& acts = groups[g].loads;
-    Vector force = support_force(acts, order, nodes, squares[whole(g)]);
+    Vector force = support_force(acts, order, nodes, squares[signed_index(g)]);
     for (std::size_t v = 0; v < nodes; ++v)
-      force.segment(whole(3 * v), 3) +=
+      force.segment(signed_index(3 * v), 3) +=
           Eigen::Vector3d(acts.force_n[v].x, acts.force_n[v].y, acts.force_n[v].z);
     rests.push_back(elements.rest_under(as_field(force.data(), nodes), acts.held_by_m));
     loads.push_back(std::move(force));
@@ -207,8 +204,8 @@ void ModalPhase::Parts::build(const ElementMatrices& body, int order, const Fact
 }
 
 void ModalPhase::Parts::build_system(const Matrix& stiff, const Matrix& participation) {
-  const Eigen::Index k = whole(modes());
-  const Eigen::Index l = whole(groups.size());
+  const Eigen::Index k = signed_index(modes());
+  const Eigen::Index l = signed_index(groups.size());
   RowMatrix damping = options.damping_stiffness_s * stiff.topLeftCorner(k, k);
   damping.diagonal().array() += options.damping_mass_per_s;
   const RowMatrix load = Eigen::Map<const Vector>(system.squares.data(), k).asDiagonal() * participation;
@@ -227,13 +224,13 @@ void ModalPhase::Parts::build_measures(int order, const Matrix& massive, const M
     all += products.back();
   }
   supports = shapes.transpose() * all;
-  Matrix acting(shapes.rows(), whole(groups.size()));
-  for (std::size_t g = 0; g < groups.size(); ++g) acting.col(whole(g)) = loads[g];
+  Matrix acting(shapes.rows(), signed_index(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g) acting.col(signed_index(g)) = loads[g];
   linear = shapes.transpose() * acting;
   for (std::size_t g = 0; g < groups.size(); ++g) {
     GroupParts& part = parts.emplace_back();
     part.pulls = sum_axes(products[g], nullptr);
-    part.at = sum_axes(acting.col(whole(g)), nullptr);
+    part.at = sum_axes(acting.col(signed_index(g)), nullptr);
     const std::vector<std::uint8_t>& held = groups[g].loads.held;
     for (const std::uint8_t bits : held) part.holds = part.holds || bits != 0;
     if (!part.holds) continue;
@@ -262,13 +259,14 @@ double ModalPhase::start(const NodeState& state, double time_s) {
   require(state.displacement_m.size() == p.nodes && state.velocity_m_s.size() == p.nodes, "a state a node");
   p.time_s = time_s;
   const auto numbers = [&](const std::vector<Vec3>& field) {
-    Vector out(whole(3 * p.nodes));
+    Vector out(signed_index(3 * p.nodes));
     std::memcpy(out.data(), field.data(), p.nodes * sizeof(Vec3));
     return out;
   };
   const Vector u = numbers(state.displacement_m);
-  Eigen::Map<Vector>(p.eta.data(), whole(p.modes())) = p.weighted.transpose() * u;
-  Eigen::Map<Vector>(p.rate.data(), whole(p.modes())) = p.weighted.transpose() * numbers(state.velocity_m_s);
+  Eigen::Map<Vector>(p.eta.data(), signed_index(p.modes())) = p.weighted.transpose() * u;
+  Eigen::Map<Vector>(p.rate.data(), signed_index(p.modes())) =
+      p.weighted.transpose() * numbers(state.velocity_m_s);
   const double size = u.norm();
   return size > 0.0 ? (p.shapes * p.amounts()[0] - u).norm() / size : 0.0;
 }
@@ -302,14 +300,14 @@ void ModalPhase::advance(double step_s, double time_s) {
 ModalMeasure ModalPhase::measure() const {
   const Parts& p = *parts_;
   const auto [w, speed, acceleration] = p.amounts();
-  const Vector s = w.tail(whole(p.groups.size()));
+  const Vector s = w.tail(signed_index(p.groups.size()));
   ModalMeasure out;
   out.kinetic_j = 0.5 * speed.dot(p.kinetic * speed);
   out.elastic_j = 0.5 * w.dot(p.elastic * w);
   out.load_j = 0.5 * w.dot(p.supports * w) - w.dot(p.linear * s) + 0.5 * s.cwiseProduct(s).dot(p.squares);
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     const GroupParts& part = p.parts[g];
-    Eigen::Vector3d force = s[whole(g)] * part.at - part.pulls * w;
+    Eigen::Vector3d force = s[signed_index(g)] * part.at - part.pulls * w;
     if (part.holds) {
       const double alpha = p.options.damping_mass_per_s;
       const double beta = p.options.damping_stiffness_s;
@@ -323,7 +321,7 @@ ModalMeasure ModalPhase::measure() const {
 
 Vec3 ModalPhase::displacement_of(Index node) const {
   const Parts& p = *parts_;
-  return to_vec3(p.shapes.middleRows(whole(3 * std::size_t{node}), 3) * p.amounts()[0]);
+  return to_vec3(p.shapes.middleRows(signed_index(3 * std::size_t{node}), 3) * p.amounts()[0]);
 }
 
 NodeState ModalPhase::state() const {
@@ -333,8 +331,8 @@ NodeState ModalPhase::state() const {
   const Vector v = p.shapes * w[1];
   NodeState out{std::vector<Vec3>(p.nodes), std::vector<Vec3>(p.nodes)};
   for (std::size_t node = 0; node < p.nodes; ++node) {
-    out.displacement_m[node] = to_vec3(u.segment(whole(3 * node), 3));
-    out.velocity_m_s[node] = to_vec3(v.segment(whole(3 * node), 3));
+    out.displacement_m[node] = to_vec3(u.segment(signed_index(3 * node), 3));
+    out.velocity_m_s[node] = to_vec3(v.segment(signed_index(3 * node), 3));
   }
   return out;
 }

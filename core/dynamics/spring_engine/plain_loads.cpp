@@ -3,18 +3,11 @@
 #include <algorithm>
 #include <map>
 
+#include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
-
-double component(const Vec3& v, std::uint8_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
-
-double& component(Vec3& v, std::uint8_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
 
 bool never_changes(const TimeProfile& profile) {
   return std::all_of(profile.share.begin(), profile.share.end(), [](double share) { return share == 1.0; });

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -17,10 +18,6 @@ struct FreeComponent {
   std::size_t vertex = 0;
   std::size_t axis = 0;
 };
-
-double& component(Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
 
 std::vector<FreeComponent> find_free(const MotionModel& model) {
   std::vector<bool> is_held(3 * model.elastic.rest.size(), false);

@@ -101,14 +101,6 @@ void require_indices(const TetMesh& mesh) {
       require(v < mesh.points.size(), "displacement: a tet has a vertex that does not exist");
 }
 
-void require_finite(std::span<const Vec3> field, const char* name) {
-  for (std::size_t i = 0; i < field.size(); ++i) {
-    if (!is_finite(field[i]))
-      throw InputError(name, 0, "finite displacements",
-                       "one that is not finite at point " + std::to_string(i));
-  }
-}
-
 std::vector<double> linear_shares(const TetMesh& mesh) {
   std::vector<double> share(mesh.points.size(), 0.0);
   for (const Tet& tet : mesh.tets) {
@@ -183,6 +175,13 @@ class Ruler {
 };
 
 }  // namespace
+
+void require_finite(std::span<const Vec3> field, const char* name) {
+  for (std::size_t i = 0; i < field.size(); ++i) {
+    if (!is_finite(field[i]))
+      throw InputError(name, 0, "finite numbers", "one that is not finite at point " + std::to_string(i));
+  }
+}
 
 DisplacementSize measure_displacement(const TetMesh& mesh, std::span<const Vec3> field, double lambda_pa,
                                       double mu_pa) {

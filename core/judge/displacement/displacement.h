@@ -55,6 +55,9 @@ struct DisplacementError {
 DisplacementError compare_displacement(const TetMesh& mesh, std::span<const Vec3> field,
                                        std::span<const Vec3> truth, double lambda_pa, double mu_pa);
 
+/// Throws: InputError with `name` for a vector that is not finite.
+void require_finite(std::span<const Vec3> field, const char* name);
+
 /// A field at other points than those it was given at.
 struct TransferredField {
   std::vector<Vec3> value;        ///< one a point

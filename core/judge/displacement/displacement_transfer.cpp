@@ -137,12 +137,6 @@ class Transfer {
   TriangleTree triangles_;
 };
 
-void require_finite(std::span<const Vec3> values, const char* name) {
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_finite(values[i]))
-      throw InputError(name, 0, "finite numbers", "one that is not finite in row " + std::to_string(i));
-}
-
 }  // namespace
 
 TransferredField transfer_field(const TetMesh& source, std::span<const Vec3> field,

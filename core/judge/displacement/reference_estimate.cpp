@@ -143,11 +143,7 @@ void check_levels(std::span<const std::vector<Vec3>> levels, const ReferenceOpti
   require(!levels.empty(), "estimate_reference: no level");
   for (const std::vector<Vec3>& level : levels) {
     require(level.size() == levels[0].size(), "estimate_reference: levels of different sizes");
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (!is_finite(level[i]))
-        throw InputError("reference displacement", 0, "finite numbers",
-                         "one that is not finite at point " + std::to_string(i));
-    }
+    require_finite(level, "reference displacement");
   }
   if (options.stated_order &&
       !(*options.stated_order >= kLowestOrder && *options.stated_order <= kHighestOrder))

@@ -16,8 +16,8 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMaj
 using View = Eigen::Map<Rows>;
 
 constexpr std::size_t kKept = 6;  // fields of the subspace after its first step
-constexpr double kSolve = 1e-5;
-constexpr std::size_t kMostSteps = 4000;
+constexpr double kInverseAccuracy = 1e-5;
+constexpr std::size_t kMostInverseSteps = 4000;
 
 View view(FieldBlock& block) {
   return {block.values.data(), static_cast<Eigen::Index>(block.rows()),
@@ -82,7 +82,7 @@ class LeastOf {
     FieldBlock force(stiffness_.size(), x.width);
     apply_blocks(blocks_, x, force);
     view(x) = view(x) * values.cwiseInverse().asDiagonal();
-    return solve_fields(stiffness_, inverse_diagonal, force, x, kSolve, kMostSteps);
+    return solve_fields(stiffness_, inverse_diagonal, force, x, kInverseAccuracy, kMostInverseSteps);
   }
 
  private:

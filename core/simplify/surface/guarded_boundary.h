@@ -14,6 +14,11 @@
 
 namespace palpate::simplify {
 
+/// Whether `v` is a corner of the face.
+constexpr bool has_corner(const Triangle& face, Index v) {
+  return face[0] == v || face[1] == v || face[2] == v;
+}
+
 /// Faces that would go and faces that would come in their place, with one vertex moved. The outline of both
 /// sets is the same; there are no more fresh faces than removed ones.
 struct BoundaryChange {

@@ -74,10 +74,6 @@ bool is_frozen(const WorkingMesh& mesh, Index v) {
   return (mesh.vertex_flags[v] & kFrozen) != 0;
 }
 
-bool has(const Triangle& t, Index v) {
-  return t[0] == v || t[1] == v || t[2] == v;
-}
-
 class BoundaryCollapser {
  public:
   BoundaryCollapser(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
@@ -143,7 +139,7 @@ class BoundaryCollapser {
     }
     std::size_t at_edge = 0;
     for (const Index f : boundary_.faces_of(gone)) {
-      if (!has(boundary_.face(f), survivor)) continue;
+      if (!has_corner(boundary_.face(f), survivor)) continue;
       ++at_edge;
       for (const Index v : boundary_.face(f)) {
         if (v != gone && v != survivor) marks_.set(v, kApex);
@@ -179,10 +175,10 @@ class BoundaryCollapser {
       std::replace(t.begin(), t.end(), gone, survivor);
       change_.fresh.push_back(t);
     };
-    for (const Index f : boundary_.faces_of(gone)) take(f, !has(boundary_.face(f), survivor));
+    for (const Index f : boundary_.faces_of(gone)) take(f, !has_corner(boundary_.face(f), survivor));
     if (!survivor_moves) return;
     for (const Index f : boundary_.faces_of(survivor)) {
-      if (!has(boundary_.face(f), gone)) take(f, true);
+      if (!has_corner(boundary_.face(f), gone)) take(f, true);
     }
   }
 

@@ -11,10 +11,6 @@ namespace {
 /// A flip must better the worst score by this factor, so that flips end.
 constexpr double kGrowth = 1.02;
 
-bool has(const Triangle& t, Index v) {
-  return t[0] == v || t[1] == v || t[2] == v;
-}
-
 Index third(const Triangle& t, Index a, Index b) {
   for (const Index v : t) {
     if (v != a && v != b) return v;
@@ -35,7 +31,7 @@ bool BoundaryFlipper::find_fan(Index a, Index b, EdgeFan& fan) const {
   std::size_t at_edge = 0;
   for (const Index f : boundary_.faces_of(a)) {
     const Triangle& t = boundary_.face(f);
-    if (!has(t, b)) continue;
+    if (!has_corner(t, b)) continue;
     if (++at_edge > 2) return false;
     const auto at = static_cast<std::size_t>(std::find(t.begin(), t.end(), a) - t.begin());
     const bool is_first = t[(at + 2) % 3] == b;  // (a, fan[0], b)
@@ -109,7 +105,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
   const Index first = fan.fan[0];
   const Index last = fan.fan[fan.size];
   for (const Index f : boundary_.faces_of(first)) {
-    if (has(boundary_.face(f), last)) return false;
+    if (has_corner(boundary_.face(f), last)) return false;
   }
   if (fan.size > 1) {
     collect_edge_star(mesh_, first, last, added_);

@@ -9,8 +9,8 @@
 namespace palpate::springs {
 namespace {
 
-constexpr double kSufficient = 1e-4;  // share of the linear decrease that a step must bring
-constexpr int kMostTrials = 30;       // of the length of one step
+constexpr double kSufficientDecrease = 1e-4;  // share of the linear decrease that a step must bring
+constexpr int kMostTrials = 30;               // of the length of one step
 
 struct Pair {
   std::vector<double> step;
@@ -70,7 +70,7 @@ bool find_length(const SmoothFunction& f, const std::vector<double>& x, const st
     for (std::size_t j = 0; j < x.size(); ++j) search.trial[j] = x[j] + length * direction[j];
     search.trial_value = f(search.trial, search.trial_gradient);
     ++report.evaluations;
-    if (search.trial_value <= search.value + kSufficient * length * slope) return true;
+    if (search.trial_value <= search.value + kSufficientDecrease * length * slope) return true;
     const double excess = search.trial_value - search.value - length * slope;
     const double parabola = std::isfinite(excess) ? -0.5 * slope * length * length / excess : 0.0;
     length = std::clamp(parabola, 0.1 * length, 0.5 * length);

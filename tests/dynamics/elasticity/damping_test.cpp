@@ -9,6 +9,7 @@
 #include "core/dynamics/motion/motion_forces.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/law_cases.h"
 #include "tests/support/motion_cases.h"
 
 namespace palpate::dynamics {
@@ -16,19 +17,8 @@ namespace {
 
 using namespace testing_support;
 
-constexpr std::array kLaws{StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean};
 constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean};
 constexpr Moduli kViscous{3.0, 2.0};
-
-Mat3 random_matrix(SplitMix64& random, double size) {
-  Mat3 h;
-  for (double& entry : h.m) entry = size * (2.0 * random.uniform() - 1.0);
-  return h;
-}
-
-double norm(const Mat3& a) {
-  return std::sqrt(contract(a, a));
-}
 
 /// A displacement gradient; of the corotated law every third turns the inside out.
 Mat3 random_gradient(StrainLaw law, SplitMix64& random, int k) {

@@ -10,20 +10,12 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/law_cases.h"
 
 namespace palpate::dynamics {
 namespace {
 
-using testing_support::make_rotation;
-
-constexpr std::array kLaws{StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean};
-constexpr Moduli kModuli{3.0, 2.0};
-
-Mat3 random_matrix(SplitMix64& random, double size) {
-  Mat3 h;
-  for (double& entry : h.m) entry = size * (2.0 * random.uniform() - 1.0);
-  return h;
-}
+using namespace testing_support;
 
 /// Of a symmetric matrix, rising.
 template <int N>
@@ -31,10 +23,6 @@ Eigen::Vector<double, N> eigenvalues(const std::array<double, static_cast<std::s
   return Eigen::Map<const Eigen::Matrix<double, N, N>>(a.data())
       .template selfadjointView<Eigen::Lower>()
       .eigenvalues();
-}
-
-double norm(const Mat3& a) {
-  return std::sqrt(contract(a, a));
 }
 
 TEST(ElasticLaw, NearestRotationIsTheRotationOfThePolarDecomposition) {

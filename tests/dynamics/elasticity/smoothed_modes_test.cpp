@@ -13,7 +13,7 @@
 namespace palpate::dynamics {
 namespace {
 
-const Material kMaterial{1000.0, 0.25, 1.0};  // lambda = mu
+const Material kSoft{1000.0, 0.25, 1.0};  // lambda = mu
 
 /// The tangent of the free body at rest.
 Eigen::MatrixXd stiffness(const ElasticModel& model) {
@@ -47,7 +47,7 @@ struct Modes {
 class SmoothedModes : public testing::Test {
  protected:
   Modes modes_of(const BlendOptions& options) const {
-    const Eigen::MatrixXd own = stiffness(build_blend_model(mesh_, kMaterial, options).model);
+    const Eigen::MatrixXd own = stiffness(build_blend_model(mesh_, kSoft, options).model);
     const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(own).eigenvalues();
     const Eigen::MatrixXd whitened = whitening_.transpose() * own * whitening_;
     const Eigen::VectorXd ratios = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(whitened).eigenvalues();
@@ -64,7 +64,7 @@ class SmoothedModes : public testing::Test {
     linear.theta = 0.0;
     linear.domain = StrainDomain::kTet;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> found(
-        stiffness(build_blend_model(mesh_, kMaterial, linear).model));
+        stiffness(build_blend_model(mesh_, kSoft, linear).model));
     const Eigen::Index strained = found.eigenvalues().size() - 6;
     return found.eigenvectors().rightCols(strained) *
            found.eigenvalues().tail(strained).cwiseSqrt().cwiseInverse().asDiagonal();
@@ -120,10 +120,10 @@ TEST(StabilisedBlend, HasTheExactEnergyOfAnAffineDisplacement) {
   const double yz = 0.5 * (-0.03 + 0.01);
   const double squares = 0.01 * 0.01 + 0.04 * 0.04 + 2.0 * (xy * xy + yz * yz);
   const double trace = 0.05;
-  const double exact = 0.5 * kMaterial.lambda_pa() * trace * trace + kMaterial.mu_pa() * squares;
+  const double exact = 0.5 * kSoft.lambda_pa() * trace * trace + kSoft.mu_pa() * squares;
   for (const double alpha : {0.0, 0.2, 1.0}) {
     for (const StrainDomain rest : {StrainDomain::kTet, StrainDomain::kEdge}) {
-      const BuiltModel built = build_blend_model(mesh, kMaterial, blend(0.4, alpha, rest));
+      const BuiltModel built = build_blend_model(mesh, kSoft, blend(0.4, alpha, rest));
       EXPECT_NEAR(elastic_energy(built.model, u), exact, 1e-12 * exact) << alpha;
     }
   }
@@ -131,11 +131,11 @@ TEST(StabilisedBlend, HasTheExactEnergyOfAnAffineDisplacement) {
 
 TEST(StabilisedBlend, IsForSmallStrainAndSharesAlone) {
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 1);
-  EXPECT_THROW(build_blend_model(mesh, kMaterial, blend(0.5, -0.1)), InputError);
-  EXPECT_THROW(build_blend_model(mesh, kMaterial, blend(0.5, 1.1)), InputError);
+  EXPECT_THROW(build_blend_model(mesh, kSoft, blend(0.5, -0.1)), InputError);
+  EXPECT_THROW(build_blend_model(mesh, kSoft, blend(0.5, 1.1)), InputError);
   BlendOptions large = blend(0.5, 0.1);
   large.strain = StrainSize::kLarge;
-  EXPECT_THROW(build_blend_model(mesh, kMaterial, large), InputError);
+  EXPECT_THROW(build_blend_model(mesh, kSoft, large), InputError);
 }
 
 }  // namespace

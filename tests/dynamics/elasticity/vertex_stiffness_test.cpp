@@ -7,18 +7,12 @@
 
 #include "core/base/random.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/law_cases.h"
 
 namespace palpate::dynamics {
 namespace {
 
-constexpr std::array kLaws{StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean};
-constexpr Moduli kModuli{3.0, 2.0};
-
-Mat3 random_matrix(SplitMix64& random, double size) {
-  Mat3 h;
-  for (double& entry : h.m) entry = size * (2.0 * random.uniform() - 1.0);
-  return h;
-}
+using namespace testing_support;
 
 Mat3 contract_tangent(const Tangent9& c, const Vec3& g) {
   const std::array<double, 3> gradient{g.x, g.y, g.z};

@@ -11,28 +11,16 @@
 #include "core/base/random.h"
 #include "core/dynamics/spring_engine/plain_kernel.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/law_cases.h"
 
 namespace palpate::dynamics {
 namespace {
 
 using namespace testing_support;
 
-constexpr std::array kLaws{StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean};
-constexpr Moduli kModuli{3.0, 2.0};
-
-Mat3 random_matrix(SplitMix64& random, double size) {
-  Mat3 h;
-  for (double& entry : h.m) entry = size * (2.0 * random.uniform() - 1.0);
-  return h;
-}
-
 Mat3 random_rotation(SplitMix64& random) {
   const Vec3 axis{random.uniform() + 0.1, random.uniform(), random.uniform() - 0.5};
   return make_rotation((1.0 / length(axis)) * axis, 6.0 * random.uniform());
-}
-
-double norm(const Mat3& a) {
-  return std::sqrt(contract(a, a));
 }
 
 /// One displacement gradient and its rate.

@@ -12,6 +12,7 @@
 #include "core/dynamics/time_loop/plain_run.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/law_cases.h"
 #include "tests/support/motion_cases.h"
 
 namespace palpate::dynamics {
@@ -19,7 +20,6 @@ namespace {
 
 using namespace testing_support;
 
-constexpr std::array kLaws{StrainLaw::kLinear, StrainLaw::kCorotated, StrainLaw::kNeoHookean};
 constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean};
 constexpr std::array kKinds{Continuum::kTets, Continuum::kEdgeNode};
 

@@ -16,8 +16,8 @@ namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr double kLambda = 1.5;
-constexpr double kMu = 1.0;
+constexpr double kModulus = 1.5;
+constexpr double kShear = 1.0;
 
 using Field = std::vector<Vec3>;
 
@@ -56,11 +56,11 @@ class ReferenceEstimates : public ::testing::Test {
   Field shape_ = random_field(mesh_.points.size(), random_, 0.05);
 
   ReferenceEstimate estimate(const std::vector<Field>& levels, const ReferenceOptions& options = {}) const {
-    return estimate_reference(mesh_, levels, kLambda, kMu, options);
+    return estimate_reference(mesh_, levels, kModulus, kShear, options);
   }
   /// The true errors of the estimate's field, relative to that field as the estimate's are.
   DisplacementError true_error(const ReferenceEstimate& found) const {
-    return compare_displacement(mesh_, truth_, found.field, kLambda, kMu);
+    return compare_displacement(mesh_, truth_, found.field, kModulus, kShear);
   }
 };
 
@@ -211,8 +211,8 @@ TEST_F(ReferenceEstimates, QuadraticNodesAreTakenToo) {
   const TetMesh tet = make_corner_tet();
   truth_ = random_field(10, random_, 1.0);
   const ReferenceEstimate found = estimate_reference(
-      tet, levels_of(truth_, {{random_field(10, random_, 0.1), 2.0}}, 3), kLambda, kMu, {});
-  EXPECT_LE(compare_displacement(tet, truth_, found.field, kLambda, kMu).relative_energy, 1e-12);
+      tet, levels_of(truth_, {{random_field(10, random_, 0.1), 2.0}}, 3), kModulus, kShear, {});
+  EXPECT_LE(compare_displacement(tet, truth_, found.field, kModulus, kShear).relative_energy, 1e-12);
 }
 
 TEST_F(ReferenceEstimates, BadInput) {
@@ -234,7 +234,7 @@ TEST(ReferenceMark, FiveTimesBetterOrMarked) {
 /// Linear tets on the cube with 2, 4, 8 cells a side, at the vertices of the coarsest.
 class TrueProblem : public ::testing::Test {
  protected:
-  static constexpr LameParameters kMaterial{kLambda, kMu};
+  static constexpr LameParameters kMaterial{kModulus, kShear};
 
   /// Every second (fourth, ...) vertex of the finer cubes is one of the coarser ones.
   std::vector<Field> solve(const LameParameters& material) const {
@@ -257,7 +257,7 @@ class TrueProblem : public ::testing::Test {
   }
 
   ReferenceEstimate estimate(const std::vector<Field>& levels) const {
-    return estimate_reference(mesh_, levels, kLambda, kMu);
+    return estimate_reference(mesh_, levels, kModulus, kShear);
   }
 
   TetMesh mesh_ = build_kuhn_cube(4, 0.0, 1);
@@ -274,7 +274,7 @@ TEST_F(TrueProblem, OrderTwoIsObservedAndTheErrorHolds) {
   EXPECT_EQ(found.kind, ReferenceKind::kExtrapolated) << found.rule;
   EXPECT_NEAR(*found.order, 2.0, 0.2);
   const auto error_of = [&](const Field& field) {
-    return compare_displacement(mesh_, field, truth_, kLambda, kMu).relative_l2;
+    return compare_displacement(mesh_, field, truth_, kModulus, kShear).relative_l2;
   };
   EXPECT_LE(error_of(found.field), *found.error.relative_l2);
   EXPECT_LT(error_of(found.field), 0.5 * error_of(levels.back()));
@@ -291,22 +291,22 @@ TEST_F(TrueProblem, AWrongReferenceIsFoundByAnotherMethod) {
   ReferenceEstimate right;
   right.field = truth_;
   right.error = {0.001, 0.001, 0.001, 0.001};
-  const ReferenceAgreement good = compare_references(mesh_, right, linear, kLambda, kMu);
+  const ReferenceAgreement good = compare_references(mesh_, right, linear, kModulus, kShear);
   EXPECT_TRUE(good.agree) << good.relative_l2 << " " << *good.expected;
 
   ReferenceEstimate scaled = right;
   for (Vec3& u : scaled.field) u = 1.05 * u;
-  EXPECT_FALSE(compare_references(mesh_, scaled, linear, kLambda, kMu).agree);
+  EXPECT_FALSE(compare_references(mesh_, scaled, linear, kModulus, kShear).agree);
 
-  const ReferenceEstimate other = estimate(solve({4.0 * kLambda, kMu}));  // nu 0.3 taken for 0.43
+  const ReferenceEstimate other = estimate(solve({4.0 * kModulus, kShear}));  // nu 0.3 taken for 0.43
   ASSERT_TRUE(other.error.relative_l2);
   EXPECT_LT(*other.error.relative_l2, 0.05) << "its own estimate says nothing";
-  EXPECT_FALSE(compare_references(mesh_, right, other, kLambda, kMu).agree);
-  EXPECT_FALSE(compare_references(mesh_, linear, other, kLambda, kMu).agree);
+  EXPECT_FALSE(compare_references(mesh_, right, other, kModulus, kShear).agree);
+  EXPECT_FALSE(compare_references(mesh_, linear, other, kModulus, kShear).agree);
 
   ReferenceEstimate unknown = right;
   unknown.error = {};
-  const ReferenceAgreement none = compare_references(mesh_, unknown, linear, kLambda, kMu);
+  const ReferenceAgreement none = compare_references(mesh_, unknown, linear, kModulus, kShear);
   EXPECT_FALSE(none.agree || none.expected);
 }
 

@@ -13,23 +13,25 @@
 namespace palpate::judge {
 namespace {
 
-using Field = std::function<Vec3(const Vec3&)>;
+using FieldFunction = std::function<Vec3(const Vec3&)>;
 
-std::vector<Vec3> at_vertices(const TetMesh& mesh, const Field& field) {
+std::vector<Vec3> at_vertices(const TetMesh& mesh, const FieldFunction& field) {
   std::vector<Vec3> values;
   for (const Vec3& x : mesh.points) values.push_back(field(x));
   return values;
 }
 
-std::vector<Vec3> at_nodes(const TetMesh& mesh, const Field& field) {
+std::vector<Vec3> at_nodes(const TetMesh& mesh, const FieldFunction& field) {
   std::vector<Vec3> values = at_vertices(mesh, field);
   for (const auto& [a, b] : build_edges(mesh))
     values.push_back(field(0.5 * (mesh.points[a] + mesh.points[b])));
   return values;
 }
 
-const Field kLinear = [](const Vec3& x) { return Vec3{1 + x.x - 2 * x.y, x.z + 0.5 * x.x, 3 * x.y - x.z}; };
-const Field kQuadratic = [](const Vec3& x) {
+const FieldFunction kLinear = [](const Vec3& x) {
+  return Vec3{1 + x.x - 2 * x.y, x.z + 0.5 * x.x, 3 * x.y - x.z};
+};
+const FieldFunction kQuadratic = [](const Vec3& x) {
   return Vec3{x.x * x.y + x.z, x.z * x.z - x.x, 1 + x.y * x.y - x.x * x.z};
 };
 
@@ -46,16 +48,16 @@ TEST(SolutionError, IntegratesPolynomialsOfDegreeSevenExactly) {
   // y^2 z^2.
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
   const std::vector<Vec3> zero(mesh.points.size());
-  const Field cubic = [](const Vec3& x) { return Vec3{x.x * x.x * x.x, 0, x.x * x.y * x.z}; };
+  const FieldFunction cubic = [](const Vec3& x) { return Vec3{x.x * x.x * x.x, 0, x.x * x.y * x.z}; };
   EXPECT_NEAR(std::pow(compare_with_solution(mesh, zero, cubic).l2, 2), 1.0 / 7.0 + 1.0 / 27.0, 1e-15);
-  const Field root = [](const Vec3& x) { return Vec3{std::sqrt(x.x * x.x * x.x) * x.y * x.z, 0, 0}; };
+  const FieldFunction root = [](const Vec3& x) { return Vec3{std::sqrt(x.x * x.x * x.x) * x.y * x.z, 0, 0}; };
   EXPECT_NEAR(std::pow(compare_with_solution(mesh, zero, root).l2, 2), 1.0 / 36.0, 1e-15);
 }
 
 TEST(SolutionError, OfAKnownGapIsThatGap) {
   // u - truth = (0.3, 0, -0.4) everywhere: 0.5 sqrt(volume), over |truth| = 2.
   const TetMesh mesh = build_kuhn_cube(4, 0.2, 8);
-  const Field truth = [](const Vec3&) { return Vec3{0, 2, 0}; };
+  const FieldFunction truth = [](const Vec3&) { return Vec3{0, 2, 0}; };
   const std::vector<Vec3> field(mesh.points.size(), {0.3, 2, -0.4});
   const SolutionError error = compare_with_solution(mesh, field, truth);
   EXPECT_NEAR(error.l2, 0.5, 1e-14);
@@ -66,13 +68,13 @@ TEST(SolutionError, OfAKnownGapIsThatGap) {
 TEST(SolutionError, SeesBetweenTheNodes) {
   // A wave that is zero at all nodes: the nodal error is none, the true one is the whole wave.
   const TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
-  const Field wave = [](const Vec3& x) { return Vec3{std::sin(4 * 3.14159265358979 * x.x), 0, 0}; };
+  const FieldFunction wave = [](const Vec3& x) { return Vec3{std::sin(4 * 3.14159265358979 * x.x), 0, 0}; };
   const SolutionError error = compare_with_solution(mesh, at_nodes(mesh, wave), wave);
   EXPECT_NEAR(error.relative_l2, 1.0, 1e-6);
 }
 
 TEST(SolutionError, FallsWithTheOrderOfTheShapeFunctions) {
-  const Field wave = [](const Vec3& x) {
+  const FieldFunction wave = [](const Vec3& x) {
     return Vec3{std::sin(x.x + 2 * x.y), std::cos(x.z), std::exp(x.x)};
   };
   std::vector<double> linear;
@@ -133,7 +135,7 @@ TEST(SolutionError, StressOfAQuadraticFieldIsTheOneAtTheVertex) {
 TEST(SolutionError, RefusesWhatItCannotCompare) {
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
   std::vector<Vec3> field(mesh.points.size());
-  const Field zero = [](const Vec3&) { return Vec3{}; };
+  const FieldFunction zero = [](const Vec3&) { return Vec3{}; };
   EXPECT_THROW(compare_with_solution(mesh, field, zero), InputError);
   field[3].y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(compare_with_solution(mesh, field, kLinear), InputError);

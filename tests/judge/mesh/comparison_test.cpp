@@ -12,7 +12,7 @@ namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
+constexpr double kLastBits = 4 * std::numeric_limits<double>::epsilon();
 
 /// The same mesh with its vertices and tets in another order, and its tets turned.
 TetMesh renumbered(const TetMesh& mesh, std::uint64_t seed) {
@@ -35,7 +35,7 @@ TEST(Comparison, AMeshIsUnchangedFromItself) {
   for (const TetMesh& same : {mesh, renumbered(mesh, 5)}) {
     const Comparison c = compare_with_input(same, mesh);
     EXPECT_EQ(c.boundary_changed_faces, 0U);
-    EXPECT_LE(c.volume_drift_relative, kRounding);
+    EXPECT_LE(c.volume_drift_relative, kLastBits);
     EXPECT_TRUE(c.euler_unchanged);
     EXPECT_TRUE(c.components_unchanged);
   }
@@ -47,7 +47,7 @@ TEST(Comparison, MovedInteriorVerticesChangeNothing) {
   for (const Index v : interior_vertices_of_block(3, 3, 3)) output.points[v].x += 0.1;
   const Comparison c = compare_with_input(output, input);
   EXPECT_EQ(c.boundary_changed_faces, 0U);
-  EXPECT_LE(c.volume_drift_relative, kRounding);
+  EXPECT_LE(c.volume_drift_relative, kLastBits);
 }
 
 TEST(Comparison, CatchesABoundaryVertexMovedByOneUnitInTheLastPlace) {
@@ -75,7 +75,7 @@ TEST(Comparison, CatchesARemovedTet) {
   Comparison c = compare_with_input(output, input);
   EXPECT_EQ(c.boundary_missing_faces, 0U);
   EXPECT_EQ(c.boundary_new_faces, 4U);
-  EXPECT_NEAR(c.volume_drift_relative, 1.0 / (6 * 27), kRounding);
+  EXPECT_NEAR(c.volume_drift_relative, 1.0 / (6 * 27), kLastBits);
   EXPECT_FALSE(c.euler_unchanged);
   output = input;
   output.tets.erase(output.tets.begin());  // at a corner: one skin face goes, three inner ones come out
@@ -130,7 +130,7 @@ TEST(Comparison, SurvivesBrokenMeshesAndExtremeCoordinates) {
     for (Vec3& p : input.points) p = scale * p;
     TetMesh output = input;
     output.tets.pop_back();
-    EXPECT_NEAR(compare_with_input(output, input).volume_drift_relative, 1.0 / 162.0, kRounding) << scale;
+    EXPECT_NEAR(compare_with_input(output, input).volume_drift_relative, 1.0 / 162.0, kLastBits) << scale;
   }
   EXPECT_EQ(compare_with_input({}, {}).boundary_changed_faces, 0U);
 }

@@ -20,10 +20,10 @@ namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kRounding = 32 * kEpsilon;  // a few dozen operations on numbers near 1
+constexpr double kHalfTurn = std::numbers::pi;
+constexpr double kOneDegree = kHalfTurn / 180.0;
+constexpr double kUnit = std::numeric_limits<double>::epsilon();
+constexpr double kShapeRounding = 32 * kUnit;  // a few dozen operations on numbers near 1
 
 /// A random tet, positively oriented, with 6 V of at least 0.01.
 TetMesh random_tet(SplitMix64& random) {
@@ -55,19 +55,20 @@ double textbook_min_solid_angle(const TetMesh& mesh) {
 TEST(TetShape, RegularTetByClosedForm) {
   const TetShape shape = shape_of(make_regular_tet());
   EXPECT_TRUE(shape.is_positive);
-  EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / 3.0), kRounding);
-  EXPECT_NEAR(shape.max_dihedral, std::acos(1.0 / 3.0), kRounding);
-  EXPECT_NEAR(shape.min_solid_angle, 3.0 * std::acos(1.0 / 3.0) - kPi, kRounding);
-  EXPECT_NEAR(shape.edge_ratio, 1.0, kRounding);
-  EXPECT_NEAR(shape.volume.value, std::sqrt(2.0) / 12.0, kRounding);
+  EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / 3.0), kShapeRounding);
+  EXPECT_NEAR(shape.max_dihedral, std::acos(1.0 / 3.0), kShapeRounding);
+  EXPECT_NEAR(shape.min_solid_angle, 3.0 * std::acos(1.0 / 3.0) - kHalfTurn, kShapeRounding);
+  EXPECT_NEAR(shape.edge_ratio, 1.0, kShapeRounding);
+  EXPECT_NEAR(shape.volume.value, std::sqrt(2.0) / 12.0, kShapeRounding);
 }
 
 TEST(TetShape, CornerTetByClosedForm) {
   const TetShape shape = shape_of(make_corner_tet());
-  EXPECT_NEAR(shape.max_dihedral, kPi / 2.0, kRounding);
-  EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / std::sqrt(3.0)), kRounding);
-  EXPECT_NEAR(shape.min_solid_angle, 2.0 * std::acos(1.0 / std::sqrt(3.0)) + kPi / 2.0 - kPi, kRounding);
-  EXPECT_NEAR(shape.edge_ratio, std::sqrt(0.5), kRounding);
+  EXPECT_NEAR(shape.max_dihedral, kHalfTurn / 2.0, kShapeRounding);
+  EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / std::sqrt(3.0)), kShapeRounding);
+  EXPECT_NEAR(shape.min_solid_angle, 2.0 * std::acos(1.0 / std::sqrt(3.0)) + kHalfTurn / 2.0 - kHalfTurn,
+              kShapeRounding);
+  EXPECT_NEAR(shape.edge_ratio, std::sqrt(0.5), kShapeRounding);
   EXPECT_EQ(shape.volume.value, 1.0 / 6.0);
 }
 
@@ -77,26 +78,27 @@ TEST(TetShape, KuhnTetsByClosedForm) {
   const TetMesh mesh = make_kuhn_block(1, 1, 1);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const TetShape shape = shape_of(mesh, t);
-    EXPECT_NEAR(shape.min_dihedral, 45.0 * kDegree, kRounding);
-    EXPECT_NEAR(shape.max_dihedral, 90.0 * kDegree, kRounding);
-    EXPECT_NEAR(shape.min_solid_angle, kPi / 12.0, kRounding);
-    EXPECT_NEAR(shape.edge_ratio, 1.0 / std::sqrt(3.0), kRounding);
+    EXPECT_NEAR(shape.min_dihedral, 45.0 * kOneDegree, kShapeRounding);
+    EXPECT_NEAR(shape.max_dihedral, 90.0 * kOneDegree, kShapeRounding);
+    EXPECT_NEAR(shape.min_solid_angle, kHalfTurn / 12.0, kShapeRounding);
+    EXPECT_NEAR(shape.edge_ratio, 1.0 / std::sqrt(3.0), kShapeRounding);
   }
 }
 
 TEST(TetShape, RatiosByClosedForm) {
   const TetShape regular = shape_of(make_regular_tet());
-  EXPECT_NEAR(regular.mean_ratio, 1.0, kRounding);
-  EXPECT_NEAR(regular.radius_ratio, 1.0, kRounding);
+  EXPECT_NEAR(regular.mean_ratio, 1.0, kShapeRounding);
+  EXPECT_NEAR(regular.radius_ratio, 1.0, kShapeRounding);
   // Corner tet: V = 1/6, squared edges 3 + 6; areas 3/2 + sqrt(3)/2, R = sqrt(3)/2.
   const TetShape corner = shape_of(make_corner_tet());
-  EXPECT_NEAR(corner.mean_ratio, 12.0 * std::pow(0.5, 2.0 / 3.0) / 9.0, kRounding);
-  EXPECT_NEAR(corner.radius_ratio, std::sqrt(3.0) - 1.0, kRounding);
+  EXPECT_NEAR(corner.mean_ratio, 12.0 * std::pow(0.5, 2.0 / 3.0) / 9.0, kShapeRounding);
+  EXPECT_NEAR(corner.radius_ratio, std::sqrt(3.0) - 1.0, kShapeRounding);
   // Kuhn tet: V = 1/6, squared edges 1, 1, 1, 2, 2, 3; areas 1/2, 1/2, sqrt(2)/2 twice; R half the cube's
   // diagonal.
   const TetShape kuhn = shape_of(make_kuhn_block(1, 1, 1));
-  EXPECT_NEAR(kuhn.mean_ratio, 1.2 * std::pow(0.5, 2.0 / 3.0), kRounding);
-  EXPECT_NEAR(kuhn.radius_ratio, 3.0 * (0.5 / (1.0 + std::sqrt(2.0))) / (std::sqrt(3.0) / 2.0), kRounding);
+  EXPECT_NEAR(kuhn.mean_ratio, 1.2 * std::pow(0.5, 2.0 / 3.0), kShapeRounding);
+  EXPECT_NEAR(kuhn.radius_ratio, 3.0 * (0.5 / (1.0 + std::sqrt(2.0))) / (std::sqrt(3.0) / 2.0),
+              kShapeRounding);
 }
 
 TEST(TetShape, RatiosAgreeWithTextbookFormulas) {
@@ -122,8 +124,8 @@ TEST(TetShape, RatiosAgreeWithTextbookFormulas) {
       for (std::size_t w = 0; w < v; ++w) squares += dot(p[v] - p[w], p[v] - p[w]);
     }
     // 6 V >= 0.01: Crelle's differences lose up to 10^4 roundings, and so does the judge's sum.
-    EXPECT_NEAR(shape.radius_ratio, 9.0 * volume / area / outer, 1e4 * kRounding);
-    EXPECT_NEAR(shape.mean_ratio, 12.0 * std::cbrt(9.0 * volume * volume) / squares, kRounding);
+    EXPECT_NEAR(shape.radius_ratio, 9.0 * volume / area / outer, 1e4 * kShapeRounding);
+    EXPECT_NEAR(shape.mean_ratio, 12.0 * std::cbrt(9.0 * volume * volume) / squares, kShapeRounding);
     EXPECT_LT(shape.mean_ratio, 1.0);
     EXPECT_LT(shape.radius_ratio, 1.0);
   }
@@ -137,7 +139,7 @@ TEST(TetShape, SolidAngleAgreesWithTheTextbookFormula) {
     const TetMesh mesh = random_tet(random);
     // 6 V >= 0.01 with edges below sqrt(3): the sines of all angles are above 0.01 / 3^1.5, so either formula
     // loses at most a factor of 600 to cancellation.
-    EXPECT_NEAR(shape_of(mesh).min_solid_angle, textbook_min_solid_angle(mesh), 600 * kRounding);
+    EXPECT_NEAR(shape_of(mesh).min_solid_angle, textbook_min_solid_angle(mesh), 600 * kShapeRounding);
   }
 }
 
@@ -178,23 +180,24 @@ TEST(TetShape, SliversByClosedForm) {
     const TetMesh mesh = make_sliver(h);
     const TetShape s = shape_of(mesh);
     ASSERT_TRUE(s.is_positive);
-    EXPECT_NEAR(s.max_dihedral, 2.0 * std::atan(1.0 / h), kRounding);
+    EXPECT_NEAR(s.max_dihedral, 2.0 * std::atan(1.0 / h), kShapeRounding);
     const double side = 2.0 * std::atan(h / std::sqrt(2.0 + h * h));
-    EXPECT_NEAR(s.min_dihedral / side, 1.0, kRounding) << h;
+    EXPECT_NEAR(s.min_dihedral / side, 1.0, kShapeRounding) << h;
     // V = 2 h / 3; squared edges 4 + 4 + 4 (2 + h^2); areas 4 sqrt(1 + h^2); R^2 = 1 + h^2 / 4, the center
     // half way up.
-    EXPECT_NEAR(s.mean_ratio / (12.0 * std::cbrt(4.0 * h * h) / (16.0 + 4.0 * h * h)), 1.0, kRounding) << h;
+    EXPECT_NEAR(s.mean_ratio / (12.0 * std::cbrt(4.0 * h * h) / (16.0 + 4.0 * h * h)), 1.0, kShapeRounding)
+        << h;
     const double ratio = 1.5 * h / (std::sqrt(1.0 + h * h) * std::sqrt(1.0 + 0.25 * h * h));
-    EXPECT_NEAR(s.radius_ratio, ratio, kRounding) << h;
+    EXPECT_NEAR(s.radius_ratio, ratio, kShapeRounding) << h;
     // pi - 2 atan(1 / h) = 2 atan(h): the sum of eq. 4.2 without its cancellation.
     const double solid_angle = 2.0 * side - 2.0 * std::atan(h);
-    EXPECT_NEAR(s.min_solid_angle / solid_angle, 1.0, 4 * kRounding) << h;
+    EXPECT_NEAR(s.min_solid_angle / solid_angle, 1.0, 4 * kShapeRounding) << h;
     EXPECT_NEAR(s.min_solid_angle / textbook_min_solid_angle(mesh), 1.0, 1e-12) << h;
   }
 }
 
 TEST(TetShape, SliverOfAThousandthOfADegree) {
-  const double t = std::tan(0.5e-3 * kDegree);
+  const double t = std::tan(0.5e-3 * kOneDegree);
   const TetMesh mesh = make_sliver(t * std::sqrt(2.0 / (1.0 - t * t)));
   const Quality q = measure_quality(mesh);
   EXPECT_NEAR(q.min_dihedral_deg, 1e-3, 1e-14);
@@ -221,7 +224,7 @@ TEST(TetShape, DegenerateTetsHaveDefinedShapes) {
     EXPECT_FALSE(s.is_positive);
     EXPECT_EQ(s.min_dihedral, 0.0);
     EXPECT_EQ(s.min_solid_angle, 0.0);
-    EXPECT_EQ(s.max_dihedral, kPi);
+    EXPECT_EQ(s.max_dihedral, kHalfTurn);
     EXPECT_EQ(s.mean_ratio, 0.0);
     EXPECT_EQ(s.radius_ratio, 0.0);
     EXPECT_TRUE(std::isfinite(s.volume.value) && std::isfinite(s.edge_ratio));

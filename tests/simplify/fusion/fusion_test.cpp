@@ -7,14 +7,10 @@
 
 #include "core/base/random.h"
 #include "core/mesh/shapes/shapes.h"
+#include "tests/support/small_meshes.h"
 
 namespace palpate::simplify {
 namespace {
-
-int count_shared(const Tet& a, const Tet& b) {
-  return static_cast<int>(
-      std::count_if(a.begin(), a.end(), [&](Index v) { return std::count(b.begin(), b.end(), v); }));
-}
 
 TEST(Fusion, PlanFindsMovedAndDeadTets) {
   const TetMesh mesh = build_kuhn_cube(6, 0.2, 1);
@@ -27,7 +23,7 @@ TEST(Fusion, PlanFindsMovedAndDeadTets) {
     std::set<Index> dead;
     std::set<Index> moved;
     for (Index o = 0; o < mesh.tets.size(); ++o) {
-      const int shared = count_shared(mesh.tets[o], mesh.tets[t]);
+      const int shared = testing_support::count_shared(mesh.tets[o], mesh.tets[t]);
       if (shared >= 2) dead.insert(o);
       if (shared == 1) moved.insert(o);
     }
@@ -39,7 +35,7 @@ TEST(Fusion, PlanFindsMovedAndDeadTets) {
       EXPECT_EQ(std::count(mesh.tets[t].begin(), mesh.tets[t].end(), mesh.tets[m.tet][m.corner]), 1);
       ++moved_in_all;
       const bool has_dead_face = std::any_of(dead.begin(), dead.end(), [&](Index d) {
-        return count_shared(mesh.tets[d], mesh.tets[m.tet]) == 3;
+        return testing_support::count_shared(mesh.tets[d], mesh.tets[m.tet]) == 3;
       });
       moved_without_dead_face += static_cast<std::size_t>(!has_dead_face);
     }

@@ -18,12 +18,12 @@ namespace {
 using test_support::NaiveReport;
 using test_support::simplify_naively;
 
-struct Case {
+struct NamedMesh {
   const char* name;
   TetMesh mesh;
 };
 
-std::vector<Case> small_meshes() {
+std::vector<NamedMesh> meshes_to_compare() {
   return {{"kuhn cube, all ties", build_kuhn_cube(7, 0.0, 0)},
           {"jittered cube", build_kuhn_cube(8, 0.3, 3)},
           {"strongly jittered cube", build_kuhn_cube(7, 0.5, 11)},
@@ -45,7 +45,7 @@ void expect_same_as_naive(const TetMesh& input, const SimplifyOptions& options, 
 }
 
 TEST(Hierarchical, SameBytesAsTheNaiveRescanWithEveryOption) {
-  for (const Case& c : small_meshes()) {
+  for (const NamedMesh& c : meshes_to_compare()) {
     for (const LevelAdjacency levels :
          {LevelAdjacency::kVertex, LevelAdjacency::kEdge, LevelAdjacency::kFace}) {
       for (const IdealVolume ideal : {IdealVolume::kFixed, IdealVolume::kUpdated}) {
@@ -123,7 +123,7 @@ KeptRegion sphere_at(const Vec3& center, double radius) {
 }
 
 TEST(Hierarchical, SameBytesAsTheNaiveRescanWithRegionsToKeep) {
-  for (const Case& c : small_meshes()) {
+  for (const NamedMesh& c : meshes_to_compare()) {
     for (const bool skip_touched : {false, true}) {
       for (const IdealVolume ideal : {IdealVolume::kFixed, IdealVolume::kUpdated}) {
         SimplifyOptions options;

@@ -5,14 +5,10 @@
 #include <algorithm>
 
 #include "core/mesh/shapes/shapes.h"
+#include "tests/support/small_meshes.h"
 
 namespace palpate::simplify {
 namespace {
-
-int count_shared(const Tet& a, const Tet& b) {
-  return static_cast<int>(
-      std::count_if(a.begin(), a.end(), [&](Index v) { return std::count(b.begin(), b.end(), v); }));
-}
 
 /// The definition, by all pairs.
 std::vector<std::uint16_t> levels_by_definition(const TetMesh& mesh, int least_shared) {
@@ -29,7 +25,8 @@ std::vector<std::uint16_t> levels_by_definition(const TetMesh& mesh, int least_s
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
       if (level[t] != kNoLevel) continue;
       for (std::size_t o = 0; o < mesh.tets.size(); ++o) {
-        if (level[o] == n && count_shared(mesh.tets[t], mesh.tets[o]) >= least_shared) level[t] = n + 1;
+        if (level[o] == n && testing_support::count_shared(mesh.tets[t], mesh.tets[o]) >= least_shared)
+          level[t] = n + 1;
       }
       changed = changed || level[t] != kNoLevel;
     }
@@ -66,8 +63,8 @@ TEST(Levels, WithVertexAdjacencyLevelOneIsTheBoundaryNeighbourhood) {
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     bool touches_boundary_tet = false;
     for (std::size_t o = 0; o < mesh.tets.size(); ++o) {
-      touches_boundary_tet =
-          touches_boundary_tet || (level[o] == 0 && count_shared(mesh.tets[t], mesh.tets[o]) > 0);
+      touches_boundary_tet = touches_boundary_tet ||
+                             (level[o] == 0 && testing_support::count_shared(mesh.tets[t], mesh.tets[o]) > 0);
     }
     EXPECT_EQ(touches_boundary_tet, level[t] <= 1);
   }

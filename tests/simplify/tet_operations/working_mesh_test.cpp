@@ -25,7 +25,7 @@ std::multiset<std::multiset<Index>> vertex_sets(const std::vector<Tet>& tets) {
   return sets;
 }
 
-WorkingMesh build(const TetMesh& mesh, const SizingField& field = {}) {
+WorkingMesh make_working(const TetMesh& mesh, const SizingField& field = {}) {
   TetMesh copy = mesh;
   return build_working_mesh(std::move(copy), field);
 }
@@ -33,7 +33,7 @@ WorkingMesh build(const TetMesh& mesh, const SizingField& field = {}) {
 TEST(WorkingMesh, GivesTheSameMeshBack) {
   for (const TetMesh& mesh : {build_kuhn_cube(4, 0.3, 1), build_bcc_bar(3), make_cube_ring(),
                               make_hollow_cube(), make_corner_tet()}) {
-    const WorkingMesh working = build(mesh);
+    const WorkingMesh working = make_working(mesh);
     expect_consistent(working);
     const TetMesh back = copy_of(working);
     EXPECT_EQ(back.points, mesh.points);
@@ -44,7 +44,7 @@ TEST(WorkingMesh, GivesTheSameMeshBack) {
 
 TEST(WorkingMesh, FlagsTheBoundaryAsTopologyDoes) {
   for (const TetMesh& mesh : {build_kuhn_cube(5, 0.4, 2), make_hollow_cube(), make_two_tets()}) {
-    const WorkingMesh working = build(mesh);
+    const WorkingMesh working = make_working(mesh);
     const std::vector<std::uint8_t> flags = build_boundary_vertex_flags(mesh);
     for (Index v = 0; v < working.points.size(); ++v) {
       EXPECT_EQ(working.is_on_boundary(v), flags[working.vertex_origin[v]] != 0);
@@ -62,15 +62,15 @@ TEST(WorkingMesh, RefusesFacesWithThreeTetsOrTwoOnOneSide) {
     if (std::find(other.begin(), other.end(), v) == other.end()) v = 5;
   }
   three.tets.push_back(third);
-  EXPECT_THROW(build(three), InputError);
+  EXPECT_THROW(make_working(three), InputError);
   three.tets.erase(three.tets.begin() + 1);  // the first and the third: two on one side
   remove_isolated_vertices(three);
-  EXPECT_THROW(build(three), InputError);
+  EXPECT_THROW(make_working(three), InputError);
 }
 
 TEST(WorkingMesh, BoundaryFacesOfEachVertex) {
   const TetMesh mesh = build_kuhn_cube(3, 0.2, 7);
-  const WorkingMesh working = build(mesh);
+  const WorkingMesh working = make_working(mesh);
   std::set<Triangle> expected;
   for (Triangle f : build_boundary(copy_of(working))) {
     std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
@@ -92,7 +92,7 @@ TEST(WorkingMesh, BoundaryFacesOfEachVertex) {
 }
 
 TEST(WorkingMesh, EdgeStarsAndNeighboursAsInTheTets) {
-  const WorkingMesh working = build(build_kuhn_cube(3, 0.3, 5));
+  const WorkingMesh working = make_working(build_kuhn_cube(3, 0.3, 5));
   std::vector<Index> star;
   for (Index t = 0; t < working.tets.size(); ++t) {
     const Tet& tet = working.tets[t];
@@ -127,7 +127,7 @@ TEST(WorkingMesh, ValidAfterEachOfManyCollapses) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(seed);
     const TetMesh input = build_kuhn_cube(6, 0.35, seed);
-    WorkingMesh mesh = build(input);
+    WorkingMesh mesh = make_working(input);
     SplitMix64 random(seed);
     VertexMarks marks;
     std::size_t collapses = 0;
@@ -159,7 +159,7 @@ Index vertex_of(const WorkingMesh& mesh, Index origin) {
 }
 
 bool allows_collapse(const TetMesh& mesh, Index gone, Index kept) {
-  const WorkingMesh working = build(mesh);
+  const WorkingMesh working = make_working(mesh);
   VertexMarks marks;
   return meets_link_condition(working, vertex_of(working, gone), vertex_of(working, kept), marks);
 }
@@ -190,7 +190,7 @@ TEST(WorkingMesh, LinkConditionRefusesACommonEdgeThatNoTetJoins) {
 
 TEST(WorkingMesh, SlotsOfTetsAndVerticesAreUsedAgain) {
   const TetMesh input = build_kuhn_cube(4, 0.0, 0);
-  WorkingMesh mesh = build(input);
+  WorkingMesh mesh = make_working(input);
   const std::size_t slots = mesh.tets.size();
   std::vector<Index> added;
   Index slot = 0;
@@ -222,7 +222,7 @@ TEST(WorkingMesh, KeptTetsAreFlaggedAndNeverDie) {
   SizingOptions options;
   options.keep.push_back({.kind = KeptRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.2});
   const SizingField field(options, input);
-  WorkingMesh mesh = build(input, field);
+  WorkingMesh mesh = make_working(input, field);
   const std::vector<std::uint8_t> kept = build_kept_tets(field, input);
   EXPECT_EQ(std::count(mesh.kept_tets.begin(), mesh.kept_tets.end(), 1),
             std::count(kept.begin(), kept.end(), 1));

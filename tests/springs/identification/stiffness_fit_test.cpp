@@ -127,7 +127,7 @@ TEST(StiffnessFit, MeetsTheOptimalityConditionsOfTheDenseProblem) {
 }
 
 TEST(StiffnessFit, RegularTetsHaveSixEqualSprings) {
-  const TetMesh mesh = testing_support::make_regular_tet();
+  const TetMesh mesh = palpate::testing_support::make_regular_tet();
   SpringNetwork network = build_spring_network(mesh);
   set_stiffness_fit(mesh, {1000.0, 0.25, 0.0}, network);
   for (const double k : network.stiffness_n_per_m)
