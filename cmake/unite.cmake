@@ -11,7 +11,7 @@ function(palpate_unite folder)
     if(type STREQUAL "STATIC_LIBRARY" OR type STREQUAL "EXECUTABLE")
       set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
       # A united source is no header: what it keeps to itself is its own still.
-      target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+      target_compile_options(${target} PRIVATE $<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>)
       get_target_property(sources ${target} SOURCES)
       foreach(source IN LISTS sources)
         get_filename_component(path ${source} ABSOLUTE BASE_DIR ${folder})

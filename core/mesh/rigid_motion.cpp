@@ -12,9 +12,9 @@
 namespace palpate {
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // a column each
+using Vector6 = Eigen::VectorXd;
+using Matrix6 = Eigen::MatrixXd;
+using Motions = Eigen::MatrixXd;  // a column each
 
 constexpr double kFree = 1e-10;
 constexpr double kLeastTurn = 1e-4;  // a free motion, of length 1, that turns less is a translation
@@ -58,12 +58,12 @@ struct Part {
   Vec3 center;
   double radius = 0.0;
   std::size_t vertices = 0;
-  Matrix6 resistance = Matrix6::Zero();
+  Matrix6 resistance = Matrix6::Zero(6, 6);
 
   void resist(const Vec3& point, std::uint8_t axes) {
     const Vec3 r = (1.0 / radius) * (point - center);
-    Matrix6 rows = Matrix6::Zero();
-    rows.topRows<3>() << 1, 0, 0, 0, r.z, -r.y, 0, 1, 0, -r.z, 0, r.x, 0, 0, 1, r.y, -r.x, 0;
+    Eigen::Matrix<double, 3, 6> rows;
+    rows << 1, 0, 0, 0, r.z, -r.y, 0, 1, 0, -r.z, 0, r.x, 0, 0, 1, r.y, -r.x, 0;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       if (((static_cast<unsigned>(axes) >> axis) & 1U) != 0)
         resistance += rows.row(axis).transpose() * rows.row(axis);
@@ -96,7 +96,7 @@ std::vector<Vector6> free_motions(const Part& part) {
   const double size = part.resistance.trace();
   if (!(size > 0.0)) {
     std::vector<Vector6> all;
-    for (Eigen::Index k = 0; k < 6; ++k) all.push_back(Vector6::Unit(k));
+    for (Eigen::Index k = 0; k < 6; ++k) all.push_back(Vector6::Unit(6, k));
     return all;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(part.resistance / size);
@@ -105,7 +105,7 @@ std::vector<Vector6> free_motions(const Part& part) {
   std::vector<Vector6> basis;
   if (count == 0) return basis;
   // Combinations without rotation are translations; what is orthogonal to them turns.
-  const Eigen::MatrixXd turning = free.bottomRows<3>().transpose() * free.bottomRows<3>();
+  const Eigen::MatrixXd turning = free.bottomRows(3).transpose() * free.bottomRows(3);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> split(turning);
   const Eigen::Index still = (split.eigenvalues().array() <= kLeastTurn * kLeastTurn).count();
   add_plain_basis(free * split.eigenvectors().leftCols(still), basis);

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "core/dynamics/integrators/integrator.h"
+#include "core/dynamics/motion/integrator_kind.h"
 #include "core/dynamics/motion/motion_model.h"
 #include "core/mesh/tet_mesh.h"
 #include "reference/door/motion_problem.h"

@@ -30,7 +30,7 @@ struct TickRunOptions {
 };
 
 TickRunOptions take_tick_options(const Request& request) {
-  constexpr std::int64_t kMostVertices = 536'870'912;
+  constexpr std::int64_t kMostMeshVertices = 536'870'912;
   json left = request.options;
   TickRunOptions options;
   options.loop = take_tick_loop(left);
@@ -39,7 +39,7 @@ TickRunOptions take_tick_options(const Request& request) {
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
   options.factor = factors[take_choice(left, "factor", factors)];
   options.moves_skin = take_option<bool>(left, "skin", &json::is_boolean, "true or false", false);
-  take_whole(left, "vertices", 0, kMostVertices, 0);  // of the mesh, which is there already
+  take_whole(left, "vertices", 0, kMostMeshVertices, 0);  // of the mesh, which is there already
   require_all_taken(left);
   return options;
 }

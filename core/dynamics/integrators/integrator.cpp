@@ -4,8 +4,8 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/dynamics/integrators/linearised_step.h"
 #include "core/dynamics/integrators/newton_step.h"
@@ -15,11 +15,6 @@
 
 namespace palpate::dynamics {
 namespace {
-
-constexpr EnumNames<IntegratorKind, 11> kNames{
-    "integrator",
-    {"explicit_euler", "symplectic_euler", "velocity_verlet", "runge_kutta_4", "implicit_euler",
-     "prefactored", "backward_euler", "bdf2", "trapezoidal", "xpbd", "vbd"}};
 
 /// a + s b, entry by entry, into `out`.
 void combine(const std::vector<Vec3>& a, double s, const std::vector<Vec3>& b, std::vector<Vec3>& out) {
@@ -34,18 +29,6 @@ std::optional<ImplicitRule> rule_of(IntegratorKind kind) {
 }
 
 }  // namespace
-
-bool is_implicit(IntegratorKind kind) {
-  return kind >= IntegratorKind::kImplicitEuler;
-}
-
-IntegratorKind parse_integrator(std::string_view name) {
-  return kNames.parse(name);
-}
-
-const char* integrator_name(IntegratorKind kind) {
-  return kNames.of(kind);
-}
 
 struct Integrator::Work {
   Work(const MotionModel& model, const IntegratorOptions& given)

@@ -7,17 +7,10 @@
 #include <span>
 #include <vector>
 
+#include "core/dynamics/motion/integrator_kind.h"
 #include "core/dynamics/motion/motion_forces.h"
 
 namespace palpate::dynamics {
-
-/// How far a solver goes within a step, and when the step counts as solved.
-struct StepSolverOptions {
-  std::size_t iterations = 10;  ///< at most so many
-  /// Forces out of balance over those of the inertial guess u + h v, at which a step is solved. 0: each step
-  /// takes exactly `iterations`, counts as solved, and what they leave is measured now and then.
-  double tolerance = 1e-10;
-};
 
 /// What a solve for the end of a step came to.
 struct ImplicitResult {

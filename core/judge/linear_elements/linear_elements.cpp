@@ -220,7 +220,8 @@ void measure_errors(const Body& body, const QuadraticFields& fields, const Field
     const Strains off = fields.strain(centroid_of(body.mesh, tet)) - strain_of(answer, tet, body.shapes[t]);
     error += body.shapes[t].volume * off.transpose() * (fields.moduli * off);
   }
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Gram> shares(error, fields.energies(body.moments),
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Rows> shares(error, fields.energies(body.moments),
                                                               Eigen::EigenvaluesOnly);
   figures.p1_error = std::sqrt(std::max(0.0, shares.eigenvalues().mean()));
   figures.p1_error_worst = std::sqrt(std::max(0.0, shares.eigenvalues().maxCoeff()));

@@ -298,7 +298,7 @@ TEST(ThesisRows, APrintedRowChangesWhenASpringIsSeenFromItsOtherEnd) {
 TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
   // The gradient of the dense problem vanishes where k > 0 and points inwards where k = 0.
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 21);
-  constexpr double kYoung = 300.0;
+  constexpr double kModulus = 300.0;
   for (const ThesisRows rows :
        {ThesisRows::kPrinted, ThesisRows::kB4Sign, ThesisRows::kSubstituted, ThesisRows::kCorrected}) {
     for (const double weight : {1.0, 30.0}) {
@@ -306,7 +306,7 @@ TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
       ThesisOptions options;
       options.rows = rows;
       options.stiffness_row_weight = weight;
-      const NonnegativeReport report = identify_thesis(mesh, kYoung, options, network);
+      const NonnegativeReport report = identify_thesis(mesh, kModulus, options, network);
       EXPECT_TRUE(report.converged);
       const std::vector<double> volumes = build_influence_volumes(mesh);
       const auto count = static_cast<Eigen::Index>(network.springs.size());
@@ -316,7 +316,7 @@ TEST(ThesisRows, TheAnswerIsTheLeastSquaresOne) {
       for (Eigen::Index s = 0; s < count; ++s) {
         const auto spring = static_cast<std::size_t>(s);
         const double u = network.rest_length_m[spring];
-        w(s) = network.stiffness_n_per_m[spring] * u * u / kYoung;
+        w(s) = network.stiffness_n_per_m[spring] * u * u / kModulus;
         for (std::size_t end = 0; end < 2; ++end) {
           const Index v = network.springs[spring][end];
           const Vec3 d = mesh.points[network.springs[spring][1 - end]] - mesh.points[v];

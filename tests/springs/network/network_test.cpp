@@ -127,10 +127,10 @@ TEST(SpringNetwork, VertexSpringsAreAllThatTouchIt) {
 
 TEST(SpringNetwork, HangingAreVerticesThatSpringsLeaveFreeInSomeDirection) {
   const TetMesh mesh = build_kuhn_cube(3, 0.2, 4);
-  constexpr double kYoung = 1000.0;
+  constexpr double kModulus = 1000.0;
   SpringNetwork network = build_spring_network(mesh);
-  set_van_gelder(mesh, kYoung, network);
-  EXPECT_TRUE(find_hanging_vertices(mesh, network, kYoung).empty());
+  set_van_gelder(mesh, kModulus, network);
+  EXPECT_TRUE(find_hanging_vertices(mesh, network, kModulus).empty());
   const VertexSprings springs = build_vertex_springs(network, mesh.points.size());
   constexpr Index kVertex = 21;  // inside
   const std::vector<double> whole = network.stiffness_n_per_m;
@@ -138,7 +138,7 @@ TEST(SpringNetwork, HangingAreVerticesThatSpringsLeaveFreeInSomeDirection) {
     network.stiffness_n_per_m = whole;
     for (std::size_t i = left; i < springs.of(kVertex).size(); ++i)
       network.stiffness_n_per_m[springs.of(kVertex)[i]] = 0.0;
-    return find_hanging_vertices(mesh, network, kYoung);
+    return find_hanging_vertices(mesh, network, kModulus);
   };
   const std::vector<Index> alone{kVertex};
   EXPECT_EQ(hanging_with(0), alone);  // without any spring
@@ -147,7 +147,7 @@ TEST(SpringNetwork, HangingAreVerticesThatSpringsLeaveFreeInSomeDirection) {
   // A softer solid has softer springs: what counts is their share of the solid's.
   hanging_with(springs.of(kVertex).size());
   for (double& k : network.stiffness_n_per_m) k *= 1e-12;
-  EXPECT_TRUE(find_hanging_vertices(mesh, network, 1e-12 * kYoung).empty());
+  EXPECT_TRUE(find_hanging_vertices(mesh, network, 1e-12 * kModulus).empty());
   EXPECT_EQ(find_hanging_vertices(mesh, network, kYoung).size(), mesh.points.size());
 }
 
