@@ -79,6 +79,22 @@ class Sources(unittest.TestCase):
         self.write("core/ground/good.h", "#pragma once\n#include <vector>\n\nusing Numbers = std::vector<long>;\n")
         self.assertIn("1 passed, 0 known", self.hold("tidy")[1])
 
+    def test_a_source_that_is_compiled_with_others_is_held_as_if_alone(self):
+        for kind in ("headers", "tidy"):
+            self.assertEqual(self.hold(kind)[0], 0)
+        self.write("core/base/bad.cpp", '#include "core/base/good.h"\n\nint BadName(const Numbers& numbers);\n')
+        united = self.build / "library.dir/Unity/unity_core_base_cxx.cxx"
+        united.parent.mkdir(parents=True)
+        united.write_text("".join(f'#include "{self.root}/core/base/{name}.cpp"\n\n' for name in ("bad", "good")), encoding="utf-8")
+        command = f"/usr/bin/g++ -I{self.root} -Wno-subobject-linkage -std=c++20 -c {united}"
+        entry = {"directory": str(self.build), "command": command, "file": str(united)}
+        (self.build / "compile_commands.json").write_text(json.dumps([entry]), encoding="utf-8")
+        self.assertIn("1 known", self.hold("headers")[1])
+        code, said = self.hold("tidy")
+        self.assertEqual(code, 1)
+        self.assertIn("1 known", said)
+        self.assertIn("BadName", said)
+
     def test_only_what_passed_here_is_recorded(self):
         self.assertIn("0 files recorded", self.hold("tidy", "--record")[1])
         self.assertIn("1 passed, 0 known", self.hold("tidy")[1])
