@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <barrier>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <string>
-#include <thread>
 #include <type_traits>
 
 #include "core/base/error.h"
 #include "core/base/lanes.h"
 #include "core/base/large_pages.h"
+#include "core/dynamics/spring_engine/block_team.h"
 #include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/dynamics/spring_engine/plain_layout.h"
 #include "core/dynamics/spring_engine/plain_loads.h"
@@ -24,13 +22,6 @@ namespace {
 
 constexpr std::size_t kBlockVertices = 2048;
 static_assert(kBlockVertices <= kMostBlockVertices);
-
-/// What a vertex has of its own.
-template <typename Real>
-struct Inertia {
-  Real inverse_mass = 0;  ///< 0 where it is held
-  Real drag = 0;
-};
 
 void check_plain(const MotionModel& model) {
   validate(model);
@@ -54,11 +45,6 @@ struct PlainEngine<Real>::Body {
   struct Block {
     std::size_t inside = 0;
     std::size_t across = 0;
-  };
-  struct Watched {
-    Real speed_sq = 0;
-    Real farthest_sq = 0;
-    Real sum = 0;
   };
   static constexpr std::size_t kStride = sizeof(Particle<Real>) / sizeof(Real);
 
@@ -155,7 +141,7 @@ struct PlainEngine<Real>::Body {
   std::size_t block_count() const { return blocks.size() - 1; }
 
   /// One step of one block: from `now` to `next`.
-  void step_block(std::size_t b, Real h, PlainReport& report, bool& has_zero) {
+  void step_block(std::size_t b, Real h, PlainReport& report) {
     const std::size_t first = b * kBlockVertices;
     const std::size_t count = std::min(kBlockVertices, now.size() - first);
     alignas(64) std::array<Real, 4 * kBlockVertices> force;
@@ -171,7 +157,7 @@ struct PlainEngine<Real>::Body {
     for (const AcrossGroup<Real>& group : springs.across) {
       for (const std::uint32_t other : group.b) fetch_ahead(now.data() + other);
     }
-    has_zero = add_springs(springs, force.data()) < Real(1e-36) || has_zero;
+    if (add_springs(springs, force.data()) < Real(1e-36)) ++report.steps_with_zero_length;
     loads->add_forces(b, PlainRows<const Real>{now[0].x.data(), kStride}, force.data());
     update(first, count, force.data(), h, report);
     loads->hold(b, PlainRows<Real>{next[0].x.data(), kStride}, PlainRows<Real>{next[0].v.data(), kStride});
@@ -188,7 +174,8 @@ struct PlainEngine<Real>::Body {
       const Inertia<Real>& own = inertia[first + k];
       const L speed = L::load(from.v.data());
       L v = speed + L::of(h * own.inverse_mass) * (L::load(force + 4 * k) - L::of(own.drag) * speed);
-      if (options.speed_limit_m_s > 0.0 && own.inverse_mass > 0) v = cut(v, report);
+      if (options.speed_limit_m_s > 0.0 && own.inverse_mass > 0)
+        v = cut_speed<Real>(v, options.speed_limit_m_s, report);
       Particle<Real>& to = next[first + k];
       v.store(to.v.data());
       (L::load(from.x.data()) + L::of(h) * v).store(to.x.data());
@@ -199,30 +186,12 @@ struct PlainEngine<Real>::Body {
   void watch(std::size_t b) {
     const std::size_t first = b * kBlockVertices;
     const std::size_t count = std::min(kBlockVertices, next.size() - first);
-    Watched seen;
+    Watched<Real> seen;
     for (std::size_t k = first; k < first + count; ++k) {
       const auto& [x, v] = next[k];
-      const Real away_sq = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-      const Real speed_sq = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-      seen.farthest_sq = std::max(seen.farthest_sq, away_sq);
-      seen.speed_sq = std::max(seen.speed_sq, speed_sq);
-      seen.sum += away_sq + speed_sq;
+      seen.note(x[0] * x[0] + x[1] * x[1] + x[2] * x[2], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
     }
     watched[b] = seen;
-  }
-
-  /// Whether the last step left a state that is finite and within bounds.
-  bool is_good(PlainReport& report) const {
-    const auto escape = static_cast<Real>(options.escape_m);
-    bool good = true;
-    Real speed_sq = 0;
-    for (const Watched& seen : watched) {
-      good = good && std::isfinite(seen.sum) && seen.farthest_sq <= escape * escape;
-      speed_sq = std::max(speed_sq, seen.speed_sq);
-    }
-    if (good)
-      report.peak_speed_m_s = std::max(report.peak_speed_m_s, std::sqrt(static_cast<double>(speed_sq)));
-    return good;
   }
 
   Real add_springs(const BlockSprings<Real>& springs, Real* force) const {
@@ -232,66 +201,14 @@ struct PlainEngine<Real>::Body {
     return add_spring_forces(springs, force);
   }
 
-  Lanes<Real> cut(const Lanes<Real>& v, PlainReport& report) const {
-    std::array<Real, 4> each;
-    v.store(each.data());
-    const auto limit = static_cast<Real>(options.speed_limit_m_s);
-    const Real speed_sq = each[0] * each[0] + each[1] * each[1] + each[2] * each[2];
-    if (!(speed_sq > limit * limit)) return v;
-    ++report.speeds_cut;
-    return Lanes<Real>::of(limit / std::sqrt(speed_sq)) * v;
-  }
-
   /// Steps with `threads` threads, each with blocks of its own.
   PlainReport run(double step_s, std::uint64_t steps, const PlainObserver& observer) {
     const auto h = static_cast<Real>(step_s);
-    const std::size_t threads = std::clamp<std::size_t>(
-        static_cast<std::size_t>(std::max(options.threads, 1)), 1, std::max<std::size_t>(block_count(), 1));
-    std::vector<char> zero(threads);
-    std::vector<std::uint64_t> cuts(threads);
-    std::uint64_t cuts_before = 0;
-    PlainReport sum;
-    bool is_over = false;
-    if (steps == 0) return sum;
-    loads->set_times(time_s, time_s + step_s);
-    const auto end_step = [&]() noexcept {
-      now.swap(next);
-      ++sum.steps;
-      time_s += step_s;
-      loads->gather();
-      loads->set_times(time_s, time_s + step_s);
-      sum.diverged = options.escape_m > 0.0 && !is_good(sum);
-      is_over = sum.diverged || sum.steps == steps;
-      bool has_zero = false;
-      for (char& each : zero) {
-        has_zero = has_zero || each != 0;
-        each = 0;
-      }
-      sum.steps_with_zero_length += has_zero ? 1 : 0;
-      sum.speeds_cut = std::accumulate(cuts.begin(), cuts.end(), std::uint64_t{0});
-      sum.steps_with_cuts += sum.speeds_cut > cuts_before ? 1 : 0;
-      cuts_before = sum.speeds_cut;
-      if (observer) observer(sum.steps);
-    };
-    std::barrier team(static_cast<std::ptrdiff_t>(threads), end_step);
-    const auto work = [&](std::size_t t) {
-      PlainReport report;
-      for (;;) {
-        bool has_zero = false;
-        for (std::size_t b = block_count() * t / threads; b < block_count() * (t + 1) / threads; ++b)
-          step_block(b, h, report, has_zero);
-        zero[t] = has_zero ? 1 : 0;
-        cuts[t] = report.speeds_cut;
-        team.arrive_and_wait();
-        if (is_over) return;
-      }
-    };
-    {
-      std::vector<std::jthread> others;
-      for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
-      work(0);
-    }
-    return sum;
+    const TeamStep<Real> step{{[&](std::size_t b, std::size_t, PlainReport& own) { step_block(b, h, own); }},
+                              [&] { now.swap(next); },
+                              watched,
+                              block_count()};
+    return step_in_team(options, step, step_s, steps, *loads, time_s, observer);
   }
 
   PlainOptions options;
@@ -307,7 +224,7 @@ struct PlainEngine<Real>::Body {
   LargeVector<Particle<Real>> now;
   LargeVector<Particle<Real>> next;
   std::optional<PlainLoads> loads;
-  std::vector<Watched> watched;
+  std::vector<Watched<Real>> watched;
   bool use_avx2 = false;
   double time_s = 0.0;
   std::size_t spring_count = 0;

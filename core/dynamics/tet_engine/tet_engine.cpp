@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <barrier>
 #include <cmath>
-#include <numeric>
 #include <optional>
-#include <thread>
 
 #include "core/base/error.h"
 #include "core/base/lanes.h"
 #include "core/base/large_pages.h"
+#include "core/dynamics/spring_engine/block_team.h"
 #include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/dynamics/spring_engine/plain_loads.h"
 #include "core/dynamics/tet_engine/domain_kernel.h"
@@ -28,13 +26,6 @@ std::size_t choose_block_vertices(std::size_t vertices) {
   const std::size_t blocks = std::max<std::size_t>(1, (vertices + kBlockVertices - 1) / kBlockVertices);
   return std::max<std::size_t>(1, (vertices + blocks - 1) / blocks);
 }
-
-/// What a vertex has of its own.
-template <typename Real>
-struct Inertia {
-  Real inverse_mass = 0;  ///< 0 where it is held
-  Real drag = 0;
-};
 
 }  // namespace
 
@@ -54,11 +45,6 @@ template <typename Real>
 struct TetEngine<Real>::Body {
   using Row = std::array<Real, 4>;
 
-  struct Watched {
-    Real speed_sq = 0;
-    Real farthest_sq = 0;
-    Real sum = 0;
-  };
   /// What a block sees, copied together; one a thread.
   struct Scratch {
     LargeVector<Row> u;
@@ -169,7 +155,8 @@ struct TetEngine<Real>::Body {
       Row& at_v = v[block.first + k];
       const L speed = L::load(at_v.data());
       L next = speed + L::of(h * own.inverse_mass) * (L::load(force[k].data()) - L::of(own.drag) * speed);
-      if (options.speed_limit_m_s > 0.0 && own.inverse_mass > 0) next = cut(next, report);
+      if (options.speed_limit_m_s > 0.0 && own.inverse_mass > 0)
+        next = cut_speed<Real>(next, options.speed_limit_m_s, report);
       next.store(at_v.data());
       (L::load(u_now[block.first + k].data()) + L::of(h) * next).store(u_next[block.first + k].data());
     }
@@ -177,19 +164,9 @@ struct TetEngine<Real>::Body {
     if (options.escape_m > 0.0) watch(b);
   }
 
-  Lanes<Real> cut(const Lanes<Real>& speed, PlainReport& report) const {
-    std::array<Real, 4> each;
-    speed.store(each.data());
-    const auto limit = static_cast<Real>(options.speed_limit_m_s);
-    const Real speed_sq = each[0] * each[0] + each[1] * each[1] + each[2] * each[2];
-    if (!(speed_sq > limit * limit)) return speed;
-    ++report.speeds_cut;
-    return Lanes<Real>::of(limit / std::sqrt(speed_sq)) * speed;
-  }
-
   /// Notes the fastest and the farthest vertex of a block; a sum keeps what is not finite.
   void watch(std::size_t b) {
-    Watched seen;
+    Watched<Real> seen;
     const PackedBlock& block = packed.blocks[b];
     for (std::size_t k = block.first; k < block.first + block.count; ++k) {
       Real away_sq = 0;
@@ -199,74 +176,23 @@ struct TetEngine<Real>::Body {
         away_sq += x * x;
         speed_sq += v[k][i] * v[k][i];
       }
-      seen.farthest_sq = std::max(seen.farthest_sq, away_sq);
-      seen.speed_sq = std::max(seen.speed_sq, speed_sq);
-      seen.sum += away_sq + speed_sq;
+      seen.note(away_sq, speed_sq);
     }
     watched[b] = seen;
-  }
-
-  /// Whether the last step left a state that is finite and within bounds.
-  bool is_good(PlainReport& report) const {
-    const auto escape = static_cast<Real>(options.escape_m);
-    bool good = true;
-    Real speed_sq = 0;
-    for (const Watched& seen : watched) {
-      good = good && std::isfinite(seen.sum) && seen.farthest_sq <= escape * escape;
-      speed_sq = std::max(speed_sq, seen.speed_sq);
-    }
-    if (good)
-      report.peak_speed_m_s = std::max(report.peak_speed_m_s, std::sqrt(static_cast<double>(speed_sq)));
-    return good;
   }
 
   /// Steps with `threads` threads, each with blocks of its own. All pull, then all move.
   PlainReport run(double step_s, std::uint64_t steps, const PlainObserver& observer) {
     const auto h = static_cast<Real>(step_s);
     const std::size_t blocks = packed.blocks.size();
-    const std::size_t threads = std::clamp<std::size_t>(
-        static_cast<std::size_t>(std::max(options.threads, 1)), 1, std::max<std::size_t>(blocks, 1));
-    std::vector<std::uint64_t> cuts(threads);
-    std::uint64_t cuts_before = 0;
-    PlainReport sum;
-    bool is_over = false;
-    if (steps == 0) return sum;
-    scratch.resize(std::max(scratch.size(), threads));
-    loads->set_times(time_s, time_s + step_s);
-    const auto end_step = [&]() noexcept {
-      u_now.swap(u_next);
-      ++sum.steps;
-      time_s += step_s;
-      loads->gather();
-      loads->set_times(time_s, time_s + step_s);
-      sum.diverged = options.escape_m > 0.0 && !is_good(sum);
-      is_over = sum.diverged || sum.steps == steps;
-      sum.speeds_cut = std::accumulate(cuts.begin(), cuts.end(), std::uint64_t{0});
-      sum.steps_with_cuts += sum.speeds_cut > cuts_before ? 1 : 0;
-      cuts_before = sum.speeds_cut;
-      if (observer) observer(sum.steps);
-    };
-    std::barrier pulled(static_cast<std::ptrdiff_t>(threads));
-    std::barrier moved(static_cast<std::ptrdiff_t>(threads), end_step);
-    const auto work = [&](std::size_t t) {
-      PlainReport report;
-      const std::size_t first = blocks * t / threads;
-      const std::size_t last = blocks * (t + 1) / threads;
-      for (;;) {
-        for (std::size_t b = first; b < last; ++b) pull_block(b, scratch[t]);
-        pulled.arrive_and_wait();
-        for (std::size_t b = first; b < last; ++b) move_block(b, h, report);
-        cuts[t] = report.speeds_cut;
-        moved.arrive_and_wait();
-        if (is_over) return;
-      }
-    };
-    {
-      std::vector<std::jthread> others;
-      for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
-      work(0);
-    }
-    return sum;
+    scratch.resize(std::max(scratch.size(), team_size(options, blocks)));
+    const TeamStep<Real> step{
+        {[&](std::size_t b, std::size_t thread, PlainReport&) { pull_block(b, scratch[thread]); },
+         [&](std::size_t b, std::size_t, PlainReport& own) { move_block(b, h, own); }},
+        [&] { u_now.swap(u_next); },
+        watched,
+        blocks};
+    return step_in_team(options, step, step_s, steps, *loads, time_s, observer);
   }
 
   PlainOptions options;
@@ -287,7 +213,7 @@ struct TetEngine<Real>::Body {
   LargeVector<Row> v;
   std::vector<Scratch> scratch;  ///< one a thread
   std::optional<PlainLoads> loads;
-  std::vector<Watched> watched;
+  std::vector<Watched<Real>> watched;
   bool use_avx2 = false;
   double time_s = 0.0;
   std::size_t domain_count = 0;
