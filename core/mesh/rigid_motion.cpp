@@ -12,8 +12,6 @@
 namespace palpate {
 namespace {
 
-using Vector6 = Eigen::VectorXd;
-using Matrix6 = Eigen::MatrixXd;
 using Motions = Eigen::MatrixXd;  // a column each
 
 constexpr double kFree = 1e-10;
@@ -58,7 +56,7 @@ struct Part {
   Vec3 center;
   double radius = 0.0;
   std::size_t vertices = 0;
-  Matrix6 resistance = Matrix6::Zero(6, 6);
+  Eigen::MatrixXd resistance = Eigen::MatrixXd::Zero(6, 6);
 
   void resist(const Vec3& point, std::uint8_t axes) {
     const Vec3 r = (1.0 / radius) * (point - center);
@@ -73,14 +71,14 @@ struct Part {
 
 /// Adds an orthonormal basis of the columns' span, each vector as near to one coordinate as can be: the
 /// longest projection of a unit vector on what is left comes first.
-void add_plain_basis(Motions left, std::vector<Vector6>& basis) {
+void add_plain_basis(Motions left, std::vector<Eigen::VectorXd>& basis) {
   while (left.cols() > 0) {
-    const Matrix6 projection = left * left.transpose();
+    const Eigen::MatrixXd projection = left * left.transpose();
     Eigen::Index nearest = 0;
     for (Eigen::Index k = 1; k < 6; ++k) {
       if (projection(k, k) > projection(nearest, nearest) + 1e-9) nearest = k;
     }
-    const Vector6 next = projection.col(nearest).normalized();
+    const Eigen::VectorXd next = projection.col(nearest).normalized();
     basis.push_back(next);
     // What is left: the orthogonal complement of `next` in the span.
     const Eigen::VectorXd inside = left.transpose() * next;
@@ -92,17 +90,17 @@ void add_plain_basis(Motions left, std::vector<Vector6>& basis) {
 }
 
 /// The motions that the part's resistance leaves free, translations first.
-std::vector<Vector6> free_motions(const Part& part) {
+std::vector<Eigen::VectorXd> free_motions(const Part& part) {
   const double size = part.resistance.trace();
   if (!(size > 0.0)) {
-    std::vector<Vector6> all;
-    for (Eigen::Index k = 0; k < 6; ++k) all.push_back(Vector6::Unit(6, k));
+    std::vector<Eigen::VectorXd> all;
+    for (Eigen::Index k = 0; k < 6; ++k) all.push_back(Eigen::VectorXd::Unit(6, k));
     return all;
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(part.resistance / size);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(part.resistance / size);
   const Eigen::Index count = (eigen.eigenvalues().array() <= kFree).count();
   const Motions free = eigen.eigenvectors().leftCols(count);
-  std::vector<Vector6> basis;
+  std::vector<Eigen::VectorXd> basis;
   if (count == 0) return basis;
   // Combinations without rotation are translations; what is orthogonal to them turns.
   const Eigen::MatrixXd turning = free.bottomRows(3).transpose() * free.bottomRows(3);
@@ -113,7 +111,7 @@ std::vector<Vector6> free_motions(const Part& part) {
   return basis;
 }
 
-RigidMotion named(const Vector6& motion, Index name, const Part& part) {
+RigidMotion named(const Eigen::VectorXd& motion, Index name, const Part& part) {
   const Vec3 shift{motion[0], motion[1], motion[2]};
   const Vec3 turn{motion[3], motion[4], motion[5]};
   if (length(turn) < kLeastTurn) return {name, false, (1.0 / length(shift)) * shift, {}};
@@ -174,7 +172,7 @@ std::vector<RigidMotion> find_free_motions(const TetMesh& mesh, std::span<const 
   std::vector<RigidMotion> free;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     if (parts[p].vertices < 4) continue;  // a vertex of no tet
-    for (const Vector6& motion : free_motions(parts[p]))
+    for (const Eigen::VectorXd& motion : free_motions(parts[p]))
       free.push_back(named(motion, found.smallest[p], parts[p]));
   }
   return free;

@@ -5,16 +5,15 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <iostream>
 #include <memory>
-#include <sstream>
 #include <thread>
 
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
+#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"
@@ -63,16 +62,13 @@ int make_report(const fs::path& folder) {
   spec.standard_error = folder / "report_errors.txt";
   spec.stop_flag = catch_stop_signals();
   const ProcessResult result = run_process(spec);
-  std::cout << std::ifstream(spec.standard_output).rdbuf();
-  std::cout.clear();  // an empty summary sets the fail bit
+  std::cout << read_bytes(spec.standard_output).value_or("");
   if (result.end == ProcessEnd::kExited && (result.exit_code == kDone || result.exit_code == kNotAccepted)) {
     std::error_code ignored;
     fs::remove(spec.standard_error, ignored);
     return result.exit_code;
   }
-  std::ostringstream errors;
-  errors << std::ifstream(spec.standard_error).rdbuf();
-  std::string last = errors.str();
+  std::string last = read_bytes(spec.standard_error).value_or("");
   while (!last.empty() && last.back() == '\n') last.pop_back();
   print_note("the report failed (" + result.message + "): " + last.substr(last.rfind('\n') + 1));
   return kCouldNotRun;
@@ -174,9 +170,10 @@ int check(const std::vector<std::string>& files) {
         continue;
       }
       const Plan plan = read_plan(file, registry);
-      const std::size_t cases = build_cases(plan, registry).size();
-      std::cout << file << ": good, " << cases << " cases, "
-                << cases * static_cast<std::size_t>(plan.run.repeats + plan.run.warmup) << " runs\n";
+      const std::vector<Case> cases = build_cases(plan, registry);
+      int runs = 0;
+      for (const Case& c : cases) runs += plan.run.warmup + repeats_of(plan.run, c);
+      std::cout << file << ": good, " << cases.size() << " cases, " << runs << " runs\n";
       for (const std::string& note : plan.notes) std::cout << file << ": note: " << note << '\n';
     } catch (const InputError& error) {
       print_note(error.what());

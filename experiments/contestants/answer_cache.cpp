@@ -1,12 +1,11 @@
 #include "experiments/contestants/answer_cache.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <vector>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "experiments/files/file_bytes.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
 #include "reference/door/json_file.h"
@@ -19,12 +18,6 @@ using nlohmann::json;
 using reference::or_null;
 
 constexpr const char* kSchema = "palpate/answer_cache/1";
-
-std::string bytes_of(const fs::path& path) {
-  std::ostringstream bytes;
-  bytes << std::ifstream(path, std::ios::binary).rdbuf();
-  return bytes.str();
-}
 
 json key_of(const ContestantTask& task) {
   json key = {{"contest", task.method.contestant->contest},
@@ -80,8 +73,8 @@ ContestantAnswer keep(const fs::path& folder, const json& key, ContestantAnswer 
   try {
     fs::create_directories(folder);
     const fs::path output = folder / answer.output.filename();
-    if (fs::is_regular_file(answer.output)) {
-      write_file_atomically(output, bytes_of(answer.output));
+    if (const auto bytes = read_bytes(answer.output)) {
+      write_file_atomically(output, *bytes);
       kept["checksum"] = hash_file(output);
       answer.output = output;
     }

@@ -5,9 +5,8 @@
 
 namespace palpate::experiments {
 
-ContestantTask start_moving_task(const std::string& method, const reference::MovingBody& body,
-                                 const TetMesh& mesh, const Registry& registry,
-                                 const std::filesystem::path& folder) {
+ContestantTask start_task(const std::string& method, const nlohmann::json& problem, const TetMesh& mesh,
+                          const Registry& registry, const std::filesystem::path& folder) {
   constexpr double kNoTimeout = 1e8;
   const auto entry = registry.find(method);
   if (!entry) throw UnavailableError(method + " is unavailable: there is no such method");
@@ -15,7 +14,7 @@ ContestantTask start_moving_task(const std::string& method, const reference::Mov
   if (!why.empty()) throw UnavailableError(method + " is unavailable: " + why);
   ProblemFiles files;
   files.mesh = mesh;
-  write_problem(files, reference::moving_body_to_json(body), folder);
+  write_problem(files, problem, folder);
   ContestantTask task;
   task.method = *entry;
   task.mesh_in = files.mesh_file;
@@ -25,6 +24,12 @@ ContestantTask start_moving_task(const std::string& method, const reference::Mov
   task.options = resolve_options(*entry->method, {});
   task.timeout_s = kNoTimeout;
   return task;
+}
+
+ContestantTask start_moving_task(const std::string& method, const reference::MovingBody& body,
+                                 const TetMesh& mesh, const Registry& registry,
+                                 const std::filesystem::path& folder) {
+  return start_task(method, reference::moving_body_to_json(body), mesh, registry, folder);
 }
 
 ContestantAnswer run_moving_task(const ContestantTask& task, const std::string& where) {

@@ -1,4 +1,4 @@
-// A moving body that is asked of our engine outside of a plan: by simulate, check and export.
+// What is asked of a contestant outside of a plan: by simulate, check and export.
 #pragma once
 
 #include <filesystem>
@@ -10,6 +10,12 @@
 #include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
+
+/// Writes mesh and problem below `folder`, which is made, and asks for a method of any contest that takes a
+/// problem, with its default options. The task has no time-out. Throws: InputError if the folder cannot be
+/// written, UnavailableError if the method cannot run here.
+ContestantTask start_task(const std::string& method, const nlohmann::json& problem, const TetMesh& mesh,
+                          const Registry& registry, const std::filesystem::path& folder);
 
 /// Writes mesh and body below `folder`, which is made, and asks for a method of the contest engine with its
 /// default options. The task has no time-out. Throws: InputError if the folder cannot be written,

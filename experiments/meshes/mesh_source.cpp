@@ -5,9 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -17,6 +15,7 @@
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
+#include "experiments/files/file_bytes.h"
 #include "experiments/judging/doubled_points.h"
 #include "experiments/meshes/body_surface.h"
 #include "experiments/meshes/mesh_cache.h"
@@ -368,9 +367,7 @@ void write_mesh(const std::filesystem::path& path, const TetMesh& mesh) {
   // Written aside and copied as a whole, so that a full disk leaves what was there.
   const ToolCall call{"convert", "vtk.write", scratch.file("mesh.mesh"), scratch.file("mesh.vtu"), {}, 600.0};
   run_tool(kVtkTool, call);
-  std::ostringstream bytes;
-  bytes << std::ifstream(call.output, std::ios::binary).rdbuf();
-  write_file_atomically(path, bytes.str());
+  write_file_atomically(path, read_bytes(call.output).value_or(""));
 }
 
 }  // namespace palpate::experiments

@@ -187,6 +187,10 @@ std::vector<Case> cross_cases(const Plan& plan, const Registry& registry) {
   return CaseBuilder(plan, registry).build();
 }
 
+int repeats_of(const RunSettings& run, const Case& c) {
+  return c.seed && run.seed_repeats > 0 ? run.seed_repeats : run.repeats;
+}
+
 std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std::string& id) {
   std::vector<bool> wanted(cases.size(), false);
   std::vector<std::string> ids;

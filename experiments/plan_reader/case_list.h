@@ -33,6 +33,9 @@ struct Case {
 /// vertices) and, where the plan has simplifiers, with them ("simplify=LABEL").
 std::vector<Case> cross_cases(const Plan& plan, const Registry& registry);
 
+/// Measured repeats of a case: those of the plan, or, where it is one of several seeds, its `seed_repeats`.
+int repeats_of(const RunSettings& run, const Case& c);
+
 /// The indices of the cases that `id` names, themselves or by a leading part ("kidney",
 /// "kidney/hierarchical_87"), with the cases that they need, in order.
 /// Throws: InputError if there is none, with the nearest.

@@ -58,6 +58,7 @@ struct PlanContestant {
 /// How the cases are run.
 struct RunSettings {
   int repeats = 1;
+  int seed_repeats = 0;  ///< of a case that is one of several seeds; 0: as many as of any other
   int warmup = 0;
   int threads = 1;
   double timeout_s = 300.0;

@@ -12,6 +12,7 @@
 #include <map>
 #include <sstream>
 
+#include "experiments/files/file_bytes.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
 #include "experiments/judging/measure.h"
@@ -33,10 +34,9 @@ std::string output_of(const std::vector<std::string>& arguments) {
   spec.timeout_s = 20.0;
   spec.standard_output = name;
   const ProcessResult result = run_process(spec);
-  std::ostringstream text;
-  text << std::ifstream(name).rdbuf();
+  std::string text = read_bytes(name).value_or("");
   std::filesystem::remove(name);
-  return result.end == ProcessEnd::kExited && result.exit_code == 0 ? text.str() : "";
+  return result.end == ProcessEnd::kExited && result.exit_code == 0 ? text : "";
 }
 
 /// The value behind the first line that starts with `key` in a file of "key : value" lines.

@@ -76,12 +76,13 @@ void check_cases(const json& provenance, const std::vector<json>& records,
     own.repeats.insert(record.at("repeat").get<std::int64_t>());
     own.closed = own.closed || is_closing(record.at("outcome").get<std::string>());
   }
-  const auto wanted = repeats.get<std::int64_t>() + warmup.get<std::int64_t>();
+  const json own_repeats = provenance.value("repeats_of", json::object());
   std::set<std::string> known;
   for (const json& name : cases) {
     if (!name.is_string()) continue;
     const auto& id = *known.insert(name.get<std::string>()).first;
     const SeenCase& own = seen[id];
+    const auto wanted = own_repeats.value(id, repeats.get<std::int64_t>()) + warmup.get<std::int64_t>();
     const std::int64_t missing = wanted - static_cast<std::int64_t>(own.repeats.size());
     if (missing > 0 && !own.closed)
       problems.push_back(id + ": " + std::to_string(missing) + " of its " + std::to_string(wanted) +

@@ -9,10 +9,11 @@ namespace palpate::experiments {
 namespace {
 
 RunSettings read_run(const YamlValue& value) {
-  const YamlFields fields = value.fields(
-      {"repeats", "warmup", "threads", "timeout_s", "memory_mib", "judge_timeout_s", "judge_memory_mib"});
+  const YamlFields fields = value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s",
+                                          "memory_mib", "judge_timeout_s", "judge_memory_mib"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
+  if (const auto v = fields.find("seed_repeats")) run.seed_repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("warmup")) run.warmup = static_cast<int>(v->integer(0, 1'000));
   if (const auto v = fields.find("threads")) run.threads = static_cast<int>(v->integer(1, 1'024));
   if (const auto v = fields.find("timeout_s")) run.timeout_s = v->number(0.01, 1e7);

@@ -67,7 +67,13 @@ class Runner {
 
  private:
   const PlanContestant& contestant_of(const Case& c) const { return plan_.contestants[c.contestant]; }
-  int rounds() const { return plan_.run.warmup + plan_.run.repeats; }
+  /// Repeats of a case, with its warm-up.
+  int rounds_of(const Case& c) const { return plan_.run.warmup + repeats_of(plan_.run, c); }
+  int rounds() const {
+    int most = 0;
+    for (const Case& c : cases_) most = std::max(most, rounds_of(c));
+    return most;
+  }
 
   /// Plan, inputs and provenance: made, or taken up and compared.
   void prepare() {
@@ -90,8 +96,13 @@ class Runner {
     for (const std::size_t index : selected_) wanted.push_back(&cases_[index]);
     json known = then.value_or(now);
     known.update(contest_->prepare(wanted, then.value_or(json())));
-    known["cases"] = json::array();  // all of them: what is missing from the records can be told
-    for (const Case& c : cases_) known["cases"].push_back(c.id);
+    known["cases"] = json::array();        // all of them: what is missing from the records can be told
+    known["repeats_of"] = json::object();  // cases that have another number of them
+    for (const Case& c : cases_) {
+      known["cases"].push_back(c.id);
+      const int own = repeats_of(plan_.run, c);
+      if (own != plan_.run.repeats) known["repeats_of"][c.id] = own;
+    }
     if (!known.contains("sittings")) known["sittings"] = json::array();
     sitting_ = known["sittings"].size();
     known["sittings"].push_back(describe_sitting(now));
@@ -157,7 +168,8 @@ class Runner {
   }
 
   bool is_due(std::size_t index, int repeat) const {
-    return states_[index].done.count(repeat) == 0 && !states_[index].is_closed();
+    return repeat < rounds_of(cases_[index]) && states_[index].done.count(repeat) == 0 &&
+           !states_[index].is_closed();
   }
 
   double seconds_left(int round, std::size_t place) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
@@ -116,10 +117,6 @@ class ProblemBuilder {
       }
     }
     problem_.held.push_back(std::move(held));
-  }
-
-  static double component(const Vec3& v, std::size_t axis) {
-    return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
   }
 
   void hold_vertex(Index vertex, std::size_t axis, double by, const Region& region, const std::string& who) {

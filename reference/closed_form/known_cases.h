@@ -1,6 +1,7 @@
 // Problems of elasticity with a known answer, ready to be solved: what the reference has to prove itself on.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -16,9 +17,9 @@ struct KnownValue {
   enum class Kind { kDisplacement, kStress };
   Kind kind = Kind::kDisplacement;
   Index vertex = 0;
-  int row = 0;         ///< the component of the displacement, or the row of the stress
-  int column = 0;      ///< of the stress
-  double value = 0.0;  ///< in m, or in Pa
+  std::size_t row = 0;     ///< the component of the displacement, or the row of the stress
+  std::size_t column = 0;  ///< of the stress
+  double value = 0.0;      ///< in m, or in Pa
 };
 
 /// A problem and what is known of its answer: the displacement everywhere, one value, or both.

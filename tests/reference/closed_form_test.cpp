@@ -8,6 +8,7 @@
 #include <set>
 #include <string>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
@@ -25,10 +26,6 @@ Vec3 axis(int i) {
   return {i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
 }
 
-double component(const Vec3& v, int i) {
-  return i == 0 ? v.x : i == 1 ? v.y : v.z;
-}
-
 /// Gradient by central differences of fourth order: rows are components, columns directions.
 Matrix3 gradient(const Field& u, const Vec3& x, double h) {
   std::array<Vec3, 3> columns;
@@ -38,10 +35,8 @@ Matrix3 gradient(const Field& u, const Vec3& x, double h) {
         (1.0 / (12.0 * h)) * (8.0 * (u(x + step) - u(x - step)) - (u(x + 2.0 * step) - u(x - 2.0 * step)));
   }
   Matrix3 rows;
-  for (int i = 0; i < 3; ++i) {
-    rows[static_cast<std::size_t>(i)] = {component(columns[0], i), component(columns[1], i),
-                                         component(columns[2], i)};
-  }
+  for (std::size_t i = 0; i < 3; ++i)
+    rows[i] = {component(columns[0], i), component(columns[1], i), component(columns[2], i)};
   return rows;
 }
 
@@ -62,7 +57,7 @@ Matrix3 stress(const Field& u, const Material& material, const Vec3& x, double h
 /// div sigma, by differences of the stress.
 Vec3 stress_divergence(const Field& u, const Material& material, const Vec3& x, double h) {
   Vec3 sum;
-  for (int j = 0; j < 3; ++j) {
+  for (std::size_t j = 0; j < 3; ++j) {
     const Field column = [&](const Vec3& at) {
       const Matrix3 s = stress(u, material, at, h);
       return Vec3{component(s[0], j), component(s[1], j), component(s[2], j)};
@@ -157,8 +152,8 @@ TEST(ClosedForm, TheAnswerFulfilsItsBoundaryConditions) {
       for (const Triangle& face : held.faces) {
         for (const Index v : face) {
           const Vec3 told = problem.held_field_m.empty() ? held.by_m : held.by_m + problem.held_field_m[v];
-          for (int i = 0; i < 3; ++i) {
-            if (!held.axes[static_cast<std::size_t>(i)]) continue;
+          for (std::size_t i = 0; i < 3; ++i) {
+            if (!held.axes[i]) continue;
             ASSERT_NEAR(component(known.displacement(known.mesh.points[v]), i), component(told, i), 1e-15);
           }
         }

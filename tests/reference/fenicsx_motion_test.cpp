@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/contestant_run.h"
 #include "reference/door/motion_problem.h"
+#include "tests/support/angles.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
 
@@ -20,10 +20,9 @@ using nlohmann::json;
 using reference::MotionHistory;
 using reference::MotionLoad;
 using reference::MotionProblem;
+using test::kPi;
 using test::Rod;
 using testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 /// Starts a method on a motion.
 class MovingElements : public testing::Test {

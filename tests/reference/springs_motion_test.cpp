@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/judge/motion/oscillation.h"
 #include "experiments/contestants/contestant_run.h"
 #include "reference/door/motion_problem.h"
+#include "tests/support/angles.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/rod.h"
 
@@ -18,10 +18,9 @@ using nlohmann::json;
 using reference::MotionHistory;
 using reference::MotionLoad;
 using reference::MotionProblem;
+using test::kPi;
 using test::Rod;
 using testing::HasSubstr;
-
-constexpr double kHalfTurn = std::numbers::pi;
 
 class MovingSprings : public testing::Test {
  protected:
@@ -111,12 +110,12 @@ TEST_F(MovingSprings, DampingModelsAgreeInTheFirstMode) {
   for (const char* damping : {"rayleigh", "springs", "vertices"}) {
     const MotionHistory history =
         move("moving_springs.van_gelder", rod, {{"damping", damping}, {"integrator", "velocity_verlet"}});
-    const double omega = 2.0 * kHalfTurn * report_.at("frequencies_hz")[0].get<double>();
+    const double omega = 2.0 * kPi * report_.at("frequencies_hz")[0].get<double>();
     const auto fit =
         judge::fit_oscillations(column(history, "time_s"), column(history, "probe_1_ux_m"), {0.3, 0.9}, 3);
     ASSERT_TRUE(fit);
     const judge::Oscillation& found = fit->oscillations[0];
-    EXPECT_NEAR(found.frequency_hz, omega / (2.0 * kHalfTurn), 0.01 * found.frequency_hz) << damping;
+    EXPECT_NEAR(found.frequency_hz, omega / (2.0 * kPi), 0.01 * found.frequency_hz) << damping;
     EXPECT_NEAR(found.decay_per_s, 0.5 * (2.0 + 1e-3 * omega * omega), 0.03 * found.decay_per_s) << damping;
     EXPECT_EQ(report_.at("spring_damping_n_s_per_m") > 0.0, std::string(damping) == "springs");
     EXPECT_EQ(report_.at("vertex_damping_n_s_per_m") > 0.0, std::string(damping) == "vertices");

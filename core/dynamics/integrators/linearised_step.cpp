@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/component.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {

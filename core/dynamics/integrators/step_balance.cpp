@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/component.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {

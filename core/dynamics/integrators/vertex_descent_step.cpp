@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/dynamics/elasticity/vertex_stiffness.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"

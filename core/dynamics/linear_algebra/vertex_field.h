@@ -10,15 +10,6 @@
 
 namespace palpate::dynamics {
 
-/// The component of a vector along an axis.
-constexpr double component(const Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
-/// The same, to be changed.
-constexpr double& component(Vec3& v, std::size_t axis) {
-  return axis == 0 ? v.x : (axis == 1 ? v.y : v.z);
-}
-
 /// Sum of a_v . b_v. Requires: fields of one size, here and below.
 inline double dot_of(std::span<const Vec3> a, std::span<const Vec3> b) {
   double sum = 0.0;

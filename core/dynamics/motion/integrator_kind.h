@@ -14,16 +14,14 @@ namespace palpate::dynamics {
 ///   kVelocityVerlet   u' = u + h v + h^2/2 a, a' = a(u', v + h a, t + h), v' = v + h/2 (a + a');
 ///                     a' is the next step's a (Groot and Warren 1997 with lambda = 1)
 ///   kRungeKutta4      the classical one
-///   kImplicitEuler    (M + h D + h^2 K) dv = h (f(u, v, t + h) - h K v), u' = u + h v': one linearised step
-///   of
-///                     backward Euler (Baraff and Witkin 1998); each spring of K semidefinite
-///   kPrefactored      backward Euler, (u' - u - h v) M / h^2 = f(u', (u' - u) / h, t + h), by iterations
-///   with
+///   kImplicitEuler    (M + h D + h^2 K) dv = h (f(u, v, t + h) - h K v), u' = u + h v': one step of
+///                     backward Euler, linearised (Baraff and Witkin 1998); each spring of K semidefinite
+///   kPrefactored      backward Euler, (u' - u - h v) M / h^2 = f(u', (u' - u) / h, t + h), by iterations on
 ///                     one matrix that is factored once (projective dynamics; prefactored_step.h)
 ///   kBackwardEuler    the same equation, solved by Newton's method (newton_step.h)
 ///   kBdf2             v' = (3 u' - 4 u + u_before) / 2h, a' = (3 v' - 4 v + v_before) / 2h, by Newton's
-///   kTrapezoidal      u' = u + h/2 (v + v'), v' = v + h/2 (a + a'), by Newton's (Newmark's average
-///   acceleration)
+///   kTrapezoidal      u' = u + h/2 (v + v'), v' = v + h/2 (a + a'), by Newton's method (average
+///                     acceleration of Newmark)
 ///   kXpbd             backward Euler's equation by sweeps over springs and domains (position_step.h)
 ///   kVbd              backward Euler's equation by sweeps over vertices (vertex_descent_step.h)
 ///

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/base/parallel.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/finite_elements/node_loads.h"

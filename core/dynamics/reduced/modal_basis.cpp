@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 

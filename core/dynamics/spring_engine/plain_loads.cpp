@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "core/base/component.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/geometry.h"
 

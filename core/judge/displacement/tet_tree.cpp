@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include "core/base/component.h"
 
 namespace palpate::judge {
 namespace {
@@ -59,12 +60,12 @@ void TetTree::build(Index node, Index begin, Index end, const std::vector<Vec3>&
   }
   Box middle_points;
   for (Index k = begin; k < end; ++k) middle_points.add(centers[number_[k]]);
-  const int axis = middle_points.longest_axis();
+  const std::size_t axis = middle_points.longest_axis();
   const Index middle = begin + (end - begin) / 2;
   std::nth_element(number_.begin() + begin, number_.begin() + middle, number_.begin() + end,
                    [&](Index i, Index j) {
-                     const double x = coordinate(centers[i], axis);
-                     const double y = coordinate(centers[j], axis);
+                     const double x = component(centers[i], axis);
+                     const double y = component(centers[j], axis);
                      return x != y ? x < y : i < j;
                    });
   const auto child = static_cast<Index>(nodes_.size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include "core/base/component.h"
 
 namespace palpate::judge {
 namespace {
@@ -84,14 +85,14 @@ void TriangleTree::build(Index node, Index begin, Index end) {
     nodes_[node].count = end - begin;
     return;
   }
-  const int axis = centers.longest_axis();
+  const std::size_t axis = centers.longest_axis();
   const Index middle = begin + (end - begin) / 2;
   std::nth_element(number_.begin() + begin, number_.begin() + middle, number_.begin() + end,
                    [&](Index i, Index j) {
                      const Corners& s = triangles_[i];
                      const Corners& t = triangles_[j];
-                     const double x = coordinate(s.a + s.b + s.c, axis);
-                     const double y = coordinate(t.a + t.b + t.c, axis);
+                     const double x = component(s.a + s.b + s.c, axis);
+                     const double y = component(t.a + t.b + t.c, axis);
                      return x != y ? x < y : i < j;
                    });
   const auto child = static_cast<Index>(nodes_.size());

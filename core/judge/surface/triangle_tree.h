@@ -34,17 +34,12 @@ struct Box {
   /// Squared distance from p; 0 inside.
   double distance_sq(const Vec3& p) const;
   /// The axis of the longest side; of equally long ones the first.
-  int longest_axis() const {
+  std::size_t longest_axis() const {
     const Vec3 size = high - low;
     if (size.x >= size.y && size.x >= size.z) return 0;
     return size.y >= size.z ? 1 : 2;
   }
 };
-
-/// Coordinate 0, 1 or 2 of a point.
-constexpr double coordinate(const Vec3& p, int axis) {
-  return axis == 0 ? p.x : (axis == 1 ? p.y : p.z);
-}
 
 /// Squared distance from a point to a closed triangle; one without area is its sides.
 double distance_sq(const Vec3& p, const Corners& t);

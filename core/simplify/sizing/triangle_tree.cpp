@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 
 namespace palpate::simplify {
@@ -10,10 +11,6 @@ namespace {
 
 constexpr std::size_t kLeafTriangles = 4;
 constexpr std::size_t kDeepest = 64;  ///< halving 2^32 triangles takes 32 levels, and a level adds one entry
-
-double component(const Vec3& v, int axis) {
-  return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
 
 double gap(double x, double low, double high) {
   return std::max({low - x, x - high, 0.0});
@@ -100,7 +97,7 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   nodes_.push_back({box, first, count, 0});
   if (count <= kLeafTriangles) return;
   const Vec3 size = box.high - box.low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::size_t axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   const auto middle = [axis](const std::array<Vec3, 3>& t) { return component(t[0] + t[1] + t[2], axis); };
   const auto half = part.begin() + static_cast<std::ptrdiff_t>(count / 2);
   std::nth_element(part.begin(), half, part.end(),

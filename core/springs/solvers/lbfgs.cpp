@@ -5,12 +5,12 @@
 #include <deque>
 
 #include "core/base/error.h"
+#include "core/springs/solvers/sufficient_decrease.h"
 
 namespace palpate::springs {
 namespace {
 
-constexpr double kSufficientDecrease = 1e-4;  // share of the linear decrease that a step must bring
-constexpr int kMostTrials = 30;               // of the length of one step
+constexpr int kMostTrials = 30;  // of the length of one step
 
 struct Pair {
   std::vector<double> step;

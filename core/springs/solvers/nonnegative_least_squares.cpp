@@ -24,6 +24,7 @@
 #include <optional>
 
 #include "core/base/error.h"
+#include "core/springs/solvers/sufficient_decrease.h"
 
 namespace palpate::springs {
 namespace {
@@ -40,7 +41,6 @@ constexpr double kSingleAccuracy = 1e-4;   // as much as single precision is ask
 constexpr double kLastAccuracy = 1e-10;    // the most that is asked for
 constexpr double kEnough = 0.2;            // share of the tolerance that an inner solve aims at
 constexpr int kPatience = 4;               // poor steps in a row before accuracy rises with each
-constexpr double kSufficient = 1e-4;       // share of the linear decrease that a step must bring
 
 // Sum of a_j b_j in four interleaved parts: the order of the additions is fixed, and no chain is long.
 template <typename Scalar>
@@ -196,7 +196,7 @@ bool take_step(ScaledProblem& problem, Iterate& at, const std::vector<double>& d
       slope += at.gradient[j] * moved;
       change += 0.5 * (at.gradient[j] + at.trial_gradient[j]) * moved;
     }
-    if (slope < 0.0 && change <= kSufficient * slope) {
+    if (slope < 0.0 && change <= kSufficientDecrease * slope) {
       at.z.swap(at.trial);
       at.gradient.swap(at.trial_gradient);
       return true;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/judge/displacement/solution_error.h"
 #include "core/mesh/geometry.h"
@@ -28,10 +29,6 @@ std::string input_id(const Plan& plan, const Case& run_case) {
   return plan.subjects[run_case.subject] + "/cells=" + run_case.sweep.at("cells").dump();
 }
 
-double component(const Vec3& v, int i) {
-  return i == 0 ? v.x : i == 1 ? v.y : v.z;
-}
-
 /// The known value, of the contestant's field.
 double read_value(const KnownInput& input, const std::vector<Vec3>& field) {
   const KnownValue& value = *input.known.value;
@@ -39,7 +36,7 @@ double read_value(const KnownInput& input, const std::vector<Vec3>& field) {
   const Material& material = input.known.problem.material;
   const auto stress =
       judge::stress_at_vertex(input.known.mesh, field, value.vertex, material.lambda_pa(), material.mu_pa());
-  return component(stress[static_cast<std::size_t>(value.row)], value.column);
+  return component(stress[value.row], value.column);
 }
 
 /// Below this, an error is rounding and has no order.

@@ -4,20 +4,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "core/base/error.h"
 #include "core/dynamics/motion/motion_forces.h"
 #include "core/mesh/shapes/shapes.h"
+#include "tests/support/angles.h"
 #include "tests/support/motion_cases.h"
 
 namespace palpate::dynamics {
 namespace {
 
+using test::kPi;
 using testing_support::make_free_body;
 using testing_support::make_oscillator;
-
-constexpr double kPi = std::numbers::pi;
 
 /// `count` masses of 1 kg in a row along x, springs of 1 N/m between them, the first held; all held sideways.
 MotionModel make_chain(int count) {

@@ -8,12 +8,14 @@
 
 #include "core/base/number_text.h"
 #include "core/dynamics/integrators/integrator.h"
+#include "core/dynamics/reduced/compliance_table.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
 #include "experiments/contestants/contestant.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
 #include "reference/elastic_models/model_request.h"
+#include "reference/reduced/table_file.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/motion_cases.h"
@@ -192,13 +194,53 @@ TEST_F(ExportCommand, WhatMakesNoSenseIsRefusedAndNothingIsWritten) {
   };
   const Material good{10000.0, 0.25, 1000.0};
   EXPECT_THAT(refusal({"springs.van_geldr", {}, good}), HasSubstr("did you mean \"springs.van_gelder\"?"));
-  EXPECT_THAT(refusal({"fem.p2", {}, good}), HasSubstr("is no springs.NAME or smoothed.NAME"));
+  EXPECT_THAT(refusal({"fem.p2", {}, good}),
+              HasSubstr("is no springs.NAME, smoothed.NAME or reduced.compliance"));
   EXPECT_THAT(refusal({"springs.lloyd", {{"volum", "tet"}}, good}), HasSubstr("did you mean \"volume\"?"));
   EXPECT_THAT(refusal({"springs.lloyd", {{"solver", "direct"}}, good}), HasSubstr("how to solve"));
   EXPECT_THAT(refusal({"springs.lloyd", {}, {10000.0, 0.25, 0.0}}), HasSubstr("--density"));
   EXPECT_THAT(refusal({"springs.lloyd", {}, {10000.0, 0.5, 1000.0}}), HasSubstr("--poisson_ratio"));
   EXPECT_THAT(refusal({"springs.uniform", {{"stiffness_n_per_m", "0"}}, good}),
               HasSubstr("stiffness_n_per_m: expected a number, at least 1e-12, found \"0\""));
+}
+
+TEST_F(ExportCommand, ATableServesEveryModulusOfItsMesh) {
+  const std::vector<std::string> words{"export",    path("cube.mesh"),
+                                       "-o",        path("cube.compliance"),
+                                       "--method",  "reduced.compliance",
+                                       "--unit-m",  "0.1",
+                                       "--poisson", "0.3",
+                                       "--set",     "precision=double"};
+  const test::ProgramResult done = run_program(words);
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  const dynamics::ComplianceTable table = reference::read_table(path("cube.compliance"));
+  dynamics::ComplianceOptions wanted;
+  wanted.poisson_ratio = 0.3;
+  EXPECT_EQ(table.body, dynamics::hash_body(mesh_)) << "it is of the mesh in metres";
+  EXPECT_EQ(table.options.poisson_ratio, wanted.poisson_ratio);
+  EXPECT_EQ(table.options.element_order, wanted.element_order);
+  EXPECT_FALSE(table.is_single());
+  const std::string bytes = test::bytes_of(path("cube.compliance"));
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--young-pa", "1e4"},
+                                               {"--density", "1000"},
+                                               {"--strain", "large"},
+                                               {"--set", "write_table=true"},
+                                               {"--damping-mass-per-s", "1"}}) {
+    std::vector<std::string> wrong = words;
+    wrong.insert(wrong.end(), more.begin(), more.end());
+    const test::ProgramResult refused = run_program(wrong);
+    EXPECT_EQ(refused.exit_code, 2) << more.front();
+    EXPECT_THAT(refused.error, HasSubstr(more.front() == "--set" ? "write_table" : more.front()));
+    EXPECT_EQ(test::bytes_of(path("cube.compliance")), bytes) << "what is there stays";
+  }
+}
+
+TEST_F(ExportCommand, AModelNeedsItsModulusAndDensity) {
+  const std::vector<std::string> words{"export",   path("cube.mesh"), "-o",        path("model.json"),
+                                       "--method", "springs.lloyd",   "--poisson", "0.25"};
+  const test::ProgramResult refused = run_program(words);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("--young-pa: expected a number of Pa, found none"));
 }
 
 }  // namespace

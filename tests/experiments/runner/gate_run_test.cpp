@@ -56,6 +56,14 @@ TEST_F(GateRun, APartOfARunIsNoRun) {
                                       "cube/b: 2 of its 2 repeats are missing"));
 }
 
+TEST_F(GateRun, ACaseOfSeveralSeedsIsWholeWithItsOwnRepeats) {
+  fixture_.run(fixture_.add_plan("\n  - {method: test.copy, label: a, seeds: 2}",
+                                 "run: {repeats: 3, seed_repeats: 2}\nmeasure: [tets_out]\n"));
+  EXPECT_THAT(problems(), ElementsAre());
+  keep_lines(4);  // the input, both seeds, and the first one again
+  EXPECT_THAT(problems(), ElementsAre("cube/a/seed=2: 1 of its 2 repeats are missing"));
+}
+
 TEST_F(GateRun, ACrashFailsWhoeverItIs) {
   run("crash");
   EXPECT_THAT(problems(), ElementsAre(HasSubstr("cube/b: crashed: killed by signal 11")));

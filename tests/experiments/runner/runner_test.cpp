@@ -42,6 +42,22 @@ TEST(Runner, RecordsEveryRepeatInRounds) {
   EXPECT_EQ(json::parse(test::bytes_of(folder / "provenance.json")).at("meshes").size(), 1U);
 }
 
+TEST(Runner, ACaseOfSeveralSeedsMayHaveRepeatsOfItsOwn) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: seeded, seeds: 2}",
+                                     "run: {repeats: 3, seed_repeats: 1, warmup: 1}\n");
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, plan, folder);
+  std::map<std::string, int> repeats;
+  for (const auto& [id, records] : records_by_case(folder)) repeats[id] = static_cast<int>(records.size());
+  EXPECT_THAT(repeats, testing::IsSupersetOf({std::pair<const std::string, int>{"cube/test.copy", 4},
+                                              {"cube/seeded/seed=1", 2},
+                                              {"cube/seeded/seed=2", 2}}));
+  EXPECT_EQ(json::parse(test::bytes_of(folder / "provenance.json")).at("repeats_of"),
+            json({{"cube/seeded/seed=1", 1}, {"cube/seeded/seed=2", 1}}));
+  EXPECT_EQ(run_quietly(fixture, plan, folder, true).records_added, 0);
+}
+
 TEST(Runner, OutcomesOfBadContestants) {
   const test::ExperimentFixture fixture;
   std::string contestants;

@@ -4,22 +4,22 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/judge/mesh/judge.h"
+#include "tests/support/angles.h"
 #include "tests/support/judged_tets.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::judge {
 namespace {
 
+using test::kDegree;
+using test::kPi;
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr double kPi = std::numbers::pi;
-constexpr double kDegree = kPi / 180.0;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kRounding = 32 * kEpsilon;  // a few dozen operations on numbers near 1
 

@@ -6,22 +6,22 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/judge/mesh/judge.h"
+#include "tests/support/angles.h"
 #include "tests/support/judged_tets.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::judge {
 namespace {
 
+using test::kDegree;
+using test::kPi;
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr double kHalfTurn = std::numbers::pi;
-constexpr double kOneDegree = kHalfTurn / 180.0;
 constexpr double kUnit = std::numeric_limits<double>::epsilon();
 constexpr double kShapeRounding = 32 * kUnit;  // a few dozen operations on numbers near 1
 
@@ -57,17 +57,16 @@ TEST(TetShape, RegularTetByClosedForm) {
   EXPECT_TRUE(shape.is_positive);
   EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / 3.0), kShapeRounding);
   EXPECT_NEAR(shape.max_dihedral, std::acos(1.0 / 3.0), kShapeRounding);
-  EXPECT_NEAR(shape.min_solid_angle, 3.0 * std::acos(1.0 / 3.0) - kHalfTurn, kShapeRounding);
+  EXPECT_NEAR(shape.min_solid_angle, 3.0 * std::acos(1.0 / 3.0) - kPi, kShapeRounding);
   EXPECT_NEAR(shape.edge_ratio, 1.0, kShapeRounding);
   EXPECT_NEAR(shape.volume.value, std::sqrt(2.0) / 12.0, kShapeRounding);
 }
 
 TEST(TetShape, CornerTetByClosedForm) {
   const TetShape shape = shape_of(make_corner_tet());
-  EXPECT_NEAR(shape.max_dihedral, kHalfTurn / 2.0, kShapeRounding);
+  EXPECT_NEAR(shape.max_dihedral, kPi / 2.0, kShapeRounding);
   EXPECT_NEAR(shape.min_dihedral, std::acos(1.0 / std::sqrt(3.0)), kShapeRounding);
-  EXPECT_NEAR(shape.min_solid_angle, 2.0 * std::acos(1.0 / std::sqrt(3.0)) + kHalfTurn / 2.0 - kHalfTurn,
-              kShapeRounding);
+  EXPECT_NEAR(shape.min_solid_angle, 2.0 * std::acos(1.0 / std::sqrt(3.0)) + kPi / 2.0 - kPi, kShapeRounding);
   EXPECT_NEAR(shape.edge_ratio, std::sqrt(0.5), kShapeRounding);
   EXPECT_EQ(shape.volume.value, 1.0 / 6.0);
 }
@@ -78,9 +77,9 @@ TEST(TetShape, KuhnTetsByClosedForm) {
   const TetMesh mesh = make_kuhn_block(1, 1, 1);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     const TetShape shape = shape_of(mesh, t);
-    EXPECT_NEAR(shape.min_dihedral, 45.0 * kOneDegree, kShapeRounding);
-    EXPECT_NEAR(shape.max_dihedral, 90.0 * kOneDegree, kShapeRounding);
-    EXPECT_NEAR(shape.min_solid_angle, kHalfTurn / 12.0, kShapeRounding);
+    EXPECT_NEAR(shape.min_dihedral, 45.0 * kDegree, kShapeRounding);
+    EXPECT_NEAR(shape.max_dihedral, 90.0 * kDegree, kShapeRounding);
+    EXPECT_NEAR(shape.min_solid_angle, kPi / 12.0, kShapeRounding);
     EXPECT_NEAR(shape.edge_ratio, 1.0 / std::sqrt(3.0), kShapeRounding);
   }
 }
@@ -197,7 +196,7 @@ TEST(TetShape, SliversByClosedForm) {
 }
 
 TEST(TetShape, SliverOfAThousandthOfADegree) {
-  const double t = std::tan(0.5e-3 * kOneDegree);
+  const double t = std::tan(0.5e-3 * kDegree);
   const TetMesh mesh = make_sliver(t * std::sqrt(2.0 / (1.0 - t * t)));
   const Quality q = measure_quality(mesh);
   EXPECT_NEAR(q.min_dihedral_deg, 1e-3, 1e-14);
@@ -224,7 +223,7 @@ TEST(TetShape, DegenerateTetsHaveDefinedShapes) {
     EXPECT_FALSE(s.is_positive);
     EXPECT_EQ(s.min_dihedral, 0.0);
     EXPECT_EQ(s.min_solid_angle, 0.0);
-    EXPECT_EQ(s.max_dihedral, kHalfTurn);
+    EXPECT_EQ(s.max_dihedral, kPi);
     EXPECT_EQ(s.mean_ratio, 0.0);
     EXPECT_EQ(s.radius_ratio, 0.0);
     EXPECT_TRUE(std::isfinite(s.volume.value) && std::isfinite(s.edge_ratio));

@@ -5,19 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/error.h"
+#include "tests/support/angles.h"
 #include "tests/support/signals.h"
 
 namespace palpate::judge {
 namespace {
 
+using test::kPi;
 using test::ringing;
 using test::times;
 using test::values;
-
-constexpr double kPi = std::numbers::pi;
 
 double worst_difference(const std::vector<double>& a, const std::vector<double>& b) {
   double worst = 0.0;

@@ -4,21 +4,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <string>
 
 #include "core/base/error.h"
+#include "tests/support/angles.h"
 #include "tests/support/signals.h"
 
 namespace palpate::judge {
 namespace {
 
+using test::kPi;
 using test::ringing;
 using test::times;
 using test::values;
-
-constexpr double kHalfTurn = std::numbers::pi;
 
 TEST(Oscillation, IsFoundExactlyWhereItIsOne) {
   const std::vector<double> t = times(2.0, 700);
@@ -50,7 +49,7 @@ TEST(Oscillation, OfAWindow) {
 TEST(Oscillation, SeveralAreToldApart) {
   const std::vector<double> t = times(0.6, 600);
   const auto mode = [](double x, double size, double hz, double decay, double phase) {
-    return size * std::exp(-decay * x) * std::cos(2.0 * kHalfTurn * hz * x + phase);
+    return size * std::exp(-decay * x) * std::cos(2.0 * kPi * hz * x + phase);
   };
   const auto signal = [&](double scale) {
     return values(t, [&, scale](double x) {
@@ -100,9 +99,7 @@ TEST(Oscillation, FarFromTheReferencesItIsStillFound) {
 // One of two modes is missing: the other is paired with its own, wherever that stands.
 TEST(Oscillation, WhatHasNoPartnerHasNoAmplitude) {
   const std::vector<double> t = times(2.0, 800);
-  const auto mode = [](double x, double size, double hz) {
-    return size * std::cos(2.0 * kHalfTurn * hz * x);
-  };
+  const auto mode = [](double x, double size, double hz) { return size * std::cos(2.0 * kPi * hz * x); };
   const std::vector<double> both = values(t, [&](double x) { return mode(x, 2.0, 3.0) + mode(x, 1.0, 8.0); });
   const OscillationFit like = *fit_oscillations(t, both, {0.0, 2.0}, 2);
   ASSERT_EQ(like.oscillations.size(), 2U);
@@ -115,7 +112,7 @@ TEST(Oscillation, WhatHasNoPartnerHasNoAmplitude) {
 // A frequency that runs from 2 to 40 Hz is no sum of two oscillations, and noise is none at all.
 TEST(Oscillation, WhatIsNoneExplainsTooLittle) {
   const std::vector<double> t = times(2.0, 800);
-  const auto sweep = [](double x) { return std::cos(2.0 * kHalfTurn * (2.0 + 9.5 * x) * x); };
+  const auto sweep = [](double x) { return std::cos(2.0 * kPi * (2.0 + 9.5 * x) * x); };
   EXPECT_TRUE(explains_too_little(*fit_oscillations(t, values(t, sweep), {0.0, 2.0}, 2)));
   std::mt19937 random(3);
   std::normal_distribution<double> noise;
@@ -132,8 +129,7 @@ TEST(Oscillation, WhatIsNoneExplainsTooLittle) {
 TEST(Oscillation, TheStrongestIsThatOfTheWholeWindow) {
   const std::vector<double> t = times(1.0, 1000);
   const std::vector<double> x = values(t, [](double s) {
-    return std::cos(2.0 * kHalfTurn * 5.0 * s) +
-           2.0 * std::exp(-40.0 * s) * std::cos(2.0 * kHalfTurn * 30.0 * s);
+    return std::cos(2.0 * kPi * 5.0 * s) + 2.0 * std::exp(-40.0 * s) * std::cos(2.0 * kPi * 30.0 * s);
   });
   const OscillationFit fit = *fit_oscillations(t, x, {0.0, 1.0}, 2);
   ASSERT_EQ(fit.oscillations.size(), 2U);
@@ -165,10 +161,10 @@ TEST(OscillationErrors, InClosedForm) {
   const Oscillation found{2.2, -3.0, 9.0, 1.5};
   const OscillationError error = compare_oscillations(found, truth);
   EXPECT_NEAR(error.amplitude, 0.1, 1e-12);
-  EXPECT_NEAR(error.phase_deg, (2.0 * kHalfTurn - 6.0) * 180.0 / kHalfTurn, 1e-9);
+  EXPECT_NEAR(error.phase_deg, (2.0 * kPi - 6.0) * 180.0 / kPi, 1e-9);
   EXPECT_NEAR(error.frequency, -0.1, 1e-12);
   EXPECT_NEAR(*error.decay, 0.5, 1e-12);
-  EXPECT_NEAR(error.damping_ratio, 1.5 / (18.0 * kHalfTurn) - 1.0 / (20.0 * kHalfTurn), 1e-12);
+  EXPECT_NEAR(error.damping_ratio, 1.5 / (18.0 * kPi) - 1.0 / (20.0 * kPi), 1e-12);
   Oscillation steady = truth;
   steady.decay_per_s = 0.0;
   EXPECT_FALSE(compare_oscillations(found, steady).decay);

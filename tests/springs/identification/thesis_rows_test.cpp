@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -14,11 +13,13 @@
 #include "core/base/random.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/springs/network/network.h"
+#include "tests/support/angles.h"
 
 namespace palpate::springs {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+using test::kPi;
+
 constexpr std::uint64_t kSeed = 2008;
 
 std::vector<Vec3> random_directions(std::size_t count) {

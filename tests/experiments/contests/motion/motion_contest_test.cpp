@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <numbers>
 
 #include "core/base/error.h"
 #include "experiments/contests/motion/motion_input.h"
@@ -14,6 +13,7 @@
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "tests/support/angles.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/rod.h"
 #include "tests/support/scene_text.h"
@@ -22,11 +22,10 @@ namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+using test::kPi;
 using test::Rod;
 using test::SceneText;
 using testing::HasSubstr;
-
-constexpr double kPi = std::numbers::pi;
 
 /// The fixture's cube of 0.1 m on a pad, its top pulled and let go.
 SceneText plucked(const std::string& dynamic = "") {
