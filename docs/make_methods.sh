@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Makes docs/methods.md anew: runs the four plans that it has its figures from, and writes them down. Some hours; on an idle machine.
+# Makes docs/methods.md anew: runs the five plans that it has its figures from, and writes them down. Some hours; on an idle machine.
 #   make_methods.sh [FOLDER]    with the runs in FOLDER (results/methods); those that are there already go on where they stopped
 set -euo pipefail
 root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/.." && pwd)
 runs=${1:-$root/results/methods}
 folders=()
-for plan in methods_at_rest methods_in_motion dynamic_error dynamic_error_stiff; do
+for plan in methods_at_rest methods_in_motion methods_in_motion_large dynamic_error dynamic_error_stiff; do
   resume=()
   if [[ -e $runs/$plan/records.jsonl ]]; then resume=(--resume); fi
   code=0
