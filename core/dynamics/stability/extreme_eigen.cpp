@@ -6,15 +6,19 @@
 #include "core/dynamics/stability/extreme_eigen.h"
 
 #include <Spectra/GenEigsSolver.h>
-#include <Spectra/SymEigsSolver.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
+#include <utility>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/dynamics/linear_algebra/signed_index.h"
+#include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -133,6 +137,132 @@ ExtremeEigen find_by_plain_lanczos(const Product& product) {
   return out;
 }
 
+/// Lanczos's recurrence b_k q_k+1 = A q_k - a_k q_k - b_k-1 q_k-1, one vector after the other. Rounding makes
+/// them lose their orthogonality; the largest value of the tridiagonal matrix then only comes to be there
+/// twice (C. C. Paige, J. Inst. Maths Applics 18 (1976), 341-349).
+class Recurrence {
+ public:
+  Recurrence(const Product& product, const Eigen::VectorXd& start)
+      : product_(product),
+        vector_(start),
+        before_(Eigen::VectorXd::Zero(start.size())),
+        image_(start.size()) {}
+
+  const Eigen::VectorXd& vector() const { return vector_; }
+
+  /// Goes on to the next vector. Returns a_k and b_k; b_k is 0 where there is no next one.
+  std::pair<double, double> step() {
+    constexpr double kEnd = 1e-10;
+    product_.perform_op(vector_.data(), image_.data());
+    const double size = image_.norm();
+    const double diagonal = vector_.dot(image_);
+    image_ -= diagonal * vector_ + beside_ * before_;
+    const double left = image_.norm();
+    if (left <= kEnd * size) return {diagonal, 0.0};
+    beside_ = left;
+    before_.swap(vector_);
+    vector_ = image_ / left;
+    return {diagonal, left};
+  }
+
+ private:
+  const Product& product_;
+  Eigen::VectorXd vector_;
+  Eigen::VectorXd before_;
+  Eigen::VectorXd image_;
+  double beside_ = 0.0;
+};
+
+/// The largest eigenvalue of a tridiagonal matrix, with its vector.
+struct TopOfTridiagonal {
+  double value = 0.0;
+  Eigen::VectorXd coefficients;
+  bool converged = false;
+};
+
+/// The vector by inverse iteration: just above its largest eigenvalue, sigma - T is positive definite.
+Eigen::VectorXd top_vector(const std::vector<double>& diagonal, const std::vector<double>& beside,
+                           double value) {
+  const std::size_t n = diagonal.size();
+  double scale = 0.0;
+  for (std::size_t k = 0; k < n; ++k) scale = std::max(scale, std::abs(diagonal[k]) + beside[k]);
+  const double sigma = value + 1e-14 * static_cast<double>(n) * std::max(scale, std::abs(value));
+  std::vector<double> pivot(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double taken = k == 0 ? 0.0 : beside[k - 1] * beside[k - 1] / pivot[k - 1];
+    pivot[k] = std::max(sigma - diagonal[k] - taken, std::numeric_limits<double>::min());
+  }
+  Eigen::VectorXd x = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(n));
+  constexpr int kIterations = 3;
+  for (int round = 0; round < kIterations; ++round) {
+    for (std::size_t k = 1; k < n; ++k)
+      x[signed_index(k)] += beside[k - 1] / pivot[k - 1] * x[signed_index(k - 1)];
+    for (std::size_t k = n; k-- > 0;) {
+      const double next = k + 1 < n ? beside[k] * x[signed_index(k + 1)] : 0.0;
+      x[signed_index(k)] = (x[signed_index(k)] + next) / pivot[k];
+    }
+    x /= x.lpNorm<Eigen::Infinity>();
+  }
+  return x.normalized();
+}
+
+/// Steps until the largest value stands to the tolerance, looked at now and then.
+TopOfTridiagonal find_top(const Product& product, const Eigen::VectorXd& start) {
+  constexpr std::size_t kMostSteps = 3000;
+  constexpr std::size_t kFirstLook = 10;
+  Recurrence lanczos(product, start);
+  std::vector<double> diagonal;
+  std::vector<double> beside;
+  TopOfTridiagonal top;
+  std::size_t next_look = kFirstLook;
+  while (diagonal.size() < kMostSteps && !top.converged) {
+    const auto [a, b] = lanczos.step();
+    diagonal.push_back(a);
+    beside.push_back(b);
+    if (!std::isfinite(a) || !std::isfinite(b)) return top;
+    if (b != 0.0 && diagonal.size() < next_look) continue;
+    next_look += std::max(kFirstLook, next_look / 10);
+    const auto n = signed_index(diagonal.size());
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+    solver.computeFromTridiagonal(Eigen::Map<const Eigen::VectorXd>(diagonal.data(), n),
+                                  Eigen::Map<const Eigen::VectorXd>(beside.data(), n - 1),
+                                  Eigen::EigenvaluesOnly);
+    if (solver.info() != Eigen::Success) return top;
+    top.value = solver.eigenvalues()[n - 1];
+    top.coefficients = top_vector(diagonal, beside, top.value);
+    top.converged = b == 0.0 || b * std::abs(top.coefficients[n - 1]) <= kTolerance * std::abs(top.value);
+    if (b == 0.0) break;
+  }
+  return top;
+}
+
+/// The sum of the recurrence's vectors times the coefficients; they are made anew, and none is kept.
+Eigen::VectorXd combine(const Product& product, const Eigen::VectorXd& start,
+                        const Eigen::VectorXd& coefficients) {
+  Recurrence lanczos(product, start);
+  Eigen::VectorXd sum = coefficients[0] * lanczos.vector();
+  for (Eigen::Index k = 1; k < coefficients.size(); ++k) {
+    lanczos.step();
+    sum += coefficients[k] * lanczos.vector();
+  }
+  return sum.normalized();
+}
+
+/// A seeded vector of length 1, near the guess if there is one.
+Eigen::VectorXd start_vector(Eigen::Index n, std::span<const Vec3> guess) {
+  constexpr double kBeside = 0.1;  // of the guess: what it lacks is to be found
+  SplitMix64 random(1);
+  Eigen::VectorXd out(n);
+  for (Eigen::Index k = 0; k < n; ++k) out[k] = random.uniform() - 0.5;
+  out.normalize();
+  if (guess.empty()) return out;
+  out *= kBeside * norm_of(guess);
+  for (std::size_t v = 0; v < guess.size(); ++v) {
+    for (std::size_t i = 0; i < 3; ++i) out[signed_index(3 * v + i)] += component(guess[v], i);
+  }
+  return out.normalized();
+}
+
 }  // namespace
 
 FastestRates find_fastest_rates(const BlockMatrix& stiffness, const BlockMatrix& damping,
@@ -193,27 +323,22 @@ FastestRates find_all_rates(const BlockMatrix& stiffness, const BlockMatrix& dam
   return out;
 }
 
-ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads) {
+ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads, std::span<const Vec3> guess) {
   require(matrix.rows() > 0, "at least one row");
-  Product product(matrix, threads);
-  const Eigen::Index most_vectors = 30;
-  constexpr Eigen::Index kRestarts = 100;
-  Spectra::SymEigsSolver<Product> solver(product, 1, std::min(most_vectors, product.rows()));
+  require(guess.empty() || guess.size() == matrix.rows(), "a guess of one vector a row");
+  const Product product(matrix, threads);
+  const Eigen::VectorXd start = start_vector(product.rows(), guess);
+  const TopOfTridiagonal top = find_top(product, start);
   ExtremeEigen out;
-  try {
-    solver.init();
-    solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
-  } catch (const std::runtime_error&) {
-    return find_by_plain_lanczos(product);
+  if (top.converged) {
+    const Eigen::VectorXd vector = combine(product, start, top.coefficients);
+    out.products = 2 * static_cast<std::size_t>(top.coefficients.size()) + 1;
+    out.converged = is_eigenpair(product, top.value, vector);
+    out.value = top.value;
+    out.vector = to_field(vector);
   }
-  out.products = static_cast<std::size_t>(solver.num_operations());
-  out.converged = solver.info() == Spectra::CompInfo::Successful;
-  if (!out.converged) return out;
-  const Eigen::VectorXd vector = solver.eigenvectors().col(0);
-  out.value = solver.eigenvalues()[0];
-  // Where Lanczos's vectors come to an end, Spectra may throw, or go on with what is left of rounding.
-  if (!is_eigenpair(product, out.value, vector)) return find_by_plain_lanczos(product);
-  out.vector = to_field(vector);
+  // The plain recurrence has lost its way, or came to its end beside rounding.
+  if (!out.converged) return find_by_plain_lanczos(product);
   return out;
 }
 

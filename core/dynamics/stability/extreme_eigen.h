@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <span>
 #include <vector>
 
 #include "core/dynamics/linear_algebra/block_matrix.h"
@@ -16,11 +17,14 @@ struct ExtremeEigen {
   bool converged = false;
 };
 
-/// By Spectra's restarted Lanczos method, to a residual of 1e-4 of the value; where that breaks down or its
-/// answer is none, as it does for matrices of few different eigenvalues (a drag that is the same multiple of
-/// all masses), by a plain Lanczos method that takes a breakdown for its end. Deterministic for any number of
-/// threads. Requires: at least one row.
-ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads);
+/// By Lanczos's method without restarts, to a residual of 1e-4 of the value: two runs of its recurrence, one
+/// for the value and one for the vector, in the memory of three vectors. Where its answer is none, by a
+/// hundred vectors that are kept orthogonal. `guess`: a vector that is likely near, such as that of a similar
+/// matrix; empty for none. Deterministic for any number of threads. Requires: at least one row; a guess of
+/// that shape. Source: C. Lanczos, J. Res. Nat. Bur. Standards 45 (1950), 255-282; J. Cullum and R. A.
+/// Willoughby, Lanczos Algorithms for Large Symmetric Eigenvalue Computations (1985).
+ExtremeEigen find_largest_eigenvalue(const BlockMatrix& matrix, int threads,
+                                     std::span<const Vec3> guess = {});
 
 /// The eigenvalues of largest size of lambda^2 x + lambda D x + K x = 0.
 struct FastestRates {

@@ -115,7 +115,7 @@ class WorstVectors {
   double try_worst(double a, double b) {
     for (std::size_t k = 0; k < sum_.blocks.size(); ++k)
       sum_.blocks[k] = a * body_.stiffness.blocks[k] + b * body_.damping.blocks[k];
-    const ExtremeEigen worst = find_largest_eigenvalue(sum_, threads_);
+    ExtremeEigen worst = find_largest_eigenvalue(sum_, threads_, last_);
     found_.products += worst.products;
     found_.converged = found_.converged && worst.converged;
     if (!worst.converged) return kNoBound;
@@ -123,6 +123,7 @@ class WorstVectors {
     const double damping = quotient(body_.damping, worst.vector);
     found_.stiffness_max_per_s2 = std::max(found_.stiffness_max_per_s2, stiffness);
     found_.damping_max_per_s = std::max(found_.damping_max_per_s, damping);
+    last_ = std::move(worst.vector);  // of stiffness and of damping it is mostly the same
     return stable_step_of_mode(kind_, std::sqrt(std::max(stiffness, 0.0)), std::max(damping, 0.0));
   }
 
@@ -194,6 +195,7 @@ class WorstVectors {
   int threads_;
   BlockMatrix sum_;
   std::vector<Vec3> product_;
+  std::vector<Vec3> last_;
   StableStep found_;
 };
 

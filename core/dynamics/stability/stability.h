@@ -43,8 +43,8 @@ struct StableStep {
 /// roots' bounds and those of the vectors met on the way.
 ///
 /// The thesis's volume force is not symmetric; the norm of its stiffness is added to that of K. Source:
-/// Spectra's restarted Lanczos and Arnoldi methods. Throws: InputError where stiffness or damping over mass,
-/// or their squares, leave the range of double precision.
+/// Lanczos's method, and Spectra's restarted Arnoldi method. Throws: InputError where stiffness or damping
+/// over mass, or their squares, leave the range of double precision.
 StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads = 1);
 
 /// A step that is stable for certain, from row sums (Gershgorin): each row's sums of absolute values of M^-1
