@@ -175,26 +175,14 @@ class LatticeMotion {
   void add_row(const LatticePhase& phase) {
     if (!is_good_) return;
     const dynamics::MotionEnergy energy = measure_energy(model_, state_);
-    double load_j = 0.0;
-    std::vector<Vec3> pushes;
+    HistoryMoment moment{state_.time_s, energy.kinetic_j, energy.elastic_j, 0.0, {}, {}};
     for (const MovingGroup& group : phase.groups) {
       const double share = value_at(group.profile, state_.time_s).share;
-      load_j += load_energy(group.loads, state_.displacement_m, share);
-      pushes.push_back(total_force(group.loads, state_.displacement_m, share));
+      moment.load_j += load_energy(group.loads, state_.displacement_m, share);
+      moment.push_n.push_back(total_force(group.loads, state_.displacement_m, share));
     }
-    std::vector<double> row{state_.time_s, energy.kinetic_j, energy.elastic_j, load_j,
-                            energy.kinetic_j + energy.elastic_j + load_j};
-    for (std::size_t k = 0; k < task_.problem.loads.size(); ++k) {
-      if (!task_.problem.loads[k].is_tool()) continue;
-      const auto at = std::find(phase.time.loads.begin(), phase.time.loads.end(), k);
-      const Vec3 push = at == phase.time.loads.end()
-                            ? Vec3{}
-                            : pushes[static_cast<std::size_t>(at - phase.time.loads.begin()) + 1];
-      row.insert(row.end(), {push.x, push.y, push.z});
-    }
-    const std::vector<Vec3> there = interpolate(probes_, state_.displacement_m);
-    for (const Vec3& u : there) row.insert(row.end(), {u.x, u.y, u.z});
-    history_.rows.push_back(std::move(row));
+    moment.probe_m = interpolate(probes_, state_.displacement_m);
+    history_.rows.push_back(history_row(task_.problem, phase.time, moment));
   }
 
   springs::Embedding embed_probes() const {
