@@ -9,8 +9,10 @@
 #include <numeric>
 
 #include "core/base/error.h"
+#include "core/base/random.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/springs/lattice/cell_faces.h"
 #include "core/springs/lattice/cell_volumes.h"
 #include "tests/support/small_meshes.h"
 
@@ -53,6 +55,33 @@ TEST(CellVolumes, AddUpToTheBodyOnAnyGrid) {
       }
     }
   }
+}
+
+TEST(CellFaces, PartsLieInOneCellAndAddUp) {
+  SplitMix64 random(5);
+  const auto point = [&] {
+    return Vec3{6.0 * random.uniform() - 3.0, 6.0 * random.uniform() - 3.0, 6.0 * random.uniform() - 3.0};
+  };
+  for (int k = 0; k < 50; ++k) {
+    const std::array<Vec3, 3> face{point(), point(), point()};
+    const Vec3 whole = cross(face[1] - face[0], face[2] - face[0]);
+    Vec3 sum;
+    for (const std::array<Vec3, 3>& part : split_at_cells(face)) {
+      const Vec3 area = cross(part[1] - part[0], part[2] - part[0]);
+      EXPECT_GT(dot(area, whole), 0.0);
+      sum = sum + area;
+      const Vec3 middle = (1.0 / 3.0) * (part[0] + part[1] + part[2]);
+      for (const Vec3& corner : part) {
+        for (const double Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+          EXPECT_GE(corner.*axis, std::floor(middle.*axis) - 1e-12);
+          EXPECT_LE(corner.*axis, std::floor(middle.*axis) + 1.0 + 1e-12);
+        }
+      }
+    }
+    EXPECT_NEAR(length(sum - whole), 0.0, 1e-12 * length(whole));
+  }
+  // A face in a plane between cells stays whole across it.
+  EXPECT_EQ(split_at_cells({Vec3{0, 0, 1}, {1, 0, 1}, {0, 1, 1}}).size(), 1U);
 }
 
 TEST(Lattice, FillsACubeExactly) {
