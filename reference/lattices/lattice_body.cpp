@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 #include "core/dynamics/elasticity/volume_models.h"
-#include "core/springs/lattice/lattice_network.h"
 #include "reference/door/request_options.h"
 
 namespace palpate::reference {
@@ -78,8 +77,11 @@ LatticeRequest take_lattice_request(const std::string& name, json& left) {
   lattice.turn_deg = take_number(left, "turn_deg", -180.0, 180.0, 0.0);
   if (left.contains("volume")) request.has_volume_energy = take_choice(left, "volume", {"none", "cell"}) == 1;
   request.held_stiffness = take_number(left, "held_stiffness", 1.0, 1e8, request.held_stiffness);
-  if (lattice.kind == LatticeKind::kHexahedral)
-    request.body_share = take_number(left, "body_share", 0.0, 0.9, request.body_share);
+  if (lattice.kind == LatticeKind::kHexahedral) {
+    request.mix.body_share = take_number(left, "body_share", 0.0, 0.9, request.mix.body_share);
+  } else {
+    request.mix.face_share = take_number(left, "face_share", 0.0, 0.9, request.mix.face_share);
+  }
   return request;
 }
 
@@ -95,8 +97,7 @@ LatticeBody build_lattice_body(const TetMesh& mesh, const BoundaryProblem& probl
   const Lattice& lattice = body.lattice;
   const Material of_springs = spring_material(
       material, request.has_volume_energy ? dynamics::VolumeModel::kTet : dynamics::VolumeModel::kNone);
-  springs::LatticeSprings made =
-      build_lattice_springs(lattice, of_springs.young_modulus_pa, request.body_share);
+  springs::LatticeSprings made = build_lattice_springs(lattice, of_springs.young_modulus_pa, request.mix);
   body.half_axes = made.half_axes.size();
   body.elastic.rest = lattice.nodes;
   body.elastic.springs = std::move(made.network);

@@ -10,13 +10,14 @@
 #include "core/mesh/tet_mesh.h"
 #include "core/springs/lattice/embedding.h"
 #include "core/springs/lattice/lattice.h"
+#include "core/springs/lattice/lattice_network.h"
 
 namespace palpate::reference {
 
 /// The options of lattice.* and moving_lattice.* alike.
 struct LatticeRequest {
   springs::LatticeOptions lattice;
-  double body_share = 0.0;
+  springs::LatticeMix mix{0.0, 0.1};
   bool has_volume_energy = false;
   double held_stiffness = 100.0;  ///< of held faces, in E / spacing
 };

@@ -241,14 +241,13 @@ TEST_F(Lattices, RefuseWhatTheyCannotDo) {
   EXPECT_THAT(refused("hexahedral", {{"boundary", "cut"}}), HasSubstr("keep"));
   EXPECT_THAT(refused("hexahedral", {{"body_share", 1.0}}), HasSubstr("body_share"));
   EXPECT_THAT(refused("bcc", {{"body_share", 0.5}}), HasSubstr("body_share"));
+  EXPECT_THAT(refused("hexahedral", {{"face_share", 0.5}}), HasSubstr("face_share"));
   EXPECT_THAT(refused("bcc", {{"spacing_m", 1e-6}}), HasSubstr("2^25"));
   EXPECT_THAT(refused("bcc", {{"spacing_m", 0.1}, {"boundary", "remove"}}), HasSubstr("none"));
   known.problem.material.poisson_ratio = 0.2;
   EXPECT_THAT(refused("hexahedral", {{"volume", "cell"}}), HasSubstr("below 0.25"));
   known.problem.supports.clear();
   EXPECT_THAT(refused("hexahedral", json::object()), HasSubstr("translation"));
-  known.problem.strain = StrainSize::kLarge;
-  EXPECT_THAT(refused("hexahedral", json::object()), HasSubstr("rigid"));
 }
 
 TEST_F(Lattices, RefuseLargeStrainAndSayWhatTheyLeaveOut) {

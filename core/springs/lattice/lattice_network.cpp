@@ -90,21 +90,27 @@ void add_body_centred_cell(const Lattice& lattice, std::size_t cell, double unit
 
 }  // namespace
 
-LatticeSprings build_lattice_springs(const Lattice& lattice, double young_modulus_pa, double body_share) {
+LatticeSprings build_lattice_springs(const Lattice& lattice, double young_modulus_pa, const LatticeMix& mix) {
   if (!(young_modulus_pa > 0.0) || !std::isfinite(young_modulus_pa))
     throw InputError("young_modulus_pa", 0, "a finite number above 0", std::to_string(young_modulus_pa));
   constexpr double kMostBody = 0.9;
-  if (!(body_share >= 0.0 && body_share <= kMostBody))
+  constexpr double kMostFace = 0.9;
+  if (!(mix.body_share >= 0.0 && mix.body_share <= kMostBody))
     throw InputError("body_share", 0, "0 to 0.9: without face diagonals the lattice is floppy",
-                     std::to_string(body_share));
+                     std::to_string(mix.body_share));
+  if (!(mix.face_share >= 0.0 && mix.face_share <= kMostFace))
+    throw InputError("face_share", 0, "0 to 0.9: without half diagonals the centres are loose",
+                     std::to_string(mix.face_share));
   SpringList springs;
   LatticeSprings out;
   const double unit = young_modulus_pa * lattice.frame.spacing_m;
   for (std::size_t cell = 0; cell < lattice.cells(); ++cell) {
     if (lattice.kind == LatticeKind::kHexahedral) {
-      add_hexahedral_cell(lattice.corners[cell], body_share, unit * lattice.share[cell], springs);
+      add_hexahedral_cell(lattice.corners[cell], mix.body_share, unit * lattice.share[cell], springs);
     } else {
-      add_body_centred_cell(lattice, cell, unit, springs, out.half_axes);
+      const double t = mix.face_share;
+      add_body_centred_cell(lattice, cell, (1.0 - t) * unit, springs, out.half_axes);
+      if (t > 0.0) add_hexahedral_cell(lattice.corners[cell], 0.0, t * unit * lattice.share[cell], springs);
     }
   }
   out.network = springs.sum(lattice.nodes);

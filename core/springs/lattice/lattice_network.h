@@ -18,6 +18,13 @@ struct HalfAxis {
   double stiffness_n_per_m = 0.0;
 };
 
+/// What is free in the constants; each lattice has one of them.
+struct LatticeMix {
+  double body_share = 0.0;  ///< s, of a hexahedral lattice: of body diagonals in place of face diagonals
+  double face_share =
+      0.0;  ///< t, of a body-centred one: of edges and face diagonals in place of its own springs
+};
+
 /// The springs of a lattice; half_axes are those of a body-centred one at its surface.
 struct LatticeSprings {
   SpringNetwork network;
@@ -32,7 +39,9 @@ struct LatticeSprings {
 ///
 ///   hexahedral  w_e + w_f + 4/9 w_b = 1.2 E h^3,  w_f / 2 + 4/9 w_b = 0.4 E h^3. With the free share s:
 ///               k_e = 0.4 (1 + s) E h,  k_f = 0.4 (1 - s) E h,  k_b = 0.3 s E h
-///   bcc         8 half diagonals and 2 x 3 axes: k = 0.6 E h and 0.4 E h
+///   bcc         8 half diagonals and 2 x 3 axes: k = 0.6 E h and 0.4 E h; with the free share t each cell is
+///   1 - t of
+///               that and t of a hexahedral one with s = 0, which is as isotropic
 ///
 /// With s = 1 nothing resists waves that turn each neighbour over, (pi, pi, 0) / h: refused.
 ///
@@ -47,12 +56,17 @@ struct LatticeSprings {
 /// an inner node, a node in a face or an edge of a block take that from each other; those at the block's
 /// corners do not.
 ///
-/// Throws: InputError for a modulus that is not above zero, or `body_share` (s) outside [0, 0.9].
+/// With t = 0 a body-centred cell that hangs by one face turns about it freely: edges, half diagonals and
+/// half axes are not strained by a torsion. Cut bodies have such cells; they want t > 0.
+///
+/// Throws: InputError for a modulus that is not above zero, `body_share` (s) outside [0, 0.9] or `face_share`
+/// (t) outside
+///         [0, 0.9].
 /// Source: thesis 3.3 names the hexahedral model and gives no constants; M. Kot, H. Nagahashi and P.
 /// Szymczak,
 ///         The Visual Computer 31 (2015), 1339-1350, have those with s = 0 (one k for all springs).
 LatticeSprings build_lattice_springs(const Lattice& lattice, double young_modulus_pa,
-                                     double body_share = 0.0);
+                                     const LatticeMix& mix = {});
 
 /// Masses in kg: each cell's share x density x volume, an eighth at each corner; a body-centred one's half in
 /// the middle and a sixteenth at each corner. Throws: InputError for a density that is not above zero.

@@ -28,11 +28,11 @@ constexpr double kSide = 0.02;
 
 struct LatticeCase {
   LatticeKind kind = LatticeKind::kHexahedral;
-  double body_share = 0.0;
+  LatticeMix mix;
 };
-const std::array<LatticeCase, 3> kCases{LatticeCase{LatticeKind::kHexahedral, 0.0},
-                                        LatticeCase{LatticeKind::kHexahedral, 0.6},
-                                        LatticeCase{LatticeKind::kBodyCentred, 0.0}};
+const std::array<LatticeCase, 4> kCases{
+    LatticeCase{LatticeKind::kHexahedral, {}}, LatticeCase{LatticeKind::kHexahedral, {0.6, 0.0}},
+    LatticeCase{LatticeKind::kBodyCentred, {}}, LatticeCase{LatticeKind::kBodyCentred, {0.0, 0.3}}};
 
 /// A block of whole cells, turned by some degrees with its body.
 Lattice make_block(LatticeKind kind, int nx, int ny, int nz) {
@@ -119,8 +119,7 @@ TEST(LatticeSprings, EveryBlockOfCellsIsIsotropicWithTheMaterialsModuli) {
   for (const LatticeCase& each : kCases) {
     for (const std::array<int, 3>& n : {std::array<int, 3>{1, 1, 1}, {2, 1, 1}, {3, 4, 2}}) {
       const Lattice lattice = make_block(each.kind, n[0], n[1], n[2]);
-      EXPECT_LT(worst_energy_error(lattice, build_lattice_springs(lattice, kModulus, each.body_share)),
-                1e-12);
+      EXPECT_LT(worst_energy_error(lattice, build_lattice_springs(lattice, kModulus, each.mix)), 1e-12);
     }
   }
 }
@@ -129,7 +128,7 @@ TEST(LatticeSprings, EveryBlockOfCellsIsIsotropicWithTheMaterialsModuli) {
 TEST(LatticeSprings, AWrongConstantIsNotIsotropic) {
   for (const LatticeCase& each : kCases) {
     const Lattice lattice = make_block(each.kind, 3, 3, 3);
-    LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.body_share);
+    LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.mix);
     for (std::size_t s = 0; s < springs.network.springs.size(); ++s) {
       if (std::fabs(springs.network.rest_length_m[s] - kSide) < 1e-12)
         springs.network.stiffness_n_per_m[s] *= 0.9;
@@ -142,7 +141,7 @@ TEST(LatticeSprings, AWrongConstantIsNotIsotropic) {
 TEST(LatticeSprings, TheConstantsInsideAreThoseThatAreDerived) {
   for (const LatticeCase& each : kCases) {
     const Lattice lattice = make_block(each.kind, 4, 4, 4);
-    const LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.body_share);
+    const LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.mix);
     const Index middle = lattice.corners[static_cast<std::size_t>(lattice.at({2, 2, 2}))][0];
     std::map<long, double> stiffness;  // by the square of the length, in quarters of h^2
     std::map<long, int> count;
@@ -155,12 +154,17 @@ TEST(LatticeSprings, TheConstantsInsideAreThoseThatAreDerived) {
       ++count[key];
     }
     if (each.kind == LatticeKind::kBodyCentred) {
-      EXPECT_NEAR(stiffness[3], 0.6, 1e-12);
+      const double t = each.mix.face_share;
+      EXPECT_NEAR(stiffness[3], 0.6 * (1.0 - t), 1e-12);
       EXPECT_NEAR(stiffness[4], 0.4, 1e-12);
-      EXPECT_EQ(count, (std::map<long, int>{{3, 8}, {4, 6}}));
+      if (t > 0.0) {
+        EXPECT_NEAR(stiffness[8], 0.4 * t, 1e-12);
+      } else {
+        EXPECT_EQ(count, (std::map<long, int>{{3, 8}, {4, 6}}));
+      }
       EXPECT_EQ(springs.half_axes.size(), 96U);  // one a face of the block
     } else {
-      const double s = each.body_share;
+      const double s = each.mix.body_share;
       EXPECT_NEAR(stiffness[4], 0.4 * (1.0 + s), 1e-12);
       EXPECT_NEAR(stiffness[8], 0.4 * (1.0 - s), 1e-12);
       if (s > 0.0) {
@@ -178,7 +182,7 @@ TEST(LatticeSprings, AHexahedralBlockIsTheKnownOne) {
   const Lattice lattice = make_block(LatticeKind::kHexahedral, 3, 2, 4);
   for (const double share : {0.0, 0.5}) {
     const LatticeNetwork known = build_hexahedral_network({{3, 2, 4}, kSide, kModulus}, share);
-    const LatticeSprings ours = build_lattice_springs(lattice, kModulus, share);
+    const LatticeSprings ours = build_lattice_springs(lattice, kModulus, {share, 0.0});
     const auto key = [](const Vec3& a, const Vec3& b) {
       std::array<long, 6> out{};
       const Vec3 low = (1.0 / kSide) * a;
@@ -239,8 +243,8 @@ TEST(LatticeSprings, BalanceAUniformStressAtEveryNodeButTheCornersOfABlock) {
   const std::array<int, 3> n{3, 2, 4};
   for (const LatticeCase& each : kCases) {
     const Lattice lattice = make_block(each.kind, n[0], n[1], n[2]);
-    const LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.body_share);
-    const double s = each.kind == LatticeKind::kBodyCentred ? 1.0 : each.body_share;
+    const LatticeSprings springs = build_lattice_springs(lattice, kModulus, each.mix);
+    const double s = each.kind == LatticeKind::kBodyCentred ? 1.0 - each.mix.face_share : each.mix.body_share;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const Mat3 gradient = make_gradient(seed);
       const std::vector<Vec3> u = make_affine_field(lattice.nodes, gradient, {});
@@ -271,7 +275,7 @@ TEST(LatticeSprings, CentresOfWeightedCellsAreAtRestInAUniformStrain) {
 
 TEST(LatticeSprings, RefuseWhatHasNoStiffness) {
   const Lattice lattice = make_block(LatticeKind::kHexahedral, 2, 2, 2);
-  EXPECT_THROW(build_lattice_springs(lattice, kModulus, 1.0), InputError);
+  EXPECT_THROW(build_lattice_springs(lattice, kModulus, {1.0, 0.0}), InputError);
   EXPECT_THROW(build_lattice_springs(lattice, 0.0), InputError);
   EXPECT_THROW(build_lattice_masses(lattice, -1.0), InputError);
   // Why body diagonals alone are refused: a wave of neighbours that go up and down strains no other spring.
@@ -279,9 +283,25 @@ TEST(LatticeSprings, RefuseWhatHasNoStiffness) {
   for (const Vec3& x : lattice.nodes)
     wave.push_back({0, 0, std::lround((x.x + x.y) / kSide) % 2 == 0 ? 1e-3 : -1e-3});
   const auto energy = [&](double share) {
-    return energy_of(lattice, build_lattice_springs(lattice, kModulus, share), wave);
+    return energy_of(lattice, build_lattice_springs(lattice, kModulus, {share, 0.0}), wave);
   };
   EXPECT_NEAR(energy(0.9), 0.1 * energy(0.0), 1e-12 * energy(0.0));
+}
+
+// The top of one body-centred cell turned about its axis: no spring of the pure lattice is strained.
+TEST(LatticeSprings, ABodyCentredCellResistsTorsionByItsFaceDiagonalsAlone) {
+  const Lattice lattice = make_block(LatticeKind::kBodyCentred, 1, 1, 1);
+  std::vector<Vec3> torsion(lattice.nodes.size());
+  for (std::size_t c = 4; c < 8; ++c) {
+    const Vec3& x = lattice.nodes[lattice.corners[0][c]];
+    torsion[lattice.corners[0][c]] = 0.01 * cross(Vec3{0, 0, 1}, x - lattice.nodes[lattice.centres[0]]);
+  }
+  const auto energy = [&](double share) {
+    return energy_of(lattice, build_lattice_springs(lattice, kModulus, {0.0, share}), torsion);
+  };
+  const double scale = kModulus * std::pow(kSide, 3) * 1e-4;
+  EXPECT_LT(energy(0.0), 1e-14 * scale);
+  EXPECT_GT(energy(0.1), 0.01 * scale);
 }
 
 TEST(LatticeMasses, AddUpToThatOfTheCells) {
