@@ -165,7 +165,9 @@ TEST(Stability, ABodyByItsMatricesHasTheSameBound) {
     const StableStep by_model = predict_stable_step(model, kind);
     const StableStep by_matrices = predict_stable_step(stiffness, damping, model.mass_kg, kind);
     EXPECT_EQ(by_model.step_s, by_matrices.step_s);
-    // A body that is twice as heavy takes longer steps.
+    // A body that is twice as heavy takes longer steps; explicit Euler goes by d / omega^2, which has no
+    // mass.
+    if (kind == IntegratorKind::kExplicitEuler) continue;
     std::vector<double> heavy = model.mass_kg;
     for (double& mass : heavy) mass *= 2.0;
     EXPECT_GT(predict_stable_step(stiffness, damping, heavy, kind).step_s, 1.01 * by_model.step_s);
