@@ -238,6 +238,24 @@ std::vector<std::string> history_columns(const MotionProblem& problem) {
   return columns;
 }
 
+std::vector<double> history_row(const MotionProblem& problem, const LoadPhase& phase,
+                                const HistoryMoment& moment) {
+  require(moment.push_n.size() == phase.loads.size() + 1 && moment.probe_m.size() == problem.probes.size(),
+          "one force a load and one displacement a probe");
+  std::vector<double> row{moment.time_s, moment.kinetic_j, moment.elastic_j, moment.load_j,
+                          moment.kinetic_j + moment.elastic_j + moment.load_j};
+  for (std::size_t k = 0; k < problem.loads.size(); ++k) {
+    if (!problem.loads[k].is_tool()) continue;
+    const auto at = std::find(phase.loads.begin(), phase.loads.end(), k);
+    const Vec3 push = at == phase.loads.end()
+                          ? Vec3{}
+                          : moment.push_n[static_cast<std::size_t>(at - phase.loads.begin()) + 1];
+    row.insert(row.end(), {push.x, push.y, push.z});
+  }
+  for (const Vec3& u : moment.probe_m) row.insert(row.end(), {u.x, u.y, u.z});
+  return row;
+}
+
 void write_history(const std::filesystem::path& path, const MotionHistory& history) {
   std::string text = joined_columns(history.columns) + "\n";
   for (const std::vector<double>& row : history.rows) {

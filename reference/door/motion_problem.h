@@ -94,6 +94,24 @@ struct MotionHistory {
 /// The columns that the history of a problem has.
 std::vector<std::string> history_columns(const MotionProblem& problem);
 
+/// What a row is made of.
+///
+/// Shape:  push_n holds the force of what holds the body all the time, then that of each of the phase's
+/// loads; probe_m one
+///         displacement a probe.
+struct HistoryMoment {
+  double time_s = 0.0;
+  double kinetic_j = 0.0;
+  double elastic_j = 0.0;
+  double load_j = 0.0;
+  std::vector<Vec3> push_n;
+  std::vector<Vec3> probe_m;
+};
+
+/// The row of a moment in `phase`, in the order of history_columns. Throws: ContractError for other sizes.
+std::vector<double> history_row(const MotionProblem& problem, const LoadPhase& phase,
+                                const HistoryMoment& moment);
+
 /// Writes it as CSV, with numbers that read back to the same bits. Throws: ContractError unless all are
 /// finite.
 void write_history(const std::filesystem::path& path, const MotionHistory& history);

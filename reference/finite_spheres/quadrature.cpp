@@ -66,20 +66,6 @@ std::vector<Corners> split(const std::vector<Corners>& whole) {
   return parts;
 }
 
-std::vector<FacePoint> radon_rule() {
-  std::vector<FacePoint> rule{{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 9.0 / 40.0}};
-  const double root = std::sqrt(15.0);
-  for (const double sign : {1.0, -1.0}) {
-    const double near = (6.0 + sign * root) / 21.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      FacePoint point{{near, near, near}, (155.0 + sign * root) / 1200.0};
-      point.at[i] = 1.0 - 2.0 * near;
-      rule.push_back(point);
-    }
-  }
-  return rule;
-}
-
 }  // namespace
 
 std::vector<TetPoint> build_tet_rule(int points, int subdivide) {
@@ -104,7 +90,7 @@ std::vector<FacePoint> build_face_rule(int subdivide) {
   for (int i = 0; i < subdivide; ++i) parts = split(parts);
   std::vector<FacePoint> rule;
   for (const Corners& part : parts) {
-    for (FacePoint point : radon_rule()) {
+    for (FacePoint point : build_radon_rule()) {
       const std::array<double, 3> inner = point.at;
       for (std::size_t k = 0; k < 3; ++k)
         point.at[k] = inner[0] * part[0][k] + inner[1] * part[1][k] + inner[2] * part[2][k];

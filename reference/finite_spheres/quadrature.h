@@ -4,15 +4,13 @@
 #include <array>
 #include <vector>
 
+#include "core/mesh/triangle_rule.h"
+
 namespace palpate::reference {
 
-/// A point of a rule over a tet, or over a face, with its share of the volume or area; the shares sum to 1.
+/// A point of a rule over a tet, with its share of the volume; the shares sum to 1.
 struct TetPoint {
   std::array<double, 4> at{};
-  double weight = 0.0;
-};
-struct FacePoint {
-  std::array<double, 3> at{};
   double weight = 0.0;
 };
 
@@ -24,8 +22,7 @@ struct FacePoint {
 /// points.
 std::vector<TetPoint> build_tet_rule(int points, int subdivide);
 
-/// Seven points over a face, exact for degree 5; `subdivide` as above, into four.
-/// Source: J. Radon, Monatsh. Math. 52 (1948), 286-300.
+/// build_radon_rule over a face (degree 5); `subdivide` as above, into four.
 std::vector<FacePoint> build_face_rule(int subdivide);
 
 /// The middles of the six parts into which the medians cut a face, two at each corner: exact for degree 1 on

@@ -151,20 +151,9 @@ class ModalMotion {
 
   void add_row(const ModalPhase& moving, const LoadPhase& phase, double time_s) {
     const dynamics::ModalMeasure now = moving.measure();
-    std::vector<double> row{time_s, now.kinetic_j, now.elastic_j, now.load_j,
-                            now.kinetic_j + now.elastic_j + now.load_j};
-    for (std::size_t k = 0; k < task_.problem.loads.size(); ++k) {
-      if (!task_.problem.loads[k].is_tool()) continue;
-      const auto at = std::find(phase.loads.begin(), phase.loads.end(), k);
-      const Vec3 push = at == phase.loads.end()
-                            ? Vec3{}
-                            : now.group_force_n[static_cast<std::size_t>(at - phase.loads.begin()) + 1];
-      row.insert(row.end(), {push.x, push.y, push.z});
-    }
-    for (const Index probe : task_.problem.probes) {
-      const Vec3 u = moving.displacement_of(probe);
-      row.insert(row.end(), {u.x, u.y, u.z});
-    }
+    HistoryMoment moment{time_s, now.kinetic_j, now.elastic_j, now.load_j, now.group_force_n, {}};
+    for (const Index probe : task_.problem.probes) moment.probe_m.push_back(moving.displacement_of(probe));
+    std::vector<double> row = history_row(task_.problem, phase, moment);
     for (const double number : row) is_finite_ = is_finite_ && std::isfinite(number);
     history_.rows.push_back(std::move(row));
   }

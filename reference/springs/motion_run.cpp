@@ -146,20 +146,10 @@ class PhaseRunner {
   void add_row(const MovingPhase& phase, dynamics::MotionForces& forces, const MotionState& state,
                double time_s) {
     const dynamics::MotionEnergy energy = measure_energy(phase.model, state);
-    std::vector<double> row{time_s, energy.kinetic_j, energy.elastic_j, energy.load_j, energy.total_j()};
-    const std::vector<Vec3> pushes = forces.group_forces(state);
-    for (std::size_t k = 0; k < problem_.loads.size(); ++k) {
-      if (!problem_.loads[k].is_tool()) continue;
-      const auto& there = phase.time.loads;
-      const auto at = std::find(there.begin(), there.end(), k);
-      const Vec3 push = at == there.end() ? Vec3{} : pushes[static_cast<std::size_t>(at - there.begin()) + 1];
-      row.insert(row.end(), {push.x, push.y, push.z});
-    }
-    for (const Index probe : problem_.probes) {
-      const Vec3& u = state.displacement_m[probe];
-      row.insert(row.end(), {u.x, u.y, u.z});
-    }
-    history_.rows.push_back(std::move(row));
+    HistoryMoment moment{time_s,        energy.kinetic_j,           energy.elastic_j,
+                         energy.load_j, forces.group_forces(state), {}};
+    for (const Index probe : problem_.probes) moment.probe_m.push_back(state.displacement_m[probe]);
+    history_.rows.push_back(history_row(problem_, phase.time, moment));
   }
 
   const MotionProblem& problem_;

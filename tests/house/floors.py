@@ -26,7 +26,7 @@ PLAN = {
     "core/base": ["."],
     "core/mesh": [".", "io", "shapes"],
     "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "surface"],
-    "core/springs": ["solvers", "network", "identification", "training"],
+    "core/springs": ["solvers", "network", "lattice", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
                       "time_loop", "stability", "reduced"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -30,10 +32,9 @@ BlockMatrix build_stiffness(const MotionModel& model) {
   return matrix;
 }
 
-FreeBody build_free_body(const MotionModel& model) {
+FreeBody build_free_body(const BlockMatrix& matrix, std::span<const double> mass_kg,
+                         std::span<const std::uint8_t> held) {
   FreeBody body;
-  const BlockMatrix matrix = build_stiffness(model);
-  const std::vector<std::uint8_t> held = MotionForces(model, 1).held_bits();
   Eigen::Index count = 0;
   for (std::size_t v = 0; v < matrix.rows(); ++v) {
     for (unsigned axis = 0; axis < 3; ++axis)
@@ -44,7 +45,7 @@ FreeBody build_free_body(const MotionModel& model) {
   for (std::size_t v = 0; v < matrix.rows(); ++v) {
     for (std::size_t k = matrix.offsets[v]; k < matrix.offsets[v + 1]; ++k) {
       const std::size_t w = matrix.columns[k];
-      const double scale = 1.0 / std::sqrt(model.mass_kg[v] * model.mass_kg[w]);
+      const double scale = 1.0 / std::sqrt(mass_kg[v] * mass_kg[w]);
       for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
           const Eigen::Index row = body.place[3 * v + i];
@@ -95,7 +96,13 @@ class ShiftedInverse {
 
 NaturalModes find_lowest_modes(const MotionModel& model, std::size_t count) {
   validate(model);
-  const FreeBody body = build_free_body(model);
+  return find_lowest_modes(build_stiffness(model), model.mass_kg, MotionForces(model, 1).held_bits(), count);
+}
+
+NaturalModes find_lowest_modes(const BlockMatrix& stiffness, std::span<const double> mass_kg,
+                               std::span<const std::uint8_t> held, std::size_t count) {
+  require(stiffness.rows() == mass_kg.size() && held.size() == mass_kg.size(), "one mass a row");
+  const FreeBody body = build_free_body(stiffness, mass_kg, held);
   const Eigen::Index rows = body.stiffness.rows();
   if (count == 0 || static_cast<Eigen::Index>(count) >= rows)
     throw InputError("frequencies", 0, "from 1 to " + std::to_string(std::max<Eigen::Index>(rows, 1) - 1),
@@ -126,10 +133,10 @@ NaturalModes find_lowest_modes(const MotionModel& model, std::size_t count) {
   for (const Eigen::Index k : order) {
     out.frequency_hz.push_back(std::sqrt(std::max(values[k], 0.0)) / (2.0 * std::numbers::pi));
     std::vector<Vec3>& mode = out.modes.emplace_back();
-    for (std::size_t v = 0; v < model.mass_kg.size(); ++v) {
+    for (std::size_t v = 0; v < mass_kg.size(); ++v) {
       const auto at = [&](std::size_t axis) {
         const Eigen::Index row = body.place[3 * v + axis];
-        return row < 0 ? 0.0 : vectors(row, k) / std::sqrt(model.mass_kg[v]);
+        return row < 0 ? 0.0 : vectors(row, k) / std::sqrt(mass_kg[v]);
       };
       mode.push_back({at(0), at(1), at(2)});
     }

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/dynamics/linear_algebra/block_matrix.h"
 #include "core/dynamics/motion/motion_model.h"
 
 namespace palpate::dynamics {
@@ -25,6 +28,11 @@ struct NaturalModes {
 /// Throws: InputError for count = 0 or more modes than the body has components that are free, less one;
 ///         as validate(MotionModel).
 NaturalModes find_lowest_modes(const MotionModel& model, std::size_t count);
+
+/// The same of a stiffness in N/m; bit i of held[v]: axis i of row v is held. Requires: one mass above zero a
+/// row.
+NaturalModes find_lowest_modes(const BlockMatrix& stiffness, std::span<const double> mass_kg,
+                               std::span<const std::uint8_t> held, std::size_t count);
 
 /// x^T D x of damping matrices in the shape of a mode, in N s/m: of springs with 1 N s/m each, along their
 /// directions at rest; of vertices with 1 N s/m each; x^T M x is 1. `stiffness` is x^T K x of the body

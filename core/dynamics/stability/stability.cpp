@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <span>
 
 #include "core/base/error.h"
 #include "core/dynamics/stability/extreme_eigen.h"
@@ -56,11 +57,12 @@ struct ScaledBody {
   double volume_stiffness = 0.0;  ///< norm of the volume force's part
 };
 
-void scale_by_mass(const MotionModel& model, const std::vector<std::uint8_t>& held, BlockMatrix& matrix) {
+void scale_by_mass(std::span<const double> mass_kg, const std::vector<std::uint8_t>& held,
+                   BlockMatrix& matrix) {
   for (std::size_t v = 0; v < matrix.rows(); ++v) {
     for (std::size_t k = matrix.offsets[v]; k < matrix.offsets[v + 1]; ++k) {
       const Index w = matrix.columns[k];
-      const double scale = 1.0 / std::sqrt(model.mass_kg[v] * model.mass_kg[w]);
+      const double scale = 1.0 / std::sqrt(mass_kg[v] * mass_kg[w]);
       for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) {
           const bool is_out = ((static_cast<unsigned>(held[v]) >> i) & 1U) != 0 ||
@@ -85,16 +87,9 @@ double norm_of_volume_force(const MotionModel& model, std::span<const Vec3> u) {
   return model.elastic.volume_force->stiffness_n_per_m3 * std::sqrt(directions * gradients);
 }
 
-ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) {
-  const MotionForces forces(model, 1);
-  ScaledBody body{build_motion_pattern(model), {}, norm_of_volume_force(model, u)};
-  body.damping = body.stiffness;
-  add_motion_stiffness(model, u, TangentKind::kExact, body.stiffness);
-  add_changing_damping(model, u, body.damping);
-  add_constant_damping(model, body.damping);
-  scale_by_mass(model, forces.held_bits(), body.stiffness);
-  scale_by_mass(model, forces.held_bits(), body.damping);
-  for (const BlockMatrix* matrix : {&body.stiffness, &body.damping}) {
+void scale_body(std::span<const double> mass_kg, const std::vector<std::uint8_t>& held, ScaledBody& body) {
+  for (BlockMatrix* matrix : {&body.stiffness, &body.damping}) {
+    scale_by_mass(mass_kg, held, *matrix);
     const bool is_finite = std::all_of(matrix->blocks.begin(), matrix->blocks.end(), [](const Mat3& block) {
       return std::isfinite(contract(block, block));
     });
@@ -102,6 +97,16 @@ ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) 
       throw InputError("model", 0, "stiffness and damping over mass that are finite, with their squares",
                        "numbers beyond the range of double precision");
   }
+}
+
+ScaledBody build_scaled_body(const MotionModel& model, std::span<const Vec3> u) {
+  const MotionForces forces(model, 1);
+  ScaledBody body{build_motion_pattern(model), {}, norm_of_volume_force(model, u)};
+  body.damping = body.stiffness;
+  add_motion_stiffness(model, u, TangentKind::kExact, body.stiffness);
+  add_changing_damping(model, u, body.damping);
+  add_constant_damping(model, body.damping);
+  scale_body(model.mass_kg, forces.held_bits(), body);
   return body;
 }
 
@@ -204,6 +209,31 @@ bool is_zero(const BlockMatrix& matrix) {
                      [](const Mat3& block) { return contract(block, block) == 0.0; });
 }
 
+StableStep find_stable_step(const ScaledBody& body, IntegratorKind kind, int threads) {
+  WorstVectors worst(body, kind, threads);
+  const bool has_damping = !is_zero(body.damping);
+  const bool has_stiffness = !is_zero(body.stiffness);
+  double step = kNoBound;
+  if (has_stiffness) step = worst.try_worst(1.0, 0.0);
+  if (has_damping) step = std::min(step, worst.try_worst(0.0, 1.0));
+  double at_most = step;
+  if (std::isfinite(step) && has_damping && has_stiffness) {
+    if (kind == IntegratorKind::kRungeKutta4) {
+      const double by_rates = worst.try_fastest_rates();
+      step = at_most = std::isfinite(by_rates) ? by_rates : step;
+    } else if (kind == IntegratorKind::kExplicitEuler) {
+      at_most = worst.try_roots_of_explicit_euler();
+      step = worst.is_small() ? at_most : worst.settle(worst.settle(step, 1.0, 2.0), 1.0, -1.0);
+    } else {
+      step = at_most = worst.settle(step, 1.0, kind == IntegratorKind::kVelocityVerlet ? 4.0 : 2.0);
+    }
+  }
+  StableStep out = worst.found();
+  out.step_s = std::min(step, at_most);
+  out.step_at_most_s = at_most;
+  return out;
+}
+
 }  // namespace
 
 double stable_step_of_mode(IntegratorKind kind, double omega_per_s, double damping_per_s) {
@@ -234,29 +264,17 @@ double stable_step_of_mode(IntegratorKind kind, double omega_per_s, double dampi
 StableStep predict_stable_step_at(const MotionModel& model, IntegratorKind kind, std::span<const Vec3> u,
                                   int threads) {
   require(u.size() == model.elastic.rest.size(), "one displacement a vertex");
-  const ScaledBody body = build_scaled_body(model, u);
-  WorstVectors worst(body, kind, threads);
-  const bool has_damping = !is_zero(body.damping);
-  const bool has_stiffness = !is_zero(body.stiffness);
-  double step = kNoBound;
-  if (has_stiffness) step = worst.try_worst(1.0, 0.0);
-  if (has_damping) step = std::min(step, worst.try_worst(0.0, 1.0));
-  double at_most = step;
-  if (std::isfinite(step) && has_damping && has_stiffness) {
-    if (kind == IntegratorKind::kRungeKutta4) {
-      const double by_rates = worst.try_fastest_rates();
-      step = at_most = std::isfinite(by_rates) ? by_rates : step;
-    } else if (kind == IntegratorKind::kExplicitEuler) {
-      at_most = worst.try_roots_of_explicit_euler();
-      step = worst.is_small() ? at_most : worst.settle(worst.settle(step, 1.0, 2.0), 1.0, -1.0);
-    } else {
-      step = at_most = worst.settle(step, 1.0, kind == IntegratorKind::kVelocityVerlet ? 4.0 : 2.0);
-    }
-  }
-  StableStep out = worst.found();
-  out.step_s = std::min(step, at_most);
-  out.step_at_most_s = at_most;
-  return out;
+  return find_stable_step(build_scaled_body(model, u), kind, threads);
+}
+
+StableStep predict_stable_step(const BlockMatrix& stiffness, const BlockMatrix& damping,
+                               std::span<const double> mass_kg, IntegratorKind kind, int threads) {
+  require(stiffness.rows() == mass_kg.size() && damping.offsets == stiffness.offsets &&
+              damping.columns == stiffness.columns,
+          "one pattern and one mass a row");
+  ScaledBody body{stiffness, damping, 0.0};
+  scale_body(mass_kg, std::vector<std::uint8_t>(mass_kg.size()), body);
+  return find_stable_step(body, kind, threads);
 }
 
 StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads) {

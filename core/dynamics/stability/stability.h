@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/dynamics/integrators/integrator.h"
+#include "core/dynamics/linear_algebra/block_matrix.h"
 
 namespace palpate::dynamics {
 
@@ -46,6 +47,11 @@ struct StableStep {
 /// Lanczos's method, and Spectra's restarted Arnoldi method. Throws: InputError where stiffness or damping
 /// over mass, or their squares, leave the range of double precision.
 StableStep predict_stable_step(const MotionModel& model, IntegratorKind kind, int threads = 1);
+
+/// The same for a body that is given by its matrices, in N/m and N s/m, without held components.
+/// Requires: both of one pattern; one mass above zero a row.
+StableStep predict_stable_step(const BlockMatrix& stiffness, const BlockMatrix& damping,
+                               std::span<const double> mass_kg, IntegratorKind kind, int threads = 1);
 
 /// A step that is stable for certain, from row sums (Gershgorin): each row's sums of absolute values of M^-1
 /// K and M^-1 D are taken as a mode. Never longer than the bound above. Throws: as that. Explicit Euler has

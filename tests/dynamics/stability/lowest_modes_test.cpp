@@ -76,6 +76,8 @@ TEST(LowestModes, FulfilTheirEquation) {
   ASSERT_TRUE(found.converged);
   BlockMatrix stiffness = build_motion_pattern(model);
   add_motion_stiffness(model, std::vector<Vec3>(model.mass_kg.size()), TangentKind::kExact, stiffness);
+  const std::vector<std::uint8_t> free(model.mass_kg.size());
+  EXPECT_EQ(find_lowest_modes(stiffness, model.mass_kg, free, 12).frequency_hz, found.frequency_hz);
   for (std::size_t k = 6; k < 12; ++k) {
     const double omega_sq = std::pow(2.0 * kPi * found.frequency_hz[k], 2.0);
     std::vector<Vec3> force(model.mass_kg.size());
