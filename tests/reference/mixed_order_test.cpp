@@ -17,11 +17,13 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 /// Few samples, so that learning takes a moment.
-const json kQuick{{"samples", 12}, {"modes", 8}, {"validate", 4}};
+json few_samples() {
+  return {{"samples", 12}, {"modes", 8}, {"validate", 4}};
+}
 
-const json& quick(const std::string& method) {
-  static const json nothing = json::object();
-  return method == "fem.p1_modes" ? kQuick : nothing;
+/// What a method is asked with where it does not matter.
+json quick_options(const std::string& method) {
+  return method == "fem.p1_modes" ? few_samples() : json::object();
 }
 
 class MixedOrder : public FiniteElements {
@@ -58,7 +60,7 @@ TEST_F(MixedOrder, APatchInTensionIsExact) {
     return at_nodes(mesh_, [=](const Vec3& p) { return strain * Vec3{p.x, -nu * p.y, -nu * p.z}; });
   };
   for (const std::string& method : methods()) {
-    json options = quick(method);
+    json options = quick_options(method);
     options["midpoints"] = true;
     const std::vector<Vec3> found = solve(method, mesh_, problem_, options);
     EXPECT_LT(difference(found, wanted(0.3)), 1e-8) << method;
@@ -86,7 +88,7 @@ TEST_F(MixedOrder, AColumnUnderItsWeightIsExactInQuadraticElements) {
   const double linear = off("fem.p2_patch", {{"rings", -1}});
   EXPECT_GT(linear, 1e-3) << "linear elements do not have it";
   EXPECT_LT(off("fem.p2_patch", {{"rings", 2}}), linear);
-  EXPECT_LT(off("fem.p1_modes", kQuick), linear);
+  EXPECT_LT(off("fem.p1_modes", few_samples()), linear);
   // Between a vertex and the next, h = 0.2, a linear field misses u'' h^2 / 8 = 5e-5 of the largest 5e-3: a
   // hundredth. Smoothing and irregular tets cost no more than ten times that.
   EXPECT_LT(off("graded.edge_node", json::object()), 0.1);
@@ -119,7 +121,7 @@ TEST_F(MixedOrder, NestedSpacesHaveFallingPotentials) {
   EXPECT_LT(near, linear);
   EXPECT_LT(nearer, near);
   EXPECT_LT(quadratic, nearer);
-  const double modes = potential("fem.p1_modes", kQuick);
+  const double modes = potential("fem.p1_modes", few_samples());
   EXPECT_LT(modes, linear);
   EXPECT_GT(modes, quadratic);
   const double coarse = potential("fem.p2_coarse", {{"ratio", 0.5}});
@@ -128,7 +130,7 @@ TEST_F(MixedOrder, NestedSpacesHaveFallingPotentials) {
 
 TEST_F(MixedOrder, ForcesOfSupportsCarryTheLoads) {
   for (const char* method : {"fem.p2_patch", "fem.p2_coarse", "fem.p1_modes"}) {
-    const ContestantAnswer answer = run(method, mesh_, problem_, quick(method));
+    const ContestantAnswer answer = run(method, mesh_, problem_, quick_options(method));
     ASSERT_EQ(answer.outcome, "ok") << answer.message;
     Vec3 sum;
     for (const json& force : answer.report.at("support_forces_n"))
@@ -155,7 +157,7 @@ TEST_F(MixedOrder, ModesHelpOnLoadsAndSupportsThatTheyWereNotLearntOn) {
 TEST_F(MixedOrder, ModesOfAFinerMeshGoBeyondQuadraticElementsOnThisOne) {
   mesh_ = irregular_cube();
   problem_ = supported_cube(mesh_, 0.01);
-  json options = kQuick;
+  json options = few_samples();
   options["samples"] = 40;
   options["modes"] = 40;
   options["refine"] = 1;
@@ -175,8 +177,10 @@ TEST_F(MixedOrder, AModulusThatNeedsNoScaleIsLeftAtOne) {
 TEST_F(MixedOrder, TheSameRequestGivesTheSameBytes) {
   for (const std::string& method : methods()) {
     const std::string first =
-        reference::read_text_file(run(method, mesh_, problem_, quick(method)).output, 1U << 24U);
-    EXPECT_EQ(reference::read_text_file(run(method, mesh_, problem_, quick(method)).output, 1U << 24U), first)
+        reference::read_text_file(run(method, mesh_, problem_, quick_options(method)).output, 1U << 24U);
+    EXPECT_EQ(
+        reference::read_text_file(run(method, mesh_, problem_, quick_options(method)).output, 1U << 24U),
+        first)
         << method;
   }
 }
@@ -209,7 +213,7 @@ TEST_F(MixedOrder, SaysWhatItCannotDo) {
   EXPECT_EQ(run("fem.p2_patch", mesh_, problem_).outcome, "ok");
   problem_ = good;
   problem_.held.push_back({faces_where(mesh_, is_at_x0), {true, true, true}, {}});
-  json elsewhere = kQuick;
+  json elsewhere = few_samples();
   elsewhere["holdings"] = 2;
   refused("fem.p1_modes", elsewhere, "holdings");
 }
