@@ -39,17 +39,16 @@ BoundaryProblem on_fine(const TrainingBody& training, const BoundaryProblem& pro
 }
 
 /// What is left of quadratic answers once linear ones on the same holding are taken off.
-void add_samples(const TrainingBody& training, const TrainingSystem& system, std::size_t count,
-                 std::uint64_t seed, const dynamics::FactorMaker& make_factor,
-                 std::vector<std::vector<Vec3>>& samples) {
+void add_samples(const TrainingBody& training, const TrainingSystem& system, std::size_t count, LoadDraw draw,
+                 const dynamics::FactorMaker& make_factor, std::vector<std::vector<Vec3>>& samples) {
   const dynamics::HeldElements fine(system.body, system.whole, system.held, make_factor);
   const dynamics::HeldElements coarse(system.coarse, system.coarse.stiffness, system.coarse_held,
                                       make_factor);
   const std::vector<Triangle> skin = build_boundary(training.organ);
   const std::vector<Vec3> nothing(system.held.size());
   const std::vector<Vec3> coarse_nothing(system.coarse_held.size());
-  for (std::size_t n = 0; n < count; ++n) {
-    const BoundaryProblem load = on_fine(training, draw_load(training.organ, skin, seed + n));
+  for (std::size_t n = 0; n < count; ++n, ++draw.seed) {
+    const BoundaryProblem load = on_fine(training, draw_load(training.organ, skin, draw));
     const std::vector<Vec3> force =
         build_node_loads(training.fine.mesh, training.fine.space, load, dynamics::BodyForces::kLeaveOut)
             .force_n;
@@ -91,11 +90,12 @@ TrainingSystem build_training_system(const TrainingBody& training, dynamics::Ele
   return system;
 }
 
-BoundaryProblem draw_load(const TetMesh& mesh, const std::vector<Triangle>& skin, std::uint64_t seed) {
-  SplitMix64 random(seed);
+BoundaryProblem draw_load(const TetMesh& mesh, const std::vector<Triangle>& skin, const LoadDraw& draw) {
+  SplitMix64 random(draw.seed);
   const Triangle& start = skin[random.below(skin.size())];
   const Vec3 center = mesh.points[start[random.below(3)]];
-  const double radius = (1.0 + 3.0 * random.uniform()) * mean_edge(mesh, skin);
+  const double radius =
+      (draw.least_radius + (4.0 - draw.least_radius) * random.uniform()) * mean_edge(mesh, skin);
   const Vec3 direction = draw_direction(random);
   BoundaryProblem load;
   load.material = {1.0, 0.0, 1.0};
@@ -160,7 +160,7 @@ dynamics::PrincipalFields learn_error_modes(const TrainingBody& training, const 
                                         ? holding_of(training.problem)
                                         : draw_holding(training.organ, skin, training.problem, seed);
     TrainingSystem system = build_training_system(training, std::move(body), holding);
-    add_samples(training, system, count, seed + 1, make_factor, samples);
+    add_samples(training, system, count, {seed + 1, options.least_radius}, make_factor, samples);
     body = std::move(system.body);
   }
   const auto product = [&](std::span<const Vec3> x, std::span<Vec3> y) { multiply_mass(unit, x, y); };

@@ -17,6 +17,7 @@ struct TrainingOptions {
   std::size_t samples = 200;
   std::size_t holdings = 0;  ///< 0: all loads on the scene's own supports; else on so many that are drawn
   std::uint64_t seed = 1;
+  double least_radius = 2.0;  ///< of a drawn load, in mean edges of the skin; the largest is four
 };
 
 /// An organ, the finer quadratic elements that teach, and its linear functions among theirs.
@@ -42,9 +43,14 @@ struct TrainingSystem {
 TrainingSystem build_training_system(const TrainingBody& training, dynamics::ElementMatrices body,
                                      const BoundaryProblem& organ_problem);
 
-/// A force of 1 N in a direction that is drawn, spread evenly over the faces within a radius, one to four
-/// mean edges of the skin, of a skin vertex that is drawn. On the organ's mesh, without holding.
-BoundaryProblem draw_load(const TetMesh& mesh, const std::vector<Triangle>& skin, std::uint64_t seed);
+/// A force of 1 N in a direction that is drawn, spread evenly over the faces within a radius (from
+/// `least_radius` to four mean edges of the skin) of a skin vertex that is drawn. On the organ's mesh,
+/// without holding.
+struct LoadDraw {
+  std::uint64_t seed = 1;
+  double least_radius = 2.0;
+};
+BoundaryProblem draw_load(const TetMesh& mesh, const std::vector<Triangle>& skin, const LoadDraw& draw);
 
 /// A support that is drawn: the skin below a plane, a tenth to three tenths of the body's extent.
 BoundaryProblem draw_holding(const TetMesh& mesh, const std::vector<Triangle>& skin,

@@ -42,6 +42,7 @@ ModesRunOptions take_modes_options(const Request& request) {
   training.samples = take_count("samples", 1, 10000, training.samples);
   training.holdings = take_count("holdings", 0, 100, training.holdings);
   training.seed = take_count("seed", 0, 1'000'000, training.seed);
+  training.least_radius = take_number(left, "least_radius", 0.1, 4.0, training.least_radius);
   options.refine = static_cast<int>(take_whole(left, "refine", 0, 1, 0));
   options.validate = take_count("validate", 0, 1000, options.validate);
   options.common = take_common_options(left);
@@ -100,7 +101,8 @@ Validation validate_modes(const PreparedModes& prepared, const ModesRunOptions& 
   Validation out;
   for (std::size_t n = 0; n < options.validate; ++n) {
     BoundaryProblem load =
-        draw_load(training.organ, skin, kValidationSeed + options.training.seed * 10'007 + n);
+        draw_load(training.organ, skin,
+                  {kValidationSeed + options.training.seed * 10'007 + n, options.training.least_radius});
     if (training.refine > 0) load = refine_problem(load, training.organ, training.fine.mesh);
     const std::vector<Vec3> force =
         build_node_loads(training.fine.mesh, training.fine.space, load, dynamics::BodyForces::kLeaveOut)
