@@ -17,7 +17,7 @@ struct TrainingOptions {
   std::size_t samples = 200;
   std::size_t holdings = 0;  ///< 0: all loads on the scene's own supports; else on so many that are drawn
   std::uint64_t seed = 1;
-  double least_radius = 2.0;  ///< of a drawn load, in mean edges of the skin; the largest is four
+  double least_radius = 1.0;  ///< of a drawn load, in mean edges of the skin; the largest is four
 };
 
 /// An organ, the finer quadratic elements that teach, and its linear functions among theirs.
@@ -48,7 +48,7 @@ TrainingSystem build_training_system(const TrainingBody& training, dynamics::Ele
 /// without holding.
 struct LoadDraw {
   std::uint64_t seed = 1;
-  double least_radius = 2.0;
+  double least_radius = 1.0;
 };
 BoundaryProblem draw_load(const TetMesh& mesh, const std::vector<Triangle>& skin, const LoadDraw& draw);
 
