@@ -13,7 +13,7 @@ import sys
 import traceback
 from dataclasses import dataclass
 
-from deform import convergence, deform, deform_tables, targets
+from deform import convergence, cost, deform, deform_tables, targets
 from engine import engine
 from motion import motion
 from shared import equal_count, records, tables
@@ -91,14 +91,18 @@ def report_displacements(run):
     sections = deform.read_sections(run)
     series = convergence.read_series(sections)
     outcomes = targets.judge_targets(run, sections)
+    costs = cost.cost_rows(run, sections)
     folder = run.folder / "tables"
     names = deform_tables.write_tables(run, sections, folder)
+    names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     names |= targets.write_targets(outcomes, folder) if outcomes else set()
     remove_old(folder, names)
     if run.plan_data.get("question"):
         print(f"{run.plan_data['question']}\n")
     print(deform_tables.summary_text(run, sections))
+    if costs:
+        print(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
     if series:
         print(f"\n{convergence.convergence_text(series)}")
     if outcomes:

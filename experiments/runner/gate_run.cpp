@@ -111,8 +111,9 @@ void check_outcomes(const std::vector<json>& records, std::vector<std::string>& 
 /// Whether a figure comes from a clock or the system, and is another one in every run.
 bool is_measured_time(const Measure& measure) {
   const std::string key = measure.key;
-  for (const char* start : {"/kernel_s", "/wall_s", "/user_s", "/peak_rss_bytes", "/report/identify_s",
-                            "/report/solve_s", "/reported/tick", "/reported/real_time_factor"}) {
+  for (const char* start :
+       {"/kernel_s", "/wall_s", "/user_s", "/peak_rss_bytes", "/report/identify_s", "/report/solve_s",
+        "/report/product_s", "/report/answer_s", "/reported/tick", "/reported/real_time_factor"}) {
     if (key.rfind(start, 0) == 0) return true;
   }
   return false;

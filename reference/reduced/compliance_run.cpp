@@ -10,7 +10,7 @@
 #include "core/dynamics/reduced/compliance_answer.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
-#include "reference/reduced/factor.h"
+#include "reference/linear_systems/factor.h"
 #include "reference/reduced/table_file.h"
 
 namespace palpate::reference {

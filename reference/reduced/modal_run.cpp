@@ -13,7 +13,7 @@
 #include "reference/door/deform_problem.h"
 #include "reference/door/motion_problem.h"
 #include "reference/door/request_options.h"
-#include "reference/reduced/factor.h"
+#include "reference/linear_systems/factor.h"
 
 namespace palpate::reference {
 namespace {

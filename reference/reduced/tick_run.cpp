@@ -13,7 +13,7 @@
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/tick_report.h"
-#include "reference/reduced/factor.h"
+#include "reference/linear_systems/factor.h"
 
 namespace palpate::reference {
 namespace {

@@ -12,6 +12,7 @@
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
+#include "reference/elastic_models/model_cost.h"
 #include "reference/elastic_models/model_request.h"
 
 namespace palpate::reference {
@@ -72,6 +73,9 @@ Response run_model(const Request& request) {
   json left = request.options;
   const ModelRequest wanted = take_model_request(request.method, strain, left);
   const dynamics::StaticOptions options = take_static_options(strain, request.threads, left);
+  const bool with_cost = take_option<bool>(left, "cost", &json::is_boolean, "true or false", false);
+  if (with_cost && strain == StrainSize::kLarge)
+    throw InputError("cost", 0, "small strain: it is that of one linear system", "large");
   require_all_taken(left);
 
   Response response;
@@ -92,6 +96,7 @@ Response run_model(const Request& request) {
   report_solution(solution.report, response);
   if (const auto share = spring_share(built.model, solution.displacement_m))
     response.report["stiffness_share_springs"] = *share;
+  if (with_cost) report_cost(measure_model_cost(built.model, loads), response.report);
   if (solution.report.outcome == dynamics::StaticOutcome::kConverged)
     write_displacement(request.output, solution.displacement_m);
   return response;

@@ -24,6 +24,8 @@ ERRORS = [("displacement_l2", "L2", "reference_error"), ("displacement_deformati
           ("displacement_max", "max", "reference_error_max"), ("pad_force", "pad", "reference_error_pad_force")]
 SHARE = "stiffness_share_springs"
 TIMES = [("identify_s", "identify"), ("solve_s", "solve"), ("kernel_s", "kernel")]
+# What some methods report of an answer's cost once all is prepared.
+COSTS = ("unknowns", "stiffness_entries", "factor_entries", "product_s", "answer_s")
 MAIN = ERRORS[0][0]
 
 
@@ -140,7 +142,7 @@ def is_valid(reference):
 
 def values_of(group):
     values = {name: median(group.figures("judge", name)) for name, _, _ in ERRORS}
-    for name in ("identify_s", "solve_s", "iterations", SHARE):
+    for name in ("identify_s", "solve_s", "iterations", SHARE, *COSTS):
         values[name] = median(present(figure(record, "report", name) for record in group.accepted()))
     timing = timing_of(group)
     values["kernel_s"] = timing["kernel_median_s"] if timing else None

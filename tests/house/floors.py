@@ -30,7 +30,7 @@ PLAN = {
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
                       "time_loop", "stability", "reduced"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
-    "reference": ["door", "elastic_models", "simplifier_support", "*"],
+    "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader",
                     "spring_training", "plan_reader", "records", "contests", "contests/*", "runner",
                     "commands", "."],

@@ -353,5 +353,31 @@ class Charts(DeformTest):
         self.assertEqual(self.draw([reference_record("bar"), deformed("bar", "a", None)]), {})
 
 
+class Costs(DeformTest):
+    def test_costs_stand_beside_the_deformation_over_scenes(self):
+        def answer(scene, label, off, entries):
+            line = deformed(scene, label, off, method="fem.p2_patch")
+            line["judge"]["displacement_deformation"] = off
+            if entries:
+                line["report"] |= {"unknowns": 9, "stiffness_entries": entries, "factor_entries": 70, "product_s": 1e-4, "answer_s": 2e-3}
+            return line
+        lines = [line for scene, factor in (("bar", 1), ("rod", 1)) for line in
+                 (reference_record(scene), answer(scene, "beside", 0.03, 100), answer(scene, "patch", 0.01 * factor, 250),
+                  answer(scene, "silent", 0.02, None))]
+        lines[-2]["judge"]["displacement_deformation"] = 0.07  # of the patch on the rod
+        _, out = self.run_deform(lines, beside="beside")
+        costs = {row["label"]: row for row in self.table("cost.csv")}
+        self.assertEqual(list(costs), ["beside", "patch"])  # who reports none has no row
+        self.assertAlmostEqual(float(costs["patch"]["rms"]), 0.05)
+        self.assertAlmostEqual(float(costs["patch"]["worst"]), 0.07)
+        self.assertAlmostEqual(float(costs["patch"]["products"]), 2.5)
+        self.assertIn("5.00 / 7.00", out)
+
+    def test_without_costs_there_is_no_such_table(self):
+        _, out = self.run_deform([reference_record("bar"), deformed("bar", "isotropy", 0.02)])
+        self.assertNotIn("what one answer costs", out)
+        self.assertFalse((self.folder / "tables" / "cost.csv").exists())
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -104,4 +104,37 @@ void add_support_stiffness(const NodeLoads& loads, int order, BlockMatrix& matri
   }
 }
 
+void add_support_pull(const NodeLoads& loads, int order, std::span<Vec3> force) {
+  const FaceMass mass = unit_face_mass(order);
+  const std::size_t count = order == 1 ? 3 : 6;
+  for (const ElasticFace& face : loads.faces) {
+    for (std::size_t i = 0; i < count; ++i) {
+      double row = 0.0;
+      for (std::size_t j = 0; j < count; ++j) row += mass[i][j];
+      force[face.nodes[i]] = force[face.nodes[i]] + (face.coefficient_n_per_m * row) * face.by_m;
+    }
+  }
+}
+
+SupportFigures measure_supports(const NodeLoads& loads, int order, std::span<const Vec3> displacement_m,
+                                std::size_t supports) {
+  const FaceMass mass = unit_face_mass(order);
+  const std::size_t count = order == 1 ? 3 : 6;
+  SupportFigures figures;
+  figures.forces_n.resize(supports);
+  for (const ElasticFace& face : loads.faces) {
+    Vec3& force = figures.forces_n.at(face.support);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 lack = face.by_m - displacement_m[face.nodes[i]];
+      for (std::size_t j = 0; j < count; ++j) {
+        const Vec3 part =
+            (face.coefficient_n_per_m * mass[i][j]) * (face.by_m - displacement_m[face.nodes[j]]);
+        force = force + part;
+        figures.energy_j += 0.5 * dot(lack, part);
+      }
+    }
+  }
+  return figures;
+}
+
 }  // namespace palpate::dynamics

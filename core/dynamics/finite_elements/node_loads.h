@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/dynamics/finite_elements/elements.h"
@@ -38,5 +39,18 @@ NodeLoads build_node_loads(const TetMesh& mesh, const ElementSpace& space, const
 
 /// Adds the stiffness of the supports to the pattern of a body. Throws: ContractError if it lacks a pair.
 void add_support_stiffness(const NodeLoads& loads, int order, BlockMatrix& matrix);
+
+/// Adds what supports that are moved pull with, S by, in N.
+void add_support_pull(const NodeLoads& loads, int order, std::span<Vec3> force);
+
+/// What supports hold at a displacement: their energy in J, and the force of each on the body in N, the
+/// integral of stiffness x (by - u) over its faces.
+struct SupportFigures {
+  double energy_j = 0.0;
+  std::vector<Vec3> forces_n;
+};
+/// Shape: displacement has one entry a node. `supports` is how many the problem has.
+SupportFigures measure_supports(const NodeLoads& loads, int order, std::span<const Vec3> displacement_m,
+                                std::size_t supports);
 
 }  // namespace palpate::dynamics

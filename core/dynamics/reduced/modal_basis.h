@@ -32,6 +32,9 @@ class HeldElements {
   std::vector<Vec3> rest_under(std::span<const Vec3> force, std::span<const Vec3> held_by) const;
 
   const BlockMatrix& stiffness() const { return stiffness_; }
+  /// The factor, and how many free components it has.
+  const SymmetricFactor& factor() const { return *factor_; }
+  std::size_t unknowns() const { return free_.count; }
 
  private:
   const ElementMatrices& body_;

@@ -1,4 +1,4 @@
-// Which sparse factorisation the tables and modes are made with.
+// Which sparse factorisation systems are solved with.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-#include "reference/reduced/factor.h"
+#include "reference/linear_systems/factor.h"
 
 #include <algorithm>
 #include <memory>
