@@ -5,7 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/solution.h"
 #include "experiments/contests/problem_files.h"

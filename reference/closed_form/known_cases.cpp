@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/mesh/refinement.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 #include "reference/closed_form/solutions.h"
 #include "reference/closed_form/structured_mesh.h"

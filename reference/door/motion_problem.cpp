@@ -11,7 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/json_file.h"
 

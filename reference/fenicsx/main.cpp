@@ -12,7 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/json_file.h"

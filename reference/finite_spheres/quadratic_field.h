@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::reference {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 
 namespace palpate::reference {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/mesh/bisection.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/subdivision/bisection.h"
 #include "core/mesh/topology.h"
 #include "core/simplify/sizing/triangle_tree.h"
 #include "core/simplify/tet_operations/refined.h"

@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::reference {

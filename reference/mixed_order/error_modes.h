@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/dynamics/error_modes/principal_fields.h"
 #include "core/dynamics/finite_elements/sparse_factor.h"
-#include "core/dynamics/reduced/principal_fields.h"
 #include "reference/mixed_order/solid_system.h"
 
 namespace palpate::reference {

@@ -7,7 +7,7 @@
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/linear_algebra/matrix3.h"
 #include "core/mesh/boundary_problem.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::reference {

@@ -24,11 +24,11 @@ MOST_FILES = 17
 # The rooms of each wing from the bottom up; "." is the wing's own folder, "*" any room with the rooms inside it.
 PLAN = {
     "core/base": ["."],
-    "core/mesh": [".", "io", "shapes"],
+    "core/mesh": [".", "io", "subdivision", "shapes"],
     "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "surface"],
     "core/springs": ["solvers", "network", "lattice", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
-                      "time_loop", "stability", "reduced"],
+                      "time_loop", "stability", "reduced", "error_modes"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader",

@@ -8,8 +8,8 @@
 #include <functional>
 #include <string>
 
-#include "core/mesh/refinement.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/contestant_run.h"
 #include "reference/closed_form/solutions.h"

@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
-#include "core/mesh/refinement.h"
 #include "core/mesh/rigid_motion.h"
+#include "core/mesh/subdivision/refinement.h"
 
 namespace palpate::dynamics {
 namespace {

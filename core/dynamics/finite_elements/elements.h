@@ -7,7 +7,7 @@
 
 #include "core/dynamics/linear_algebra/block_matrix.h"
 #include "core/mesh/boundary_problem.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::dynamics {

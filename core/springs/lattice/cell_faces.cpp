@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/springs/lattice/cell_axis.h"
+#include "core/base/component.h"
 
 namespace palpate::springs {
 namespace {
@@ -14,7 +14,7 @@ using Part = std::array<Vec3, 3>;
 /// Cuts a triangle at a plane.
 void cut_part(const Part& part, std::size_t axis, double plane, std::vector<Part>& below,
               std::vector<Part>& above) {
-  const auto is_low = [&](std::size_t i) { return along_axis(part[i], axis) <= plane; };
+  const auto is_low = [&](std::size_t i) { return component(part[i], axis) <= plane; };
   const std::size_t lows = (is_low(0) ? 1U : 0U) + (is_low(1) ? 1U : 0U) + (is_low(2) ? 1U : 0U);
   if (lows == 0 || lows == 3) {
     (lows == 0 ? above : below).push_back(part);
@@ -26,8 +26,8 @@ void cut_part(const Part& part, std::size_t axis, double plane, std::vector<Part
   const Vec3& b = part[(tip + 1) % 3];
   const Vec3& c = part[(tip + 2) % 3];
   const auto meet = [&](const Vec3& to) {
-    const double from = along_axis(a, axis);
-    return a + ((plane - from) / (along_axis(to, axis) - from)) * (to - a);
+    const double from = component(a, axis);
+    return a + ((plane - from) / (component(to, axis) - from)) * (to - a);
   };
   const Vec3 ab = meet(b);
   const Vec3 ac = meet(c);
@@ -43,11 +43,11 @@ void cut_part(const Part& part, std::size_t axis, double plane, std::vector<Part
 std::vector<std::array<Vec3, 3>> split_at_cells(const std::array<Vec3, 3>& corners) {
   std::vector<Part> parts{corners};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    double least = along_axis(corners[0], axis);
+    double least = component(corners[0], axis);
     double most = least;
     for (const Vec3& corner : corners) {
-      least = std::min(least, along_axis(corner, axis));
-      most = std::max(most, along_axis(corner, axis));
+      least = std::min(least, component(corner, axis));
+      most = std::max(most, component(corner, axis));
     }
     std::vector<Part> done;
     for (double plane = std::floor(least) + 1.0; plane < most; plane += 1.0) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/component.h"
 #include "core/mesh/geometry.h"
-#include "core/springs/lattice/cell_axis.h"
 
 namespace palpate::springs {
 namespace {
@@ -14,8 +14,8 @@ using Piece = std::array<Vec3, 4>;
 
 /// Where the edge from a to b meets the plane.
 Vec3 cut_edge(const Vec3& a, const Vec3& b, std::size_t axis, double plane) {
-  const double from = along_axis(a, axis);
-  const double t = (plane - from) / (along_axis(b, axis) - from);
+  const double from = component(a, axis);
+  const double t = (plane - from) / (component(b, axis) - from);
   return a + t * (b - a);
 }
 
@@ -41,7 +41,7 @@ void cut_piece(const Piece& piece, std::size_t axis, double plane, std::vector<P
   std::size_t lows = 0;
   std::size_t highs = 0;
   for (const Vec3& corner : piece) {
-    if (along_axis(corner, axis) <= plane) {
+    if (component(corner, axis) <= plane) {
       low[lows++] = corner;
     } else {
       high[highs++] = corner;
@@ -85,11 +85,11 @@ class CellFiller {
       volumes_[cell] += std::fabs(signed_volume(piece[0], piece[1], piece[2], piece[3]));
       return;
     }
-    double least = along_axis(piece[0], axis);
+    double least = component(piece[0], axis);
     double most = least;
     for (const Vec3& corner : piece) {
-      least = std::min(least, along_axis(corner, axis));
-      most = std::max(most, along_axis(corner, axis));
+      least = std::min(least, component(corner, axis));
+      most = std::max(most, component(corner, axis));
     }
     const int outermost = size_[axis] - 1;
     int at = std::clamp(static_cast<int>(std::floor(least)), 0, outermost);

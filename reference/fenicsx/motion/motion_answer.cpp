@@ -2,7 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "reference/door/request_options.h"
 #include "reference/fenicsx/motion/frequencies.h"
 #include "reference/fenicsx/motion/newmark.h"

@@ -8,8 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
-#include "core/mesh/refinement.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 
 namespace palpate::dynamics {

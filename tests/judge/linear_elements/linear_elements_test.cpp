@@ -11,7 +11,7 @@
 #include "core/base/random.h"
 #include "core/judge/linear_elements/elastic_blocks.h"
 #include "core/judge/mesh/judge.h"
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::judge {

@@ -8,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/io/medit.h"
-#include "core/mesh/refinement.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/subdivision/refinement.h"
 #include "core/mesh/topology.h"
 #include "experiments/contests/pad_force.h"
 #include "experiments/plan_reader/case_list.h"

@@ -1,4 +1,4 @@
-#include "core/mesh/refinement.h"
+#include "core/mesh/subdivision/refinement.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Halved edges: the same body, finer where it is wanted, and the same problem on it.
-#include "core/mesh/bisection.h"
+#include "core/mesh/subdivision/bisection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mesh/bisection.h"
+#include "core/mesh/subdivision/bisection.h"
 
 #include <algorithm>
 #include <cmath>
