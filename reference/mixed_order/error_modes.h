@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/dynamics/error_modes/principal_fields.h"
+#include "core/dynamics/enriched/principal_fields.h"
 #include "core/dynamics/finite_elements/sparse_factor.h"
 #include "reference/mixed_order/solid_system.h"
 

@@ -1,5 +1,5 @@
 // Linear elements with fields beside them, and the fields that samples are nearest to.
-#include "core/dynamics/error_modes/enriched_elements.h"
+#include "core/dynamics/enriched/enriched_elements.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/dynamics/error_modes/principal_fields.h"
+#include "core/dynamics/enriched/principal_fields.h"
 #include "core/dynamics/finite_elements/node_loads.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/shapes/shapes.h"
