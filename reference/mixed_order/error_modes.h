@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/dynamics/finite_elements/sparse_factor.h"
-#include "core/dynamics/reduced/principal_fields.h"
+#include "core/dynamics/enriched/principal_fields.h"
 #include "reference/mixed_order/solid_system.h"
 
 namespace palpate::reference {

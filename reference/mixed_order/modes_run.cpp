@@ -7,7 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
-#include "core/dynamics/reduced/enriched_elements.h"
+#include "core/dynamics/enriched/enriched_elements.h"
 #include "core/mesh/topology.h"
 #include "reference/linear_systems/answer_cost.h"
 #include "reference/linear_systems/factor.h"

@@ -28,7 +28,7 @@ PLAN = {
     "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "surface"],
     "core/springs": ["solvers", "network", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
-                      "time_loop", "stability", "reduced"],
+                      "time_loop", "stability", "reduced", "enriched"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader",

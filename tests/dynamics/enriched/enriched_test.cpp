@@ -1,5 +1,5 @@
 // Linear elements with fields beside them, and the fields that samples are nearest to.
-#include "core/dynamics/reduced/enriched_elements.h"
+#include "core/dynamics/enriched/enriched_elements.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "core/base/random.h"
 #include "core/dynamics/finite_elements/node_loads.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
-#include "core/dynamics/reduced/principal_fields.h"
+#include "core/dynamics/enriched/principal_fields.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "tests/support/finite_elements.h"

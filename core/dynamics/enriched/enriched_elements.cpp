@@ -1,4 +1,4 @@
-#include "core/dynamics/reduced/enriched_elements.h"
+#include "core/dynamics/enriched/enriched_elements.h"
 
 #include <Eigen/Dense>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "core/dynamics/reduced/principal_fields.h"
+#include "core/dynamics/enriched/principal_fields.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
