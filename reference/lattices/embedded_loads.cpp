@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "core/base/component.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/triangle_rule.h"
@@ -12,8 +13,6 @@
 
 namespace palpate::reference {
 namespace {
-
-using dynamics::component;
 
 /// Product by components.
 Vec3 scale_axes(const Vec3& a, const Vec3& b) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
@@ -89,7 +90,7 @@ double worst_held_error(const DeformTask& task, std::span<const Vec3> displaceme
   for (std::size_t v = 0; v < loads.held.size(); ++v) {
     Vec3 off = displacement[v] - loads.held_by_m[v];
     for (std::size_t i = 0; i < 3; ++i) {
-      if (((static_cast<unsigned>(loads.held[v]) >> i) & 1U) == 0) dynamics::component(off, i) = 0.0;
+      if (((static_cast<unsigned>(loads.held[v]) >> i) & 1U) == 0) component(off, i) = 0.0;
     }
     worst = std::max(worst, length(off));
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 
@@ -17,7 +18,7 @@ Fields weigh(const SolidSpace& solid, const BoundaryProblem& problem) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     BoundaryProblem weight = holding_of(problem);
     weight.material.density_kg_m3 = 1000.0;
-    dynamics::component(weight.gravity_m_s2, axis) = 9.81;
+    component(weight.gravity_m_s2, axis) = 9.81;
     const dynamics::NodeLoads loads =
         build_node_loads(solid.mesh, solid.space, weight, dynamics::BodyForces::kInclude);
     forces.at(axis) = apply_transposed(solid.map, loads.force_n);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/geometry.h"
