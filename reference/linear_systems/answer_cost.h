@@ -14,7 +14,7 @@
 namespace palpate::reference {
 
 /// Calls that a median is taken of.
-inline constexpr std::size_t kTimedCalls = 21;
+inline constexpr std::size_t kTimedCalls = 51;
 
 /// The median time of one call, in s.
 template <typename Work>

@@ -1,8 +1,5 @@
 #include "reference/reduced/compliance_run.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <string>
 
 #include "core/base/error.h"
@@ -10,6 +7,7 @@
 #include "core/dynamics/reduced/compliance_answer.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
+#include "reference/linear_systems/answer_cost.h"
 #include "reference/linear_systems/factor.h"
 #include "reference/reduced/table_file.h"
 
@@ -19,8 +17,6 @@ namespace {
 using dynamics::ComplianceTable;
 using dynamics::HeldBody;
 using nlohmann::json;
-
-constexpr std::size_t kTimings = 51;
 
 struct TableRunOptions {
   dynamics::ComplianceOptions table;
@@ -79,19 +75,6 @@ ComplianceTable obtain_table(const TableRunOptions& options, const DeformTask& t
   return table;
 }
 
-/// The median time of one call.
-template <typename Work>
-double median_time(const Work& work) {
-  std::array<double, kTimings> times{};
-  for (double& time : times) {
-    const Stopwatch start;
-    work();
-    time = start.seconds();
-  }
-  std::nth_element(times.begin(), times.begin() + kTimings / 2, times.end());
-  return times[kTimings / 2];
-}
-
 json to_json(const std::vector<Vec3>& forces) {
   json list = json::array();
   for (const Vec3& f : forces) list.push_back({f.x, f.y, f.z});
@@ -101,10 +84,10 @@ json to_json(const std::vector<Vec3>& forces) {
 /// What an answer costs once the holding is factored; outside the kernel.
 void time_answers(const HeldBody& held, const BoundaryProblem& problem, json& report) {
   const auto load = held.prepare(problem);
-  report["react_s"] = median_time([&] { held.react(*load); });
-  report["move_skin_s"] = median_time([&] { held.move_skin(*load); });
-  report["move_inside_s"] = median_time([&] { held.move_inside(*load); });
-  report["answer_s"] = median_time([&] {
+  report["react_s"] = median_seconds([&] { held.react(*load); });
+  report["move_skin_s"] = median_seconds([&] { held.move_skin(*load); });
+  report["move_inside_s"] = median_seconds([&] { held.move_inside(*load); });
+  report["answer_s"] = median_seconds([&] {
     held.react(*load);
     held.move_skin(*load);
   });
