@@ -21,6 +21,7 @@
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/scratch_folder.h"
+#include "experiments/scene_reader/scene_motion.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/deform_problem.h"
@@ -75,7 +76,7 @@ json model_options(const ExportArguments& arguments, const Registry& registry) {
                      nearest_hint(arguments.method, known));
   const auto given = given_options(arguments);
   json options = resolve_options(*registry.find(arguments.method)->method, given);
-  for (const char* key : {"load_steps", "max_iterations", "tolerance", "solver"}) {
+  for (const char* key : kStaticOptions) {
     if (given.contains(key))
       throw InputError(std::string("--set: ") + key + " says how to solve, and is no part of a model");
     options.erase(key);

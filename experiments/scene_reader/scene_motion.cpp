@@ -27,7 +27,7 @@ reference::MovingModel read_moving_model(const Scene& scene, const Registry& reg
     throw InputError(scene.file.string() + ": model: " + model.method +
                      " solves static scenes alone; springs and smoothed models move");
   model.options = resolve_options(*entry.method, scene.model->set);
-  for (const char* key : {"load_steps", "max_iterations", "tolerance", "solver"}) {
+  for (const char* key : kStaticOptions) {
     const auto given = scene.model->set.find(key);
     if (given != scene.model->set.end())
       throw InputError(given->second.where + ": " + key + " belongs to a static analysis");

@@ -1,12 +1,18 @@
 // A dynamic scene on its mesh as what goes through the door: a motion problem, or a whole moving body.
 #pragma once
 
+#include <array>
+
 #include "core/mesh/tet_mesh.h"
 #include "experiments/contestants/contestant.h"
 #include "experiments/scene_reader/scene.h"
 #include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
+
+/// Options of springs.* and smoothed.* that say how a static answer is solved or measured: no part of a
+/// model.
+inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tolerance", "solver", "cost"};
 
 /// What moves a placed scene: what holds it, each load by itself with its times, Rayleigh's damping,
 /// duration, samples, and the vertices nearest to its probes. Masses, damping and steps of the scene's own

@@ -63,7 +63,7 @@ KnownCase build_pressed_bar(double poisson_ratio) {
   return known;
 }
 
-class Lattices : public testing::Test {
+class LatticeContestant : public testing::Test {
  protected:
   ContestantAnswer ask(const std::string& kind, const KnownCase& known,
                        const json& options = json::object()) {
@@ -116,7 +116,7 @@ class Lattices : public testing::Test {
 };
 
 // The patch test: whole cells fill the bar, its mesh has other vertices than the lattice.
-TEST_F(Lattices, HaveAUniformStrainThroughSupportsTractionsAndPads) {
+TEST_F(LatticeContestant, HaveAUniformStrainThroughSupportsTractionsAndPads) {
   for (const char* kind : kKinds) {
     for (const double ratio : {0.25, 0.45}) {
       const KnownCase known = build_pressed_bar(ratio);
@@ -135,7 +135,7 @@ TEST_F(Lattices, HaveAUniformStrainThroughSupportsTractionsAndPads) {
   }
 }
 
-TEST_F(Lattices, TheJudgeRejectsBrokenAnswersToThePatch) {
+TEST_F(LatticeContestant, TheJudgeRejectsBrokenAnswersToThePatch) {
   const KnownCase known = build_pressed_bar(0.45);
   // Springs alone have another Poisson's ratio; cells that stick out make the bar thicker; a moved field.
   EXPECT_GT(judged(known, displacement(known, ask("hexahedral", known, {{"spacing_m", 0.005}}))), 0.01);
@@ -150,7 +150,7 @@ TEST_F(Lattices, TheJudgeRejectsBrokenAnswersToThePatch) {
 // A bar that hangs from a flat hold: its end face sinks by g rho L^2 / (2 E) in the mean, by reciprocity with
 // a bar that is pulled there, whose field is linear. So a lattice has it to rounding, and the penalty p E / h
 // adds g rho L h / (p E).
-TEST_F(Lattices, AHangingBarSinksAsItsWeightSays) {
+TEST_F(LatticeContestant, AHangingBarSinksAsItsWeightSays) {
   KnownCase known = build_known_case("bar_own_weight", 6);
   known.problem.material.poisson_ratio = 0.25;
   known.problem.held[0].axes = {true, false, false};
@@ -183,7 +183,7 @@ TEST_F(Lattices, AHangingBarSinksAsItsWeightSays) {
   }
 }
 
-TEST_F(Lattices, HaveTheDeflectionOfACantilever) {
+TEST_F(LatticeContestant, HaveTheDeflectionOfACantilever) {
   for (const char* kind : kKinds) {
     double before = 1.0;
     for (const double spacing : {0.005, 0.0025}) {
@@ -199,7 +199,7 @@ TEST_F(Lattices, HaveTheDeflectionOfACantilever) {
   }
 }
 
-TEST_F(Lattices, BoundaryOptionsOrderTheStiffnessOfABar) {
+TEST_F(LatticeContestant, BoundaryOptionsOrderTheStiffnessOfABar) {
   // 2.5 cells across, 10 along: whole cells are too stiff, fewer too soft, weights in between.
   KnownCase known = build_pressed_bar(0.25);
   known.problem.supports.pop_back();
@@ -223,7 +223,7 @@ TEST_F(Lattices, BoundaryOptionsOrderTheStiffnessOfABar) {
   }
 }
 
-TEST_F(Lattices, WriteMidpointsWhenAsked) {
+TEST_F(LatticeContestant, WriteMidpointsWhenAsked) {
   const KnownCase known = build_pressed_bar(0.25);
   const std::size_t vertices = known.mesh.points.size();
   const std::size_t edges = build_edges(known.mesh).size();
@@ -231,7 +231,7 @@ TEST_F(Lattices, WriteMidpointsWhenAsked) {
   EXPECT_EQ(displacement(known, ask("bcc", known)).size(), vertices);
 }
 
-TEST_F(Lattices, RefuseWhatTheyCannotDo) {
+TEST_F(LatticeContestant, RefuseWhatTheyCannotDo) {
   KnownCase known = build_pressed_bar(0.25);
   const auto refused = [&](const char* kind, const json& options) {
     const ContestantAnswer answer = ask(kind, known, options);
@@ -250,7 +250,7 @@ TEST_F(Lattices, RefuseWhatTheyCannotDo) {
   EXPECT_THAT(refused("hexahedral", json::object()), HasSubstr("translation"));
 }
 
-TEST_F(Lattices, RefuseLargeStrainAndSayWhatTheyLeaveOut) {
+TEST_F(LatticeContestant, RefuseLargeStrainAndSayWhatTheyLeaveOut) {
   KnownCase known = build_pressed_bar(0.45);
   const ContestantAnswer plain = ask("bcc", known);
   ASSERT_EQ(plain.outcome, "ok") << plain.message;
@@ -263,7 +263,7 @@ TEST_F(Lattices, RefuseLargeStrainAndSayWhatTheyLeaveOut) {
   EXPECT_THAT(large.message, HasSubstr("linear here"));
 }
 
-TEST_F(Lattices, TheSameRequestGivesTheSameBytes) {
+TEST_F(LatticeContestant, TheSameRequestGivesTheSameBytes) {
   const KnownCase known = build_pressed_bar(0.25);
   const auto bytes = [&] {
     std::ifstream file(ask("bcc", known, {{"turn_deg", 10.0}}).output);
@@ -276,7 +276,7 @@ TEST_F(Lattices, TheSameRequestGivesTheSameBytes) {
 
 // Lumped masses make the frequencies of a rod too low by (k h)^2 / 24, k = pi / (2 L); what holds it gives by
 // h / p.
-TEST_F(Lattices, FrequenciesOfARodHeldAtOneEnd) {
+TEST_F(LatticeContestant, FrequenciesOfARodHeldAtOneEnd) {
   for (const char* kind : kKinds) {
     Rod rod(8);
     rod.hold_left();
@@ -289,7 +289,7 @@ TEST_F(Lattices, FrequenciesOfARodHeldAtOneEnd) {
   }
 }
 
-TEST_F(Lattices, ToolForceEndsAtTheStaticReaction) {
+TEST_F(LatticeContestant, ToolForceEndsAtTheStaticReaction) {
   for (const char* kind : kKinds) {
     Rod rod(6);
     rod.hold_left();
@@ -313,7 +313,7 @@ TEST_F(Lattices, ToolForceEndsAtTheStaticReaction) {
 }
 
 // Without damping the energy of a body that was let go stays; loads that are gone do no work.
-TEST_F(Lattices, KeepTheEnergyOfARodThatIsLetGo) {
+TEST_F(LatticeContestant, KeepTheEnergyOfARodThatIsLetGo) {
   for (const char* kind : kKinds) {
     Rod rod(8);
     rod.hold_left();
@@ -338,7 +338,7 @@ TEST_F(Lattices, KeepTheEnergyOfARodThatIsLetGo) {
   }
 }
 
-TEST_F(Lattices, RefuseStepsBeyondTheBoundInMotion) {
+TEST_F(LatticeContestant, RefuseStepsBeyondTheBoundInMotion) {
   Rod rod(6);
   rod.hold_left();
   rod.problem.duration_s = 0.01;
