@@ -29,6 +29,8 @@ KINDS = [
     ("reduced.compliance", "yes", "no", "no inertia", "yes, any", "no", "table of one mesh and one Poisson's ratio; memory grows as the square of the skin"),
     ("reduced.modal", "yes", "no", "yes, any step", "new modes each time", "no", "few modes don't see a small pad"),
     ("finite_spheres", "yes", "no", "no", "yes", "no vertex needs moving", "dear: hundreds of neighbours"),
+    ("lattices, hexahedral or body-centred", "yes", "no", "yes", "yes", "a cell less", "a skin of steps; the answer depends on how the cells lie (docs/lattices.md)"),
+    ("fem.p2_patch, fem.p2_coarse, fem.p1_modes", "yes", "no", "no", "yes", "factors anew", "spaces made for one scene's pads and supports (docs/where_error_lives.md)"),
     ("implicit steps (trapezoidal, bdf2)", "any model", "any model", "any step", "factors anew", "factors anew", "backward Euler damps by itself"),
     ("fixed iterations (projective, xpbd, vbd)", "any model", "any model", "any step", "yes", "projective: factors anew", "what the iterations leave looks like softness or damping"),
 ]
@@ -237,7 +239,8 @@ Made by `docs/make_methods.sh`; don't edit. Every figure comes from a record of 
 ## What a step costs
 
 `methods_in_motion.yaml`, `methods_in_motion_large.yaml`: a pad presses a kidney of 10 kPa, one thread. Explicit steps are nine tenths of the predicted bound, on the engine that is fastest for the model
-(single precision for the plain and the tet engine); the others have the step of their name. The time is that of all steps over their number: factorisations are in it. At another Young's modulus the explicit bound
+(single precision for the plain and the tet engine; `springs_volume` in the engine of every force); the others have the step of their name, in the engine of every force, one spring or domain
+at a time: an eight-lane prototype of XPBD took a tenth of that, so these rows are dearer than they have to be, and no verdict on the methods. The time is that of all steps over their number: factorisations are in it. At another Young's modulus the explicit bound
 goes with 1 / sqrt(E) (damped: with less), and the others stay.
 
 {in_motion([motion, large])}
