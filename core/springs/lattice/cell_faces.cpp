@@ -50,9 +50,10 @@ std::vector<std::array<Vec3, 3>> split_at_cells(const std::array<Vec3, 3>& corne
       most = std::max(most, component(corner, axis));
     }
     std::vector<Part> done;
-    for (double plane = std::floor(least) + 1.0; plane < most; plane += 1.0) {
+    const auto last = static_cast<long>(std::ceil(most));
+    for (auto plane = static_cast<long>(std::floor(least)) + 1; plane < last; ++plane) {
       std::vector<Part> rest;
-      for (const Part& part : parts) cut_part(part, axis, plane, done, rest);
+      for (const Part& part : parts) cut_part(part, axis, static_cast<double>(plane), done, rest);
       parts.swap(rest);
     }
     parts.insert(parts.end(), done.begin(), done.end());
