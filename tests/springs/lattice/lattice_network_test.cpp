@@ -391,10 +391,9 @@ TEST(LatticeEmbedding, FindsTheNearestCell) {
   options.fraction = 0.9;
   const Lattice lattice = build_lattice(body, options);
   SplitMix64 random(2);
-  std::vector<Vec3> points;
-  for (int k = 0; k < 200; ++k)
-    points.push_back(
-        {3.0 * random.uniform() - 1.0, 3.0 * random.uniform() - 1.0, 3.0 * random.uniform() - 1.0});
+  std::vector<Vec3> points(200);
+  for (Vec3& point : points)
+    point = {3.0 * random.uniform() - 1.0, 3.0 * random.uniform() - 1.0, 3.0 * random.uniform() - 1.0};
   double farthest = 0.0;
   std::size_t outside = 0;
   for (const Vec3& x : points) {

@@ -165,9 +165,7 @@ TEST(Lattice, LeavesOutWhatHingesAndRefusesWhatFallsApart) {
   LatticeOptions options;
   options.spacing_m = 1.0;
   // A row of cells, and one at its end that touches it by an edge alone: two groups.
-  std::vector<testing_support::Cell> cells;
-  for (int i = 0; i < 5; ++i) cells.push_back({i, 0, 0});
-  cells.push_back({5, 1, 0});
+  std::vector<testing_support::Cell> cells{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}, {5, 1, 0}};
   try {
     build_lattice(make_kuhn_cells(cells), options);
     FAIL() << "a sixth of the body hangs on an edge";
