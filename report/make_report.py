@@ -13,7 +13,7 @@ import sys
 import traceback
 from dataclasses import dataclass
 
-from deform import convergence, cost, deform, deform_tables, targets
+from deform import convergence, cost, deform, deform_tables, frontier, targets
 from engine import engine
 from motion import motion
 from shared import equal_count, records, tables
@@ -93,21 +93,25 @@ def report_displacements(run):
     outcomes = targets.judge_targets(run, sections)
     costs = cost.cost_rows(run, sections)
     folder = run.folder / "tables"
+    points = frontier.read_points(run) if frontier.asked(run) else {}
+    equals = frontier.equal_error_rows(run, points) if points else []
     names = deform_tables.write_tables(run, sections, folder)
+    names |= frontier.write_frontier(points, equals, folder) if points else set()
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     names |= targets.write_targets(outcomes, folder) if outcomes else set()
     remove_old(folder, names)
     if run.plan_data.get("question"):
         print(f"{run.plan_data['question']}\n")
-    print(deform_tables.summary_text(run, sections))
-    if costs:
+    # With a frontier its points are many: the tables have them one by one.
+    print(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
+    if costs and not points:
         print(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
     if series:
         print(f"\n{convergence.convergence_text(series)}")
     if outcomes:
         print(f"\n{targets.targets_text(outcomes)}")
-    return (sections, series), list(targets.failed_requirements(outcomes))
+    return (sections, series, points), list(targets.failed_requirements(outcomes))
 
 
 def draw_displacements(run, found):

@@ -31,6 +31,7 @@ std::string version_text() {
 void add_commands(CLI::App& app, int& exit_code) {
   add_run_command(app, exit_code);
   add_check_command(app, exit_code);
+  add_fit_command(app, exit_code);
   add_gate_command(app, exit_code);
   add_list_command(app, exit_code);
   add_make_command(app, exit_code);

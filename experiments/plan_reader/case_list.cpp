@@ -102,7 +102,21 @@ class CaseBuilder {
       }
       points = std::move(crossed);
     }
-    return plan_.simplifiers.empty() ? points : cross_simplifiers(points);
+    if (!plan_.simplifiers.empty()) points = cross_simplifiers(points);
+    std::erase_if(points, [&](const Point& point) { return !is_at(c, point.sweep); });
+    if (points.empty())
+      throw InputError(plan_.file.string() + ": \"at\" of \"" + c.label + "\" leaves nothing of the sweep");
+    return points;
+  }
+
+  /// An axis that a point does not have, such as the ratio of a mesh that is not simplified, excludes
+  /// nothing.
+  static bool is_at(const PlanContestant& c, const json& sweep) {
+    return std::all_of(c.at.begin(), c.at.end(), [&](const auto& place) {
+      const auto& [axis, values] = place;
+      return !sweep.contains(axis) || std::any_of(values.begin(), values.end(),
+                                                  [&](const json& value) { return sweep.at(axis) == value; });
+    });
   }
 
   /// Each point with each simplifier, and one without a stop of its own with each swept one.

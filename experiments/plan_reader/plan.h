@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,8 @@ struct PlanContestant {
   std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_kept_region reads them
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
+  /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).
+  std::map<std::string, std::vector<nlohmann::json>> at;
   bool required = true;             ///< false: its outcome does not decide the exit code
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.

@@ -75,6 +75,29 @@ std::filesystem::path read_train(const YamlValue& value, const Entry& entry) {
   return std::filesystem::absolute(file).lexically_normal();
 }
 
+/// Where of the sweep a contestant runs.
+std::map<std::string, std::vector<nlohmann::json>> read_at(const YamlValue& value,
+                                                           const std::string& contest) {
+  if (contest != "deform")
+    value.fail("\"at\" of one contestant belongs to the contest deform, not to " + contest);
+  const std::vector<std::string> axes{"poisson_ratio", "vertices", "simplify", "tets_removed_ratio"};
+  std::map<std::string, std::vector<nlohmann::json>> places;
+  for (const auto& [axis, given] : value.entries()) {
+    if (std::find(axes.begin(), axes.end(), axis) == axes.end())
+      given.fail("unknown axis \"" + axis + "\"" + nearest_hint(axis, axes));
+    std::vector<nlohmann::json>& values = places[axis];
+    for (const YamlValue& item : given.is_list() ? given.items() : std::vector<YamlValue>{given}) {
+      if (axis == "simplify") {
+        values.emplace_back(item.identifier());
+      } else {
+        values.emplace_back(item.number());
+      }
+    }
+    if (values.empty()) given.fail_expected("at least one value");
+  }
+  return places;
+}
+
 Entry read_entry(const YamlValue& value, const std::string& contest, const Registry& registry) {
   if (value.is_text()) {
     const std::string name = value.text();
@@ -84,7 +107,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     return entry;
   }
   const YamlFields fields = value.fields(
-      {"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "own_limit"});
+      {"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "at", "own_limit"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -100,6 +123,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     for (const YamlValue& item : scenes->items()) contestant.scenes.push_back(item.identifier());
     if (contestant.scenes.empty()) scenes->fail_expected("at least one scene");
   }
+  if (const auto at = fields.find("at")) contestant.at = read_at(*at, contest);
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
   if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
   if (const auto limit = fields.find("own_limit")) {

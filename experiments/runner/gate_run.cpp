@@ -113,7 +113,8 @@ bool is_measured_time(const Measure& measure) {
   const std::string key = measure.key;
   for (const char* start :
        {"/kernel_s", "/wall_s", "/user_s", "/peak_rss_bytes", "/report/identify_s", "/report/solve_s",
-        "/report/product_s", "/report/answer_s", "/reported/tick", "/reported/real_time_factor"}) {
+        "/report/product_s", "/report/answer_s", "/report/step_wall_s", "/report/simulated_second_s",
+        "/solved_on/simplify_s", "/reported/tick", "/reported/real_time_factor"}) {
     if (key.rfind(start, 0) == 0) return true;
   }
   return false;

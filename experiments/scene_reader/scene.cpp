@@ -34,9 +34,11 @@ std::optional<double> unit_of_shape(const std::string& name) {
   return std::nullopt;
 }
 
-/// {springs: NAME, option: value, ...}, {finite_elements: p1 | p2}, {tensor_mass: true}, {smoothed: NAME}.
+/// {springs: NAME, option: value, ...}, {finite_elements: p1 | p2}, {tensor_mass: true}, {smoothed: NAME},
+/// {reduced: compliance}.
 SceneModel read_model(const YamlValue& value) {
-  static const std::vector<std::string> kinds{"springs", "finite_elements", "tensor_mass", "smoothed"};
+  static const std::vector<std::string> kinds{"springs", "finite_elements", "tensor_mass", "smoothed",
+                                              "reduced"};
   SceneModel model;
   for (const auto& [key, entry] : value.entries()) {
     if (std::find(kinds.begin(), kinds.end(), key) == kinds.end()) {
@@ -46,6 +48,7 @@ SceneModel read_model(const YamlValue& value) {
     if (!model.method.empty()) entry.fail("a scene takes one model, not two");
     if (key == "springs") model.method = "springs." + entry.identifier();
     if (key == "smoothed") model.method = "smoothed." + entry.identifier();
+    if (key == "reduced") model.method = "reduced." + entry.identifier();
     if (key == "finite_elements") model.method = "fem." + entry.identifier();
     if (key != "tensor_mass") continue;
     if (!entry.boolean()) entry.fail_expected("true");
@@ -226,7 +229,7 @@ SceneLoad read_scene_load(const YamlValue& value) {
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
   const YamlFields fields =
-      root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load", "analysis"});
+      root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load", "analysis", "require"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/scene/1") schema.fail_expected("palpate/scene/1");
   Scene scene;
@@ -241,6 +244,7 @@ Scene read_scene(const std::filesystem::path& path) {
   }
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);
+  if (const auto require = fields.find("require")) scene.require = read_requirement(*require);
   check_times(scene);
   return scene;
 }

@@ -14,6 +14,7 @@
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/region.h"
 #include "experiments/scene_reader/scene_dynamic.h"
+#include "experiments/scene_reader/scene_require.h"
 
 namespace palpate::experiments {
 
@@ -62,9 +63,10 @@ struct Scene {
   std::optional<SceneModel> model;
   std::vector<SceneClamp> clamps;
   std::vector<SceneLoad> loads;
-  bool is_dynamic = false;     ///< `analysis: {dynamic: ...}`
-  SceneDynamic dynamic;        ///< of a dynamic one
-  std::string analysis_where;  ///< "kidney.yaml:20"
+  bool is_dynamic = false;                  ///< `analysis: {dynamic: ...}`
+  SceneDynamic dynamic;                     ///< of a dynamic one
+  std::string analysis_where;               ///< "kidney.yaml:20"
+  std::optional<SceneRequirement> require;  ///< for `palpate fit`
 };
 
 /// Reads and checks a scene.

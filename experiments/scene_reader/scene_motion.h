@@ -12,7 +12,8 @@ namespace palpate::experiments {
 
 /// Options of springs.* and smoothed.* that say how a static answer is solved or measured: no part of a
 /// model.
-inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tolerance", "solver", "cost"};
+inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tolerance",
+                                           "solver",     "cost",           "step_cost"};
 
 /// What moves a placed scene: what holds it, each load by itself with its times, Rayleigh's damping,
 /// duration, samples, and the vertices nearest to its probes. Masses, damping and steps of the scene's own

@@ -1,34 +1,25 @@
 #include "reference/springs/model_run.h"
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/elastic_model.h"
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_cost.h"
 #include "reference/elastic_models/model_request.h"
+#include "reference/elastic_models/step_cost.h"
 
 namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json& options) {
   dynamics::StaticOptions out;
@@ -76,6 +67,7 @@ Response run_model(const Request& request) {
   const bool with_cost = take_option<bool>(left, "cost", &json::is_boolean, "true or false", false);
   if (with_cost && strain == StrainSize::kLarge)
     throw InputError("cost", 0, "small strain: it is that of one linear system", "large");
+  const bool with_steps = take_option<bool>(left, "step_cost", &json::is_boolean, "true or false", false);
   require_all_taken(left);
 
   Response response;
@@ -97,6 +89,11 @@ Response run_model(const Request& request) {
   if (const auto share = spring_share(built.model, solution.displacement_m))
     response.report["stiffness_share_springs"] = *share;
   if (with_cost) report_cost(measure_model_cost(built.model, loads), response.report);
+  if (with_steps) {
+    report_step_cost(measure_step_cost(task.mesh, built.model, loads, task.problem.material.density_kg_m3,
+                                       request.threads),
+                     response.report);
+  }
   if (solution.report.outcome == dynamics::StaticOutcome::kConverged)
     write_displacement(request.output, solution.displacement_m);
   return response;

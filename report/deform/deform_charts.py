@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from deform import convergence
+from deform import convergence, frontier_charts
 from deform.deform import (MAIN, MARGIN, NO_SIMPLIFIER, labels_of, root_mean_square, setting_of, setting_text, settings_of,
                            simplified_text)
 from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, save, set_time_axis
@@ -22,7 +22,7 @@ MARKS = ["o", "s", "^", "D", "v", "P", "<", "X", ">", "h", "p", "*"]
 SIZES = {"*": 1.6, "P": 1.15, "X": 1.15, "p": 1.15, "h": 1.1, "D": 0.9}  # of marks that look smaller or larger than others
 SHADE = "#ececec"
 DEFORMATION = "displacement_deformation"
-NAMES = ["error_bars", "error_time", "convergence", "simplified_error"]
+NAMES = ["error_bars", "error_time", "convergence", "simplified_error", "frontier"]
 
 
 def read_styles(sections):
@@ -366,7 +366,7 @@ def draw_simplified(sections, folder):
     return drawn
 
 
-def draw_charts(run, sections, _series, folder):
+def draw_charts(run, sections, _series, points, folder):
     """Draws the charts that the plan names (all without a list) and the run has figures for; returns the names of the files."""
     folder.mkdir(parents=True, exist_ok=True)
     names = run.plan_data.get("charts") or NAMES
@@ -381,4 +381,6 @@ def draw_charts(run, sections, _series, folder):
             drawn += draw_convergence(sections, styles, folder)
         if "simplified_error" in names:
             drawn += draw_simplified(sections, folder)
+        if "frontier" in names and points:
+            drawn += frontier_charts.draw_frontiers(run, points, folder)
     return drawn

@@ -177,6 +177,8 @@ class DeformContest : public Contest {
     if (is_simplified(facts.run_case) && simplified_.at(simplified_id(facts.run_case)).failure.empty()) {
       const ProblemFiles& files = files_of(facts.run_case);
       record["solved_on"] = mesh_facts(simplified_id(facts.run_case), files.mesh, files.mesh_hash);
+      if (const auto& taken = simplified_.at(simplified_id(facts.run_case)).kernel_s)
+        record["solved_on"]["simplify_s"] = *taken;
     }
     judge_answer({judge, [](json&) {}, "displacement"}, facts, answer, earlier, record);
     return record;
@@ -265,10 +267,10 @@ class DeformContest : public Contest {
 const ContestKind& deform_contest() {
   static const ContestKind kind{
       "deform",
-      {"scenes", "reference", "simplify", "scene_sets", "targets", "beside", "charts"},
+      {"scenes", "reference", "simplify", "scene_sets", "targets", "frontier", "beside", "charts"},
       {"scenes", "reference"},
       {},
-      {"error_bars", "error_time", "convergence", "simplified_error"},
+      {"error_bars", "error_time", "convergence", "simplified_error", "frontier"},
       read_deform_plan,
       cross_cases,
       [](const ContestSetting& setting) -> std::unique_ptr<Contest> {

@@ -183,6 +183,7 @@ SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& s
     return simplified;
   }
   simplified.report = answer.report;
+  simplified.kernel_s = answer.kernel_s;
   try {
     simplified.files.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit);
     if (stop.kind != StopKind::kLimit && simplified.files.mesh.tets.size() >= input.own.mesh.tets.size())

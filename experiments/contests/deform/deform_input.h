@@ -46,6 +46,7 @@ struct SimplifiedInput {
   std::string failure;  ///< why there is none; empty if there is
   ProblemFiles files;
   nlohmann::json report;
+  std::optional<double> kernel_s;  ///< of the simplifier
 };
 
 /// Makes the mesh, places the scene on it and writes both below `folder`.

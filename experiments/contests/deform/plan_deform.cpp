@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "experiments/contests/deform/plan_frontier.h"
 #include "experiments/contests/deform/plan_targets.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_reference.h"
@@ -75,6 +76,7 @@ void read_deform_plan(const YamlFields& fields, Plan& plan, const Registry& regi
   plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
   check_vertices_sweep(fields, plan);
   check_targets(fields, plan);
+  check_frontier(fields, plan);
   if (const auto beside = fields.find("beside"))
     known_label(*beside, plan.contestants);  // the report reads it
 }

@@ -1,0 +1,125 @@
+#include "experiments/fit/fit_candidates.h"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+
+#include "experiments/files/places.h"
+#include "experiments/plan_reader/plan.h"
+#include "experiments/plan_reader/plan_contestant.h"
+#include "experiments/text/nearest_name.h"
+
+namespace palpate::experiments {
+namespace {
+
+const std::vector<std::string>& known_works() {
+  static const std::vector<std::string> works{work_name(FitWork::kFirst), work_name(FitWork::kFurther),
+                                              work_name(FitWork::kSecond)};
+  return works;
+}
+
+void require_known(const YamlValue& at, const char* what, const std::string& name,
+                   const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), name) == known.end())
+    at.fail(std::string("unknown ") + what + " \"" + name + "\"" + nearest_hint(name, known));
+}
+
+FitSimplifier read_fit_simplifier(const YamlValue& value, const Registry& registry) {
+  const YamlFields fields = value.fields({"label", "method", "ratios"});
+  FitSimplifier simplifier;
+  simplifier.label = fields.need("label").identifier();
+  const YamlValue method = fields.need("method");
+  simplifier.method = method.text();
+  find_method(method, simplifier.method, "simplify", registry);
+  for (const YamlValue& ratio : fields.need("ratios").items())
+    simplifier.ratios.push_back(ratio.number(0.0, 0.999));
+  if (simplifier.ratios.empty()) fields.need("ratios").fail_expected("at least one share");
+  return simplifier;
+}
+
+FitModel read_fit_model(const YamlValue& value, const Registry& registry) {
+  std::vector<std::string> abilities = changeable_things();
+  abilities.emplace_back("large_strain");
+  const YamlFields fields = value.fields({"label", "method", "set", "works"});
+  FitModel model;
+  model.label = fields.need("label").identifier();
+  const YamlValue method = fields.need("method");
+  model.method = method.text();
+  const MethodEntry entry = find_method(method, model.method, "deform", registry);
+  model.set = nlohmann::json::object();
+  if (const auto set = fields.find("set")) {
+    read_set(*set, *entry.method);
+    model.set = set->json();
+  }
+  for (const auto& [work, can] : fields.need("works").entries()) {
+    require_known(can, "work", work, known_works());
+    std::vector<std::string>& own = model.works[work];
+    for (const YamlValue& item : can.items()) {
+      require_known(item, "ability", item.text(), abilities);
+      own.push_back(item.text());
+    }
+  }
+  return model;
+}
+
+}  // namespace
+
+const char* work_name(FitWork work) {
+  switch (work) {
+    case FitWork::kFirst:
+      return "first";
+    case FitWork::kFurther:
+      return "further";
+    case FitWork::kSecond:
+      break;
+  }
+  return "second";
+}
+
+FitWork choose_work(const Scene& scene) {
+  const SceneRequirement& require = *scene.require;
+  if (require.time_per_second_s) return FitWork::kSecond;
+  if (require.rate_hz) return FitWork::kFurther;
+  if (require.answer_s) return FitWork::kFirst;
+  return scene.is_dynamic ? FitWork::kSecond : FitWork::kFirst;
+}
+
+double budget_of(const SceneRequirement& require) {
+  if (require.time_per_second_s) return *require.time_per_second_s;
+  if (require.rate_hz) return 1.0 / *require.rate_hz;
+  return require.answer_s.value_or(std::numeric_limits<double>::infinity());
+}
+
+std::string FitModel::cannot(FitWork work, const std::vector<std::string>& needs) const {
+  const auto own = works.find(work_name(work));
+  if (own == works.end()) return std::string("the work \"") + work_name(work) + "\"";
+  for (const std::string& need : needs) {
+    if (std::find(own->second.begin(), own->second.end(), need) == own->second.end()) return need;
+  }
+  return "";
+}
+
+FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry) {
+  const YamlValue root = read_yaml(path);
+  const YamlFields fields = root.fields({"schema", "simplifiers", "models"});
+  const YamlValue schema = fields.need("schema");
+  if (schema.text() != "palpate/candidates/1") schema.fail_expected("palpate/candidates/1");
+  FitCandidates candidates;
+  std::set<std::string> labels{kNoSimplifier};
+  for (const YamlValue& item : fields.need("simplifiers").items()) {
+    candidates.simplifiers.push_back(read_fit_simplifier(item, registry));
+    if (!labels.insert(candidates.simplifiers.back().label).second) item.fail("this label is there already");
+  }
+  for (const YamlValue& item : fields.need("models").items()) {
+    candidates.models.push_back(read_fit_model(item, registry));
+    if (!labels.insert(candidates.models.back().label).second) item.fail("this label is there already");
+  }
+  if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");
+  return candidates;
+}
+
+std::filesystem::path candidates_path() {
+  return std::filesystem::path(source_folder()) / "experiments" / "fit" / "candidates.yaml";
+}
+
+}  // namespace palpate::experiments

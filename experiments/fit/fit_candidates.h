@@ -1,0 +1,60 @@
+// What a fit tries: simplifiers with shares of tetrahedra, and models with what each can do.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "experiments/contestants/contestant.h"
+#include "experiments/scene_reader/scene.h"
+
+namespace palpate::experiments {
+
+/// The kind of work that a fit makes cheap.
+enum class FitWork {
+  kFirst,    ///< a displacement with all that it takes
+  kFurther,  ///< that of another load, once all is prepared
+  kSecond    ///< a simulated second of explicit steps
+};
+
+/// "first", "further" or "second".
+const char* work_name(FitWork work);
+
+/// What a scene asks to be cheap: by the budget that it gives; without one, motion where it moves, else a
+/// first answer.
+FitWork choose_work(const Scene& scene);
+
+/// The budget of that work in s; infinite without one.
+double budget_of(const SceneRequirement& require);
+
+struct FitSimplifier {
+  std::string label;
+  std::string method;
+  std::vector<double> ratios;  ///< shares of the tetrahedra to remove
+};
+
+struct FitModel {
+  std::string label;
+  std::string method;
+  nlohmann::json set;                                     ///< options
+  std::map<std::string, std::vector<std::string>> works;  ///< work -> what may change while it is done
+
+  /// What of `needs` it cannot do at this work, or the work itself; empty if it can do all.
+  std::string cannot(FitWork work, const std::vector<std::string>& needs) const;
+};
+
+struct FitCandidates {
+  std::vector<FitSimplifier> simplifiers;
+  std::vector<FitModel> models;
+};
+
+/// Reads palpate/candidates/1. Throws: InputError with file and line, also for an unknown method (with the
+/// nearest) or option.
+FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry);
+
+/// experiments/fit/candidates.yaml.
+std::filesystem::path candidates_path();
+
+}  // namespace palpate::experiments

@@ -1,0 +1,227 @@
+#include "experiments/fit/fit_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "core/base/atomic_file.h"
+#include "core/base/number_text.h"
+#include "core/base/types.h"
+#include "experiments/files/output_file.h"
+#include "experiments/plan_reader/plan.h"
+#include "experiments/text/yaml_value.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMostTurn = std::numbers::pi / 6.0;        // of a load
+constexpr double kMostPlaceTurn = std::numbers::pi / 12.0;  // of a place on the surface
+constexpr double kMostGrowth = 0.3;
+constexpr double kMostShift = 0.5;  // radii
+
+Vec3 vector_of(const json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+}
+
+json list_of(const Vec3& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Numbers that a seed decides, the same on every machine: the standard fixes the generator, not its
+/// distributions.
+class Draws {
+ public:
+  explicit Draws(std::uint64_t seed) : generator_(seed) {}
+
+  /// In [-1, 1).
+  double signed_share() { return 2.0 * (static_cast<double>(generator_() >> 11) * 0x1p-53) - 1.0; }
+
+  Vec3 unit_vector() {
+    for (;;) {
+      const Vec3 v{signed_share(), signed_share(), signed_share()};
+      const double size = length(v);
+      if (size > 1e-3 && size <= 1.0) return (1.0 / size) * v;
+    }
+  }
+
+ private:
+  std::mt19937_64 generator_;
+};
+
+/// `v` turned by `angle` towards a direction across it.
+Vec3 turned(const Vec3& v, double angle, Draws& draws) {
+  const double size = length(v);
+  if (!(size > 0.0)) return v;
+  const Vec3 along = (1.0 / size) * v;
+  Vec3 across;
+  do {
+    const Vec3 any = draws.unit_vector();
+    across = any - dot(any, along) * along;
+  } while (length(across) < 0.1);
+  across = (1.0 / length(across)) * across;
+  return size * (std::cos(angle) * along + std::sin(angle) * across);
+}
+
+void perturb_vector(json& list, Draws& draws) {
+  const Vec3 v = turned(vector_of(list), kMostTurn * draws.signed_share(), draws);
+  list = list_of((1.0 + kMostGrowth * draws.signed_share()) * v);
+}
+
+/// Moves a sphere; half-spaces and boxes are parts of the body that a load means, and stay.
+void perturb_place(json& load, Draws& draws) {
+  if (!load.contains("sphere")) return;
+  json& sphere = load["sphere"];
+  if (sphere.contains("surface_point")) {
+    json& direction = sphere["surface_point"]["direction"];
+    direction = list_of(turned(vector_of(direction), kMostPlaceTurn * draws.signed_share(), draws));
+  } else if (sphere.contains("center_m") && sphere.contains("radius_m")) {
+    const double shift = kMostShift * sphere["radius_m"].get<double>() * std::abs(draws.signed_share());
+    sphere["center_m"] = list_of(vector_of(sphere["center_m"]) + shift * draws.unit_vector());
+  }
+}
+
+/// A load as it is at its greatest share.
+json static_load(json load) {
+  double share = 1.0;
+  if (load.contains("profile")) {
+    const std::vector<double> shares = load["profile"].value("shares", std::vector<double>{1.0});
+    share = *std::max_element(shares.begin(), shares.end(),
+                              [](double a, double b) { return std::abs(a) < std::abs(b); });
+  }
+  for (const char* key : {"profile", "from_s", "until_s"}) load.erase(key);
+  const auto scale = [&](json& list) { list = list_of(share * vector_of(list)); };
+  if (load.contains("gravity_m_s2")) scale(load["gravity_m_s2"]);
+  if (load.contains("displace")) scale(load["displace"]["by_m"]);
+  if (load.contains("force")) scale(load["force"]["total_n"]);
+  return load;
+}
+
+json contestant_json(const FitCandidate& candidate, FitWork work, bool is_large) {
+  const FitModel& model = candidate.model;
+  json set = model.set;
+  const bool reports_cost = model.method != "reduced.compliance";
+  if (work == FitWork::kFurther && reports_cost && !is_large) set["cost"] = true;
+  if (work == FitWork::kSecond) set["step_cost"] = true;
+  json entry{{"method", model.method}, {"label", plan_label(candidate)}, {"required", false}};
+  if (!set.empty()) entry["set"] = set;
+  entry["at"]["simplify"] = candidate.simplifier;
+  if (candidate.ratio) entry["at"]["tets_removed_ratio"] = *candidate.ratio;
+  return entry;
+}
+
+/// The simplifiers that the candidates name, and the shares that they ask for.
+void add_simplifiers(const FitPlan& plan, const FitCandidates& known, json& out) {
+  std::set<std::string> used;
+  std::set<double> ratios;
+  for (const FitCandidate& candidate : plan.candidates) {
+    used.insert(candidate.simplifier);
+    if (candidate.ratio) ratios.insert(*candidate.ratio);
+  }
+  out["simplify"] = json::array();
+  if (used.count(kNoSimplifier) > 0) out["simplify"].push_back(kNoSimplifier);
+  for (const FitSimplifier& simplifier : known.simplifiers) {
+    if (used.count(simplifier.label) > 0)
+      out["simplify"].push_back({{"method", simplifier.method}, {"label", simplifier.label}});
+  }
+  if (!ratios.empty()) out["sweep"]["tets_removed_ratio"] = ratios;
+}
+
+}  // namespace
+
+std::string FitCandidate::name() const {
+  if (!ratio) return model.label + ", the mesh as it is";
+  return model.label + ", " + simplifier + " -" + short_number(100.0 * *ratio) + "%";
+}
+
+std::string plan_label(const FitCandidate& candidate) {
+  std::string label = candidate.model.label + "-" + candidate.simplifier;
+  if (candidate.ratio) label += "-" + short_number(*candidate.ratio);
+  return label;
+}
+
+std::vector<FitCandidate> list_candidates(const FitCandidates& candidates, FitWork work,
+                                          const SceneRequirement& require,
+                                          std::vector<std::string>& dropped) {
+  std::vector<FitCandidate> found;
+  for (const FitModel& model : candidates.models) {
+    if (const std::string missing = model.cannot(work, require.needs); !missing.empty()) {
+      dropped.push_back(model.label + " (" + model.method + ") cannot do: " + missing);
+      continue;
+    }
+    found.push_back({model, kNoSimplifier, std::nullopt});
+    for (const FitSimplifier& simplifier : candidates.simplifiers) {
+      for (const double ratio : simplifier.ratios) found.push_back({model, simplifier.label, ratio});
+    }
+  }
+  return found;
+}
+
+json static_scene(const Scene& scene) {
+  json out = read_yaml(scene.file).json();
+  for (const char* key : {"model", "require"}) out.erase(key);
+  out["analysis"] = "static";
+  if (!scene.mesh.shape) out["mesh"]["file"] = fs::absolute(scene.mesh.file).lexically_normal().string();
+  for (json& load : out["load"]) load = static_load(load);
+  return out;
+}
+
+json perturbed_scene(const json& scene, std::uint64_t seed) {
+  json out = scene;
+  Draws draws(seed);
+  for (json& load : out["load"]) {
+    if (load.contains("gravity_m_s2")) perturb_vector(load["gravity_m_s2"], draws);
+    if (load.contains("displace")) {
+      perturb_place(load["displace"], draws);
+      perturb_vector(load["displace"]["by_m"], draws);
+    }
+    if (load.contains("force")) {
+      perturb_place(load["force"], draws);
+      perturb_vector(load["force"]["total_n"], draws);
+    }
+  }
+  return out;
+}
+
+fs::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates) {
+  create_folder(plan.folder);
+  json out{{"schema", "palpate/plan/1"},
+           {"question", "Which of these meets the scene's tolerance at the least cost?"},
+           {"contest", "deform"}};
+  bool is_large = false;
+  for (std::size_t k = 0; k < plan.scenes.size(); ++k) {
+    const std::string name = "scene_" + std::to_string(k);
+    write_file_atomically(plan.folder / (name + ".yaml"), plan.scenes[k].dump(1) + "\n");
+    out["scenes"].push_back({{"name", name}, {"file", name + ".yaml"}});
+    is_large = is_large || plan.scenes[k].value("strain", "small") == "large";
+  }
+  out["reference"] = {{"method", "fem.p2"}, {"levels", plan.levels}, {"enough", plan.enough}};
+  add_simplifiers(plan, candidates, out);
+  for (const FitCandidate& candidate : plan.candidates)
+    out["contestants"].push_back(contestant_json(candidate, plan.work, is_large));
+  out["run"] = {{"repeats", plan.repeats},
+                {"warmup", plan.repeats > 1 ? 1 : 0},
+                {"threads", 1},
+                {"timeout_s", 120},
+                {"memory_mib", 8192}};
+  out["measure"] = {"displacement_deformation",
+                    "displacement_l2",
+                    "displacement_energy",
+                    "displacement_max",
+                    "pad_force",
+                    "kernel_s",
+                    "answer_s",
+                    "simplify_s",
+                    "simulated_second_s",
+                    "explicit_step_s",
+                    "peak_rss_bytes"};
+  const fs::path file = plan.folder / "plan.yaml";
+  write_file_atomically(file, out.dump(1) + "\n");
+  return file;
+}
+
+}  // namespace palpate::experiments

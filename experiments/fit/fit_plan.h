@@ -1,0 +1,57 @@
+// The plans of a fit: all candidates on the scene as it is, and its finalists on loads that the choice never
+// saw.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/fit/fit_candidates.h"
+
+namespace palpate::experiments {
+
+/// A model on a mesh, as a fit tries it.
+struct FitCandidate {
+  FitModel model;
+  std::string simplifier;  ///< label; "none" for the mesh as it is
+  std::optional<double> ratio;
+
+  /// "edge_node, refined -80%".
+  std::string name() const;
+};
+
+/// All of a list that can do what the scene needs; `dropped` gets the others' labels with the reason.
+std::vector<FitCandidate> list_candidates(const FitCandidates& candidates, FitWork work,
+                                          const SceneRequirement& require, std::vector<std::string>& dropped);
+
+/// The scene as a static one for a contest of displacements: every load at its greatest share, all at once,
+/// without model and requirement, its mesh's file by its whole path. Throws: InputError as read_yaml.
+nlohmann::json static_scene(const Scene& scene);
+
+/// Other loads on the same supports: each one's direction turned by up to 30 degrees, its size times 0.7 to
+/// 1.3, and its place moved by up to half its radius (a direction on the surface, by up to 15 degrees). The
+/// same seed gives the same loads. A load that cannot be moved without leaving the body keeps its place.
+nlohmann::json perturbed_scene(const nlohmann::json& scene, std::uint64_t seed);
+
+/// One plan of a fit and where it goes.
+struct FitPlan {
+  std::filesystem::path folder;        ///< the plan, its scenes, and "run"
+  std::vector<nlohmann::json> scenes;  ///< as static_scene; named scene_0, scene_1, ...
+  std::vector<FitCandidate> candidates;
+  FitWork work = FitWork::kFirst;
+  int levels = 3;       ///< of the reference
+  double enough = 0.0;  ///< no further level once its own error is this small
+  int repeats = 1;
+};
+
+/// Writes the plan and its scenes (JSON, which is YAML) below its folder; returns the plan's file.
+/// Throws: InputError if it cannot be written.
+std::filesystem::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates);
+
+/// The label of a candidate in its plan.
+std::string plan_label(const FitCandidate& candidate);
+
+}  // namespace palpate::experiments

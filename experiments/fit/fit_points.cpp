@@ -1,0 +1,163 @@
+#include "experiments/fit/fit_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/number_text.h"
+#include "experiments/plan_reader/plan.h"
+#include "experiments/records/record_file.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+std::optional<double> number_at(const json& record, const std::string& pointer) {
+  const json::json_pointer at(pointer);
+  if (!record.contains(at) || !record.at(at).is_number()) return std::nullopt;
+  const double value = record.at(at).get<double>();
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// Where the reference's record has its own error in a measure.
+std::string own_error_key(const std::string& measure) {
+  if (measure == "displacement_l2") return "/judge/reference_error";
+  if (measure == "displacement_deformation") return "/judge/reference_error_deformation";
+  if (measure == "displacement_energy") return "/judge/reference_error_energy";
+  if (measure == "displacement_max") return "/judge/reference_error_max";
+  return "/judge/reference_error_pad_force";
+}
+
+std::optional<double> cost_of(const json& record, FitWork work) {
+  if (work == FitWork::kFurther) return number_at(record, "/report/answer_s");
+  if (work == FitWork::kSecond) return number_at(record, "/report/simulated_second_s");
+  const auto kernel = number_at(record, "/kernel_s");
+  if (!kernel) return std::nullopt;
+  return *kernel + number_at(record, "/solved_on/simplify_s").value_or(0.0);
+}
+
+std::string scene_of(const json& record) {
+  return record.value("/scene/name"_json_pointer, std::string());
+}
+
+/// Adds a repeat of the candidate on one scene.
+void add_record(const json& record, const FitPlan& plan, const SceneRequirement& require,
+                const std::map<std::string, double>& own_errors, FitPoint& point) {
+  const std::string scene = scene_of(record);
+  const bool is_own = scene == "scene_0";
+  if (record.value("outcome", "") != "accepted") {
+    point.failure = record.value("outcome", "") + ": " + record.value("message", "");
+    return;
+  }
+  if (is_own) {
+    const json& mesh = record.contains("solved_on") ? record.at("solved_on") : record.at("mesh");
+    point.case_id = record.at("case").get<std::string>();
+    point.mesh = record.contains("solved_on") ? mesh.at("name").get<std::string>() : scene;
+    point.vertices = mesh.at("vertices").get<std::size_t>();
+    point.tets = mesh.at("tets").get<std::size_t>();
+    point.memory_bytes = static_cast<std::uint64_t>(number_at(record, "/peak_rss_bytes").value_or(0.0));
+    point.explicit_step_s = number_at(record, "/report/explicit_step_s");
+    if (const auto cost = cost_of(record, plan.work); cost && !record.value("warmup", false))
+      point.cost_s.push_back(*cost);
+  }
+  const auto error = number_at(record, "/judge/" + require.measure);
+  const auto own = own_errors.find(scene);
+  if (!error || record.value("repeat", 0) != 0) return;
+  point.error.push_back(*error);
+  point.own_error.push_back(own == own_errors.end() ? kNone : own->second);
+}
+
+}  // namespace
+
+double FitPoint::cost() const {
+  return cost_s.empty() ? kNone : median(cost_s);
+}
+
+double FitPoint::worst_error() const {
+  double worst = error.empty() ? kNone : 0.0;
+  for (std::size_t k = 0; k < error.size(); ++k) worst = std::max(worst, error[k] + own_error[k]);
+  return worst;
+}
+
+std::vector<FitPoint> read_fit_points(const std::vector<json>& records, const FitPlan& plan,
+                                      const SceneRequirement& require) {
+  std::map<std::string, double> own_errors;
+  std::map<std::string, FitPoint> points;
+  for (const FitCandidate& candidate : plan.candidates) points[plan_label(candidate)].candidate = candidate;
+  for (const json& record : records) {
+    const std::string label = record.value("label", "");
+    if (label == "reference") {
+      const auto own = number_at(record, own_error_key(require.measure));
+      own_errors[scene_of(record)] = own.value_or(kNone);
+    }
+    if (const auto at = points.find(label); at != points.end())
+      add_record(record, plan, require, own_errors, at->second);
+  }
+  std::vector<FitPoint> found;
+  for (const FitCandidate& candidate : plan.candidates) {
+    FitPoint& point = points.at(plan_label(candidate));
+    if (point.failure.empty() && point.error.empty()) point.failure = "not run";
+    if (point.failure.empty() && point.cost_s.empty()) point.failure = "its cost could not be measured";
+    if (point.failure.empty() && point.error.size() < plan.scenes.size())
+      point.failure = "not run on all scenes";
+    found.push_back(std::move(point));
+  }
+  return found;
+}
+
+std::string why_not(const FitPoint& point, const SceneRequirement& require) {
+  if (!point.failure.empty()) return point.failure;
+  std::string why;
+  const auto add = [&](const std::string& text) { why += (why.empty() ? "" : "; ") + text; };
+  if (point.worst_error() > require.at_most)
+    add("error up to " + short_number(100.0 * point.worst_error()) + "%, over " +
+        short_number(100.0 * require.at_most) + "%");
+  if (point.cost() > budget_of(require))
+    add("takes " + short_number(point.cost()) + " s, over " + short_number(budget_of(require)) + " s");
+  if (require.memory_bytes && point.memory_bytes > *require.memory_bytes)
+    add("takes " + std::to_string(point.memory_bytes) + " bytes, over " +
+        std::to_string(*require.memory_bytes));
+  return why;
+}
+
+std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points,
+                                             const SceneRequirement& require) {
+  std::vector<const FitPoint*> good;
+  for (const FitPoint& point : points) {
+    if (why_not(point, require).empty()) good.push_back(&point);
+  }
+  std::stable_sort(good.begin(), good.end(),
+                   [](const FitPoint* a, const FitPoint* b) { return a->cost() < b->cost(); });
+  return good;
+}
+
+const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require) {
+  const FitPoint* nearest = nullptr;
+  double least = kNone;
+  const double budget = budget_of(require);
+  for (const FitPoint& point : points) {
+    if (!point.failure.empty() || !std::isfinite(point.worst_error())) continue;
+    const double over_error = std::max(1.0, point.worst_error() / require.at_most);
+    const double over_cost = std::isfinite(budget) ? std::max(1.0, point.cost() / budget) : 1.0;
+    const double over = over_error * over_cost;
+    if (over < least) {
+      least = over;
+      nearest = &point;
+    }
+  }
+  return nearest;
+}
+
+const FitPoint* find_point(const std::vector<FitPoint>& points, const std::string& label,
+                           const std::string& simplifier, std::optional<double> ratio) {
+  for (const FitPoint& point : points) {
+    const FitCandidate& own = point.candidate;
+    if (own.model.label == label && own.simplifier == simplifier && own.ratio == ratio) return &point;
+  }
+  return nullptr;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,52 @@
+// What the runs of a fit found, candidate by candidate, and which of them it takes.
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/fit/fit_plan.h"
+
+namespace palpate::experiments {
+
+/// What a candidate reached.
+struct FitPoint {
+  FitCandidate candidate;
+  std::string case_id;  ///< on the scene itself
+  std::string mesh;     ///< its problem's folder below the run
+  std::size_t vertices = 0;
+  std::size_t tets = 0;
+  std::vector<double> error;      ///< on each scene of its plan that it was judged on; relative
+  std::vector<double> own_error;  ///< of the reference, on the same
+  std::vector<double> cost_s;     ///< of the scene itself, one a repeat
+  std::optional<double> explicit_step_s;
+  std::uint64_t memory_bytes = 0;
+  std::string failure;  ///< why it has no figure; empty if it has
+
+  double cost() const;
+  /// The largest of error + own_error: no more than this is certain.
+  double worst_error() const;
+};
+
+/// The points of a run's records, in the order of the plan's candidates.
+std::vector<FitPoint> read_fit_points(const std::vector<nlohmann::json>& records, const FitPlan& plan,
+                                      const SceneRequirement& require);
+
+/// Why a point does not do, empty if it does: it failed, is over the tolerance, the budget or the memory.
+std::string why_not(const FitPoint& point, const SceneRequirement& require);
+
+/// Those that do, cheapest first.
+std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points,
+                                             const SceneRequirement& require);
+
+/// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
+/// and over the budget. Null without any figure.
+const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require);
+
+/// The point with that candidate, or null.
+const FitPoint* find_point(const std::vector<FitPoint>& points, const std::string& label,
+                           const std::string& simplifier, std::optional<double> ratio);
+
+}  // namespace palpate::experiments

@@ -1,0 +1,186 @@
+#include "experiments/fit/fit_run.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <thread>
+
+#include "core/base/error.h"
+#include "core/base/stopwatch.h"
+#include "experiments/files/output_file.h"
+#include "experiments/records/record_file.h"
+#include "experiments/runner/read_plan.h"
+#include "experiments/runner/runner.h"
+#include "experiments/scene_reader/scene_problem.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr double kSearchShare = 0.6;  ///< of the time limit
+constexpr std::size_t kFinalists = 4;
+constexpr std::size_t kMostRounds = 4;
+constexpr int kCheckRepeats = 5;
+/// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
+constexpr std::size_t kMostTetsForThirdLevel = 12'000;
+constexpr double kEnoughShare =
+    0.1;  ///< of the tolerance: a reference that is so good needs no further level
+
+/// Turns a flag when the time is up, or when the user's own turns.
+class Deadline {
+ public:
+  Deadline(double seconds, const volatile std::sig_atomic_t* user)
+      : user_(user),
+        end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
+                                std::chrono::duration<double>(std::max(0.0, seconds)))),
+        watcher_([this] { watch(); }) {}
+  ~Deadline() {
+    is_over_ = true;
+    watcher_.join();
+  }
+  Deadline(const Deadline&) = delete;
+  Deadline& operator=(const Deadline&) = delete;
+
+  const volatile std::sig_atomic_t* flag() const { return &flag_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void watch() {
+    while (!is_over_ && flag_ == 0) {
+      if (Clock::now() >= end_ || (user_ != nullptr && *user_ != 0)) flag_ = 1;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  }
+
+  const volatile std::sig_atomic_t* user_;
+  Clock::time_point end_;
+  volatile std::sig_atomic_t flag_ = 0;
+  std::atomic<bool> is_over_ = false;
+  std::thread watcher_;
+};
+
+class Fit {
+ public:
+  Fit(const FitOptions& options, const Registry& registry, Progress& progress)
+      : options_(options), registry_(registry), progress_(progress) {
+    result_.scene = read_scene(options.scene);
+    if (!result_.scene.require)
+      throw InputError(options.scene.string() +
+                       ": the key \"require\" is missing: what is the model to reach? At least require: "
+                       "{error: {measure: deformation_l2, at_most: 0.05}}");
+    candidates_ =
+        read_candidates(options.candidates.empty() ? candidates_path() : options.candidates, registry);
+    result_.work = choose_work(result_.scene);
+  }
+
+  FitResult run() {
+    const FitPlan search = plan_search();
+    run_stage(search, kSearchShare * options_.time_limit_s);
+    result_.searched = read_stage(search);
+    result_.run = search.folder / "run";
+    if (!result_.is_interrupted) check_finalists(search);
+    if (!result_.choice) {
+      if (const FitPoint* nearest = find_nearest(result_.searched, require())) result_.nearest = *nearest;
+      result_.run = search.folder / "run";
+    }
+    result_.wall_s = watch_.seconds();
+    return std::move(result_);
+  }
+
+ private:
+  const SceneRequirement& require() const { return *result_.scene.require; }
+
+  FitPlan plan_search() {
+    FitPlan plan;
+    plan.folder = options_.out / "search";
+    plan.work = result_.work;
+    plan.scenes.push_back(static_scene(result_.scene));
+    plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
+    if (plan.candidates.empty())
+      throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
+    progress_.show("mesh");
+    const std::size_t tets = build_scene_mesh(result_.scene.mesh).mesh.tets.size();
+    plan.levels = tets <= kMostTetsForThirdLevel ? 3 : 2;
+    plan.enough = kEnoughShare * require().at_most;
+    return plan;
+  }
+
+  std::string dropped_text() const {
+    std::string text;
+    for (const std::string& line : result_.dropped) text += "\n  " + line;
+    return text;
+  }
+
+  void run_stage(const FitPlan& fit_plan, double seconds) {
+    const fs::path file = write_fit_plan(fit_plan, candidates_);
+    const Plan plan = read_plan(file, registry_);
+    require_available(plan, registry_);
+    const Deadline deadline(seconds, options_.stop_flag);
+    RunOptions options;
+    options.folder = fit_plan.folder / "run";
+    options.stop_flag = deadline.flag();
+    if (run_plan(plan, registry_, options, progress_).interrupted) {
+      result_.is_complete = false;
+      result_.is_interrupted = options_.stop_flag != nullptr && *options_.stop_flag != 0;
+    }
+  }
+
+  std::vector<FitPoint> read_stage(const FitPlan& plan) const {
+    const fs::path records = plan.folder / "run" / "records.jsonl";
+    if (!fs::exists(records)) return read_fit_points({}, plan, require());
+    return read_fit_points(read_records(records), plan, require());
+  }
+
+  /// The cheapest of the search, some at a time, on more loads and with more repeats; the first round in
+  /// which one meets the tolerance everywhere decides.
+  void check_finalists(const FitPlan& search) {
+    const std::vector<const FitPoint*> good = choose_cheapest(result_.searched, require());
+    for (std::size_t from = 0, round = 0; from < good.size() && round < kMostRounds;
+         from += kFinalists, ++round) {
+      const double left = options_.time_limit_s - watch_.seconds();
+      if (left <= 0.0) break;
+      FitPlan plan = search;
+      plan.folder = options_.out / ("check_" + std::to_string(round));
+      plan.repeats = kCheckRepeats;
+      plan.candidates.clear();
+      for (std::size_t k = from; k < std::min(from + kFinalists, good.size()); ++k)
+        plan.candidates.push_back(good[k]->candidate);
+      for (std::size_t k = 1; k <= kOtherLoads; ++k)
+        plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+      run_stage(plan, left);
+      const std::vector<FitPoint> points = read_stage(plan);
+      result_.checked.insert(result_.checked.end(), points.begin(), points.end());
+      const auto best = choose_cheapest(points, require());
+      if (!best.empty()) {
+        result_.choice = *best.front();
+        result_.run = plan.folder / "run";
+        return;
+      }
+      if (result_.is_interrupted) return;
+    }
+  }
+
+  const FitOptions& options_;
+  const Registry& registry_;
+  Progress& progress_;
+  Stopwatch watch_;
+  FitCandidates candidates_;
+  FitResult result_;
+};
+
+}  // namespace
+
+FitResult run_fit(const FitOptions& options, const Registry& registry, Progress& progress) {
+  std::error_code error;
+  if (fs::exists(options.out, error) && !fs::is_empty(options.out, error))
+    throw InputError(options.out.string(), 0, "a new or an empty folder", "one that holds something");
+  Fit fit(options, registry, progress);
+  create_folder(options.out);
+  return fit.run();
+}
+
+}  // namespace palpate::experiments

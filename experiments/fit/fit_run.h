@@ -1,0 +1,49 @@
+// palpate fit: the cheapest model that meets a scene's tolerance within its budget, searched for and then
+// verified.
+#pragma once
+
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "experiments/fit/fit_points.h"
+#include "experiments/text/terminal.h"
+
+namespace palpate::experiments {
+
+struct FitOptions {
+  std::filesystem::path scene;
+  std::filesystem::path out;         ///< a folder that is made, or empty
+  std::filesystem::path candidates;  ///< empty: candidates_path()
+  double time_limit_s = 300.0;       ///< three fifths of it for the search
+  const volatile std::sig_atomic_t* stop_flag = nullptr;
+};
+
+/// What a fit found.
+struct FitResult {
+  Scene scene;
+  FitWork work = FitWork::kFirst;
+  std::vector<std::string> dropped;  ///< models that cannot do what is needed
+  std::vector<FitPoint> searched;    ///< every candidate on the scene as it is
+  std::vector<FitPoint> checked;     ///< finalists, on the scene and on other loads
+  std::optional<FitPoint> choice;    ///< verified; nothing if nothing does
+  std::optional<FitPoint> nearest;   ///< where there is no choice: what comes closest
+  std::filesystem::path run;         ///< that has the choice's mesh, or the nearest's
+  bool is_complete = true;           ///< false: stopped before all was tried
+  bool is_interrupted = false;       ///< by the user
+  double wall_s = 0.0;
+};
+
+/// Searches all candidates on the scene at rest, takes the cheapest that meet the tolerance with the
+/// reference's own error on top, and runs those again with more repeats on the scene and on kOtherLoads other
+/// loads, until the cheapest of them meets it everywhere.
+///
+/// Throws: InputError for a scene without "require", a folder that holds something, and as run_plan.
+FitResult run_fit(const FitOptions& options, const Registry& registry, Progress& progress);
+
+/// Loads that the choice never saw and is verified on.
+inline constexpr std::size_t kOtherLoads = 3;
+
+}  // namespace palpate::experiments

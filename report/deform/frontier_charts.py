@@ -1,0 +1,127 @@
+"""Charts of error against work: one figure for each scene and measure, a panel for each kind of work.
+
+A colour is a family, a filled mark is on the frontier, a hollow one is not; whiskers are the 95% interval of the median. Names
+stand at the points of the frontier alone. What gave no answer is counted in a corner: it has neither place nor time.
+"""
+
+import math
+
+import matplotlib.pyplot as plt
+from matplotlib.patches import Patch
+
+from deform.frontier import MEASURE, WORKS, families_of, scene_text
+from shared.chart_style import FAINT, GRID, INK, draw_legend, file_name, save, set_time_axis
+
+COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a5195", "#8c6d1f"]
+MARKS = ["o", "s", "^", "D", "v", "P", "X", "h"]
+MEASURES = {"displacement_deformation": "error of the deformation, %", "displacement_l2": "relative L2 error, %",
+            "displacement_energy": "error in energy, %", "pad_force": "error of the pads' force, %"}
+
+
+def styles_of(run):
+    return {name: (COLORS[k % len(COLORS)], MARKS[k % len(MARKS)]) for k, name in enumerate(families_of(run))}
+
+
+def percent(value):
+    return 100.0 * value
+
+
+def draw_point(ax, point, work, measure, style):
+    color, mark = style
+    is_on = (work, measure) in point.on
+    own = point.works[work]
+    x, y = 1000 * own.median, percent(point.errors[measure])
+    if is_on and math.isfinite(own.low) and math.isfinite(own.high):
+        ax.plot([1000 * own.low, 1000 * own.high], [y, y], color=color, linewidth=1.4, alpha=0.6, zorder=3)
+    ax.plot([x], [y], mark, color=color, markersize=7 if is_on else 4.2, zorder=5 if is_on else 2, alpha=1.0 if is_on else 0.45,
+            markerfacecolor=color if is_on else "white", markeredgecolor="white" if is_on else color, markeredgewidth=0.7)
+
+
+def draw_stairs(ax, points, work, measure):
+    """The border below which no point lies, by medians."""
+    least, xs, ys = math.inf, [], []
+    for point in sorted(points, key=lambda each: (each.works[work].median, each.errors[measure])):
+        if point.errors[measure] < least:
+            least = point.errors[measure]
+            xs.append(1000 * point.works[work].median)
+            ys.append(percent(least))
+    ax.step(xs, ys, where="post", color=FAINT, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1)
+    return list(zip(xs, ys))
+
+
+def name_corners(ax, points, work, measure):
+    """A number at each corner of the border, left below it; returns what the numbers stand for."""
+    lines, least = [], math.inf
+    for point in sorted(points, key=lambda each: (each.works[work].median, each.errors[measure])):
+        if point.errors[measure] >= least:
+            continue
+        least = point.errors[measure]
+        lines.append(f"{len(lines) + 1}  {point.name}")
+        ax.annotate(str(len(lines)), (1000 * point.works[work].median, percent(least)), xytext=(-6, -8), textcoords="offset points",
+                    fontsize=7, ha="right", va="center", color=INK)
+    return lines
+
+
+def draw_panel(ax, points, work, title, measure, styles):
+    own = [point for point in points if point.has(work, measure)]
+    for point in own:
+        draw_point(ax, point, work, measure, styles[point.family])
+    draw_stairs(ax, own, work, measure)
+    lines = name_corners(ax, own, work, measure)
+    references = [percent(point.own_errors[measure]) for point in own if point.own_errors.get(measure) is not None]
+    set_time_axis(ax, min(1000 * point.works[work].median for point in own), max(1000 * point.works[work].median for point in own))
+    ax.set_yscale("log")
+    if references:
+        ax.axhspan(1e-9, max(references), color=GRID, alpha=0.6, linewidth=0, zorder=0)
+    ax.set_title(f"{title} ({len(own)} points)", loc="left", fontweight="bold")
+    ax.set_xlabel(f"time of a {title}")
+    ax.grid(axis="both")
+    shown = lines[:12] + ([f"and {len(lines) - 12} more in tables/frontier.csv"] if len(lines) > 12 else [])
+    ax.annotate("\n".join(shown), (0.0, -0.2), xycoords="axes fraction", fontsize=7, va="top", ha="left", color=INK)
+
+
+def limits_of(points, measure):
+    values = [percent(point.errors[measure]) for point in points if point.errors.get(measure)]
+    return min(values) / 1.5, min(max(values) * 1.5, 1000.0)
+
+
+def draw_frontier(run, key, points, measure, styles):
+    from deform.deform_charts import set_percent_axis  # the same axis as all errors
+    works = [(work, title) for work, title in WORKS if any(point.has(work, measure) for point in points)]
+    if not works:
+        return None
+    corners = 12
+    height = 4.2 + 0.135 * corners + 0.7
+    fig, axes = plt.subplots(1, len(works), figsize=(4.1 * len(works) + 0.7, height), squeeze=False, sharey=True)
+    for ax, (work, title) in zip(axes[0], works):
+        draw_panel(ax, points, work, title, measure, styles)
+    axes[0][0].set_ylim(*limits_of(points, measure))
+    set_percent_axis(axes[0][0].yaxis)
+    axes[0][0].set_ylabel(MEASURES[measure])
+    lost = sum(1 for point in points if point.note)
+    families = [name for name in styles if any(point.family == name for point in points)]
+    handles = [plt.Line2D([], [], color=styles[name][0], marker=styles[name][1], linewidth=0, markersize=6.5, label=name) for name in families]
+    handles += [plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=4.2, label="hollow: beaten for certain"),
+                plt.Line2D([], [], color=FAINT, linewidth=1.0, linestyle=(0, (4, 2)), label="least error for the time, by medians"),
+                Patch(color=GRID, label="within the reference's own error")]
+    if lost:
+        handles.append(plt.Line2D([], [], linewidth=0, label=f"{lost} gave no answer: see the table"))
+    fig.suptitle(f"What accuracy costs: {scene_text(key)}", x=0.01, y=1 - 0.12 / height, ha="left", va="top", fontsize=11, fontweight="bold")
+    foot = draw_legend(fig, handles, height)
+    fig.tight_layout(rect=(0, foot, 1, 1 - 0.16 / height))
+    return fig
+
+
+def draw_frontiers(run, scenes, folder):
+    """Returns the names of the files."""
+    drawn = []
+    styles = styles_of(run)
+    for key, points in scenes.items():
+        for measure in MEASURES:
+            if not any(point.errors.get(measure) for point in points):
+                continue
+            fig = draw_frontier(run, key, points, measure, styles)
+            if fig is not None:
+                name = file_name("frontier", scene_text(key), "" if measure == MEASURE else measure)
+                drawn += save(fig, folder, name)
+    return drawn
