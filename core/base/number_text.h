@@ -26,4 +26,11 @@ inline std::string short_number(double value) {
   return text.data();
 }
 
+/// Three significant digits: "0.0443", "5.73", "1.2e-05".
+inline std::string three_digits(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", value);
+  return text.data();
+}
+
 }  // namespace palpate

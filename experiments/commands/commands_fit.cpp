@@ -24,25 +24,29 @@ struct FitArguments {
   bool as_json = false;
 };
 
-constexpr std::size_t kMostRows = 12;
-
 std::string shown_percent(const json& share) {
-  return share.is_number() ? short_number(100.0 * share.get<double>()) : "-";
+  return share.is_number() ? three_digits(100.0 * share.get<double>()) : "-";
+}
+
+/// Those that are more accurate than everything cheaper: what more time buys, step by step.
+void print_steps(const json& tried, const std::string& folder) {
+  TextTable table({"tried", "tets", "error %", "time", "not taken, since"}, "lrrrl");
+  double least = 1e300;
+  for (const json& point : tried) {
+    if (point.at("cost_s").is_null() || point.at("error").empty()) continue;
+    const double error = point.at("error").front().get<double>();
+    if (error >= least) continue;
+    least = error;
+    table.add({point.at("name").get<std::string>(), point.at("tets").dump(), three_digits(100.0 * error),
+               time_text(point.at("cost_s").get<double>()),
+               point.at("why_not").get<std::string>().substr(0, 60)});
+  }
+  std::cout << table.text() << "What more time buys; all " << tried.size() << " that were tried are in "
+            << folder << "/fit.md\n";
 }
 
 void print_fit(const json& fit, const std::string& folder) {
-  TextTable table({"tried", "tets", "error %", "time s", "not taken, since"}, "lrrrl");
-  std::size_t rows = 0;
-  for (const json& point : fit.at("tried")) {
-    if (++rows > kMostRows) break;
-    table.add({point.at("name").get<std::string>(), point.at("tets").dump(),
-               point.at("error").empty() ? "-" : shown_percent(point.at("error").front()),
-               point.at("cost_s").is_null() ? "-" : short_number(point.at("cost_s").get<double>()),
-               point.at("why_not").get<std::string>().substr(0, 60)});
-  }
-  std::cout << table.text();
-  if (fit.at("tried").size() > kMostRows)
-    std::cout << "  and " << fit.at("tried").size() - kMostRows << " more in " << folder << "/fit.md\n";
+  print_steps(fit.at("tried"), folder);
   std::cout << '\n';
   const bool is_met = !fit.at("choice").is_null();
   const json& point = is_met ? fit.at("choice") : fit.at("nearest");
@@ -57,7 +61,7 @@ void print_fit(const json& fit, const std::string& folder) {
     return;
   }
   std::cout << colored("Fitted: ", Color::kGreen) << name << ", " << point.at("tets") << " tetrahedra, "
-            << short_number(point.at("cost_s").get<double>()) << " s (" << fit.at("work").get<std::string>()
+            << time_text(point.at("cost_s").get<double>()) << " (" << fit.at("work").get<std::string>()
             << "), error at most " << shown_percent(point.at("worst_error")) << "% on the scene and on "
             << kOtherLoads << " other loads\nNext: palpate simulate " << folder << "/scene.yaml -o DIR\n";
 }

@@ -164,13 +164,6 @@ std::string name_of(const std::string& key) {
   return known == kReportNames.end() ? key : known->second;
 }
 
-std::string short_duration(double seconds) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g %s", seconds < 1.0 ? 1000.0 * seconds : seconds,
-                seconds < 1.0 ? "ms" : "s");
-  return text.data();
-}
-
 void print_report(const json& report) {
   TextTable table({"measure", "value"}, "lr");
   for (const auto& [key, name] : kReportNames) {
@@ -178,7 +171,7 @@ void print_report(const json& report) {
     const json& value = report.at(key);
     std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (value.is_number()) text = short_number(value.get<double>());
-    if (std::string(key) == "kernel_s") text = short_duration(value.get<double>());
+    if (std::string(key) == "kernel_s") text = time_text(value.get<double>());
     table.add({name, text});
   }
   const json rejected = report.value("rejected", json::object());

@@ -141,12 +141,6 @@ json figures_of(const SpringsArguments& arguments, const TetMesh& mesh, const Sp
   return figures;
 }
 
-std::string short_milliseconds(double seconds) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g ms", 1000.0 * seconds);
-  return text.data();
-}
-
 void print_figures(const json& figures) {
   constexpr std::array<std::pair<const char*, const char*>, 12> kNames{
       {{"vertices", "vertices"},
@@ -165,7 +159,7 @@ void print_figures(const json& figures) {
   for (const auto& [key, name] : kNames) {
     if (figures.contains(key)) table.add({name, short_number(figures.at(key).get<double>())});
   }
-  table.add({"time of the method", short_milliseconds(figures.at("kernel_s").get<double>())});
+  table.add({"time of the method", time_text(figures.at("kernel_s").get<double>())});
   std::cout << table.text();
 }
 

@@ -131,11 +131,11 @@ std::string fitted_scene(const FitResult& result, const Scene& placed) {
 }
 
 std::string percent_of(const json& share) {
-  return share.is_number() ? short_number(100.0 * share.get<double>()) + "%" : "-";
+  return share.is_number() ? three_digits(100.0 * share.get<double>()) + "%" : "-";
 }
 
 std::string seconds_of(const json& seconds) {
-  return seconds.is_number() ? short_number(seconds.get<double>()) + " s" : "-";
+  return seconds.is_number() ? time_text(seconds.get<double>()) : "-";
 }
 
 const char* work_text(FitWork work) {
@@ -220,7 +220,7 @@ std::string fit_text(const FitResult& result, const json& fit) {
   text << "# " << result.scene.name << "\n\nWanted: error of at most "
        << short_number(100.0 * require.at_most) << "% (" << require.measure << ")";
   if (std::isfinite(budget_of(require)))
-    text << "; " << work_text(result.work) << " at most " << short_number(budget_of(require)) << " s";
+    text << "; " << work_text(result.work) << " at most " << time_text(budget_of(require));
   text << ".\n\n";
   if (result.choice) {
     add_choice(result, fit, text);

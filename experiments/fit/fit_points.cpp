@@ -7,6 +7,7 @@
 #include "core/base/number_text.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
+#include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 namespace {
@@ -113,10 +114,9 @@ std::string why_not(const FitPoint& point, const SceneRequirement& require) {
   std::string why;
   const auto add = [&](const std::string& text) { why += (why.empty() ? "" : "; ") + text; };
   if (point.worst_error() > require.at_most)
-    add("error up to " + short_number(100.0 * point.worst_error()) + "%, over " +
-        short_number(100.0 * require.at_most) + "%");
+    add("error up to " + three_digits(100.0 * point.worst_error()) + "%");
   if (point.cost() > budget_of(require))
-    add("takes " + short_number(point.cost()) + " s, over " + short_number(budget_of(require)) + " s");
+    add("takes " + time_text(point.cost()) + " of " + time_text(budget_of(require)));
   if (require.memory_bytes && point.memory_bytes > *require.memory_bytes)
     add("takes " + std::to_string(point.memory_bytes) + " bytes, over " +
         std::to_string(*require.memory_bytes));

@@ -11,6 +11,8 @@
 #include <cstring>
 #include <iostream>
 
+#include "core/base/number_text.h"
+
 namespace palpate::experiments {
 namespace {
 
@@ -73,6 +75,12 @@ std::string TextTable::text() const {
     text += (&row == &rows_.front() ? colored(line, Color::kBold) : line) + "\n";
   }
   return text;
+}
+
+std::string time_text(double seconds) {
+  const double size = std::abs(seconds);
+  if (size >= 1.0 || size == 0.0) return three_digits(seconds) + " s";
+  return size >= 1e-3 ? three_digits(1e3 * seconds) + " ms" : three_digits(1e6 * seconds) + " us";
 }
 
 std::string duration_text(double seconds) {

@@ -36,6 +36,9 @@ class TextTable {
 /// Seconds for a person: "0.8 s", "45 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);
 
+/// A short time for a person, three digits: "118 us", "44.3 ms", "2.5 s".
+std::string time_text(double seconds);
+
 /// Progress on standard error: a bar with the time left on a terminal, a line now and then otherwise.
 class Progress {
  public:

@@ -14,6 +14,8 @@ from shared.chart_style import FAINT, GRID, INK, draw_legend, file_name, save, s
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a5195", "#8c6d1f"]
 MARKS = ["o", "s", "^", "D", "v", "P", "X", "h"]
+STEP = 0.95  # a corner is named if its error is below this times that of the last that was
+MOST_STEPS = 9  # for which there is room below a panel
 MEASURES = {"displacement_deformation": "error of the deformation, %", "displacement_l2": "relative L2 error, %",
             "displacement_energy": "error in energy, %", "pad_force": "error of the pads' force, %"}
 
@@ -37,28 +39,32 @@ def draw_point(ax, point, work, measure, style):
             markerfacecolor=color if is_on else "white", markeredgecolor="white" if is_on else color, markeredgewidth=0.7)
 
 
-def draw_stairs(ax, points, work, measure):
-    """The border below which no point lies, by medians."""
-    least, xs, ys = math.inf, [], []
+def corners_of(points, work, measure):
+    """The points that have less error than everything faster, by medians, fastest first."""
+    least, found = math.inf, []
     for point in sorted(points, key=lambda each: (each.works[work].median, each.errors[measure])):
         if point.errors[measure] < least:
             least = point.errors[measure]
-            xs.append(1000 * point.works[work].median)
-            ys.append(percent(least))
-    ax.step(xs, ys, where="post", color=FAINT, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1)
-    return list(zip(xs, ys))
+            found.append(point)
+    return found
 
 
-def name_corners(ax, points, work, measure):
-    """A number at each corner of the border, left below it; returns what the numbers stand for."""
-    lines, least = [], math.inf
-    for point in sorted(points, key=lambda each: (each.works[work].median, each.errors[measure])):
-        if point.errors[measure] >= least:
+def place_of(point, work, measure):
+    return 1000 * point.works[work].median, percent(point.errors[measure])
+
+
+def draw_border(ax, corners, work, measure):
+    """The border below which no point lies, by medians; a number at each corner that is a step of some size. Returns what the
+    numbers stand for."""
+    places = [place_of(point, work, measure) for point in corners]
+    ax.step([x for x, _ in places], [y for _, y in places], where="post", color=FAINT, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1)
+    lines, named = [], math.inf
+    for point, (x, y) in zip(corners, places):
+        if y > STEP * named and point is not corners[-1]:
             continue
-        least = point.errors[measure]
+        named = y
         lines.append(f"{len(lines) + 1}  {point.name}")
-        ax.annotate(str(len(lines)), (1000 * point.works[work].median, percent(least)), xytext=(-6, -8), textcoords="offset points",
-                    fontsize=7, ha="right", va="center", color=INK)
+        ax.annotate(str(len(lines)), (x, y), xytext=(-6, -8), textcoords="offset points", fontsize=7, ha="right", va="center", color=INK)
     return lines
 
 
@@ -66,8 +72,7 @@ def draw_panel(ax, points, work, title, measure, styles):
     own = [point for point in points if point.has(work, measure)]
     for point in own:
         draw_point(ax, point, work, measure, styles[point.family])
-    draw_stairs(ax, own, work, measure)
-    lines = name_corners(ax, own, work, measure)
+    lines = draw_border(ax, corners_of(own, work, measure), work, measure)
     references = [percent(point.own_errors[measure]) for point in own if point.own_errors.get(measure) is not None]
     set_time_axis(ax, min(1000 * point.works[work].median for point in own), max(1000 * point.works[work].median for point in own))
     ax.set_yscale("log")
@@ -76,8 +81,8 @@ def draw_panel(ax, points, work, title, measure, styles):
     ax.set_title(f"{title} ({len(own)} points)", loc="left", fontweight="bold")
     ax.set_xlabel(f"time of a {title}")
     ax.grid(axis="both")
-    shown = lines[:12] + ([f"and {len(lines) - 12} more in tables/frontier.csv"] if len(lines) > 12 else [])
-    ax.annotate("\n".join(shown), (0.0, -0.2), xycoords="axes fraction", fontsize=7, va="top", ha="left", color=INK)
+    ax.annotate("\n".join(lines), (0.0, -0.2), xycoords="axes fraction", fontsize=7, va="top", ha="left", color=INK)
+    return len(lines)
 
 
 def limits_of(points, measure):
@@ -90,8 +95,8 @@ def draw_frontier(run, key, points, measure, styles):
     works = [(work, title) for work, title in WORKS if any(point.has(work, measure) for point in points)]
     if not works:
         return None
-    corners = 12
-    height = 4.2 + 0.135 * corners + 0.7
+    steps = max(len(corners_of([point for point in points if point.has(work, measure)], work, measure)) for work, _ in works)
+    height = 4.2 + 0.135 * min(steps, MOST_STEPS)
     fig, axes = plt.subplots(1, len(works), figsize=(4.1 * len(works) + 0.7, height), squeeze=False, sharey=True)
     for ax, (work, title) in zip(axes[0], works):
         draw_panel(ax, points, work, title, measure, styles)

@@ -176,5 +176,22 @@ TEST_F(FiniteElements, BadRequestsAreRefusedInOneLine) {
   EXPECT_THAT(refusal(broken, json::object()), HasSubstr("poisson_ratio"));
 }
 
+TEST_F(FiniteElements, TheCostOfAFurtherAnswerIsAskedForAndChangesNothing) {
+  const TetMesh mesh = irregular_cube();
+  BoundaryProblem problem = supported_cube(mesh, 1.0);
+  for (const std::string& method : kMethods) {
+    for (const char* solver : {"mumps", "gamg"}) {
+      const auto plain = solve(method, mesh, problem, {{"solver", solver}});
+      EXPECT_FALSE(report_.contains("answer_s"));
+      EXPECT_EQ(difference(solve(method, mesh, problem, {{"solver", solver}, {"cost", true}}), plain), 0.0);
+      EXPECT_GT(report_.at("answer_s").get<double>(), 0.0);
+    }
+  }
+  problem.strain = StrainSize::kLarge;
+  const auto refused = run("fem.p1", mesh, problem, {{"cost", true}});
+  EXPECT_EQ(refused.outcome, "bad_input");
+  EXPECT_THAT(refused.message, HasSubstr("one linear system"));
+}
+
 }  // namespace
 }  // namespace palpate::experiments

@@ -203,5 +203,35 @@ TEST_F(SpringsAdapter, ABadMeshIsRefused) {
   EXPECT_EQ(response_.at("status"), "bad_input");
 }
 
+TEST_F(SpringsAdapter, TheCostOfASimulatedSecondIsThatOfItsSteps) {
+  const std::map<std::string, std::pair<std::string, json>> cases{
+      {"plain", {"springs.van_gelder", json::object()}},
+      {"tets", {"smoothed.edge_node", json::object()}},
+      {"general", {"springs.van_gelder", {{"volume", "node_average"}}}}};
+  problem_.material.poisson_ratio = 0.45;
+  for (const auto& [engine, asked] : cases) {
+    json options = asked.second;
+    options["step_cost"] = true;
+    ASSERT_EQ(run(asked.first, options), 0) << response_.dump();
+    EXPECT_EQ(report().at("step_engine"), engine);
+    const double step_s = report().at("explicit_step_s").get<double>();
+    const double wall_s = report().at("step_wall_s").get<double>();
+    EXPECT_GT(wall_s, 0.0);
+    EXPECT_NEAR(report().at("simulated_second_s").get<double>(), wall_s / (0.9 * step_s),
+                1e-9 * wall_s / step_s);
+    // A quarter of the mass: half the step, whatever the model.
+    problem_.material.density_kg_m3 /= 4.0;
+    ASSERT_EQ(run(asked.first, options), 0) << response_.dump();
+    EXPECT_NEAR(report().at("explicit_step_s").get<double>(), 0.5 * step_s, 2e-3 * step_s);
+    problem_.material.density_kg_m3 *= 4.0;
+  }
+}
+
+TEST_F(SpringsAdapter, ABodyWithoutMassHasNoStep) {
+  problem_.material.density_kg_m3 = 0.0;
+  EXPECT_NE(run("springs.van_gelder", {{"step_cost", true}}), 0);
+  EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("a density above zero"));
+}
+
 }  // namespace
 }  // namespace palpate::reference

@@ -1,0 +1,160 @@
+// What a fit tries: candidates as data, loads that the choice never saw, the plan of its search.
+#include "experiments/fit/fit_plan.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/base/error.h"
+#include "core/base/types.h"
+#include "experiments/plan_reader/case_list.h"
+#include "experiments/runner/contest_table.h"
+#include "experiments/runner/read_plan.h"
+#include "tests/support/scene_text.h"
+#include "tests/support/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+Vec3 as_vector(const json& list) {
+  return {list[0].get<double>(), list[1].get<double>(), list[2].get<double>()};
+}
+
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::acos(std::min(1.0, dot(a, b) / (length(a) * length(b))));
+}
+
+const json kPressed = json::parse(R"({
+  "clamp": [{"half_space": {"normal": [0, 1, 0], "share": 0.2}, "elastic_pa_per_m": 1e6}],
+  "load": [{"gravity_m_s2": [0, 0, -9.81]},
+           {"force": {"sphere": {"center_m": [0.01, 0.02, 0.03], "radius_m": 0.01}, "total_n": [0, -1, 0]}},
+           {"displace": {"sphere": {"surface_point": {"direction": [0.2, 1, 0.3]}, "radius_m": 0.015},
+                         "by_m": [0, -0.002, 0], "elastic_pa_per_m": 5e6}}]})");
+
+TEST(PerturbedScene, OneSeedGivesOneSceneAndAnotherAnother) {
+  EXPECT_EQ(perturbed_scene(kPressed, 1), perturbed_scene(kPressed, 1));
+  EXPECT_NE(perturbed_scene(kPressed, 1), perturbed_scene(kPressed, 2));
+  EXPECT_NE(perturbed_scene(kPressed, 1), kPressed);
+}
+
+TEST(PerturbedScene, StaysWithinWhatItSays) {
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const json scene = perturbed_scene(kPressed, seed);
+    EXPECT_EQ(scene["clamp"], kPressed["clamp"]);
+    const auto held = [&](const json::json_pointer& at) {
+      const Vec3 before = as_vector(kPressed.at(at));
+      const Vec3 after = as_vector(scene.at(at));
+      EXPECT_LE(angle_between(before, after), std::numbers::pi / 6.0 + 1e-9) << seed;
+      EXPECT_GE(length(after), 0.7 * length(before) * (1.0 - 1e-12)) << seed;
+      EXPECT_LE(length(after), 1.3 * length(before) * (1.0 + 1e-12)) << seed;
+    };
+    held("/load/0/gravity_m_s2"_json_pointer);
+    held("/load/1/force/total_n"_json_pointer);
+    held("/load/2/displace/by_m"_json_pointer);
+    const Vec3 moved =
+        as_vector(scene.at("/load/1/force/sphere/center_m"_json_pointer)) - Vec3{0.01, 0.02, 0.03};
+    EXPECT_LE(length(moved), 0.005 * (1.0 + 1e-12)) << seed;
+    EXPECT_LE(
+        angle_between({0.2, 1.0, 0.3},
+                      as_vector(scene.at("/load/2/displace/sphere/surface_point/direction"_json_pointer))),
+        std::numbers::pi / 12.0 + 1e-9)
+        << seed;
+  }
+}
+
+class FitPlans : public testing::Test {
+ protected:
+  FitCandidates read_text(const std::string& text) const {
+    return read_candidates(folder_.add("candidates.yaml", text), registry_);
+  }
+
+  test::ScratchFolder folder_;
+  Registry registry_ = load_registry();
+};
+
+TEST_F(FitPlans, TheCandidatesOfTheProjectAreGood) {
+  const FitCandidates candidates = read_candidates(candidates_path(), registry_);
+  EXPECT_GE(candidates.models.size(), 6U);
+  EXPECT_GE(candidates.simplifiers.size(), 2U);
+}
+
+TEST_F(FitPlans, BadCandidatesAreRefusedWithTheirPlace) {
+  const auto message = [&](const std::string& model) {
+    try {
+      read_text("schema: palpate/candidates/1\nsimplifiers: []\nmodels:\n  - " + model + "\n");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(message("{label: a, method: smoothed.edgenode, works: {first: []}}"),
+              AllOf(HasSubstr("candidates.yaml:4:"), HasSubstr("smoothed.edge_node")));
+  EXPECT_THAT(message("{label: a, method: smoothed.edge_node, set: {thetta: 1}, works: {first: []}}"),
+              HasSubstr("did you mean \"theta\"?"));
+  EXPECT_THAT(message("{label: a, method: smoothed.edge_node, works: {fist: []}}"),
+              HasSubstr("did you mean \"first\"?"));
+  EXPECT_THAT(message("{label: a, method: smoothed.edge_node, works: {first: [cut]}}"),
+              HasSubstr("did you mean \"cuts\"?"));
+}
+
+TEST_F(FitPlans, AModelThatCannotDoItIsDroppedWithTheReason) {
+  const FitCandidates candidates = read_text(
+      "schema: palpate/candidates/1\n"
+      "simplifiers: [{label: refined, method: palpate.refined, ratios: [0.5, 0.8]}]\n"
+      "models:\n"
+      "  - {label: able, method: smoothed.edge_node, works: {further: [supports]}}\n"
+      "  - {label: stiff, method: smoothed.blend, works: {further: []}}\n"
+      "  - {label: still, method: fem.p2, works: {first: [supports]}}\n");
+  SceneRequirement require;
+  require.needs = {"supports"};
+  std::vector<std::string> dropped;
+  const auto found = list_candidates(candidates, FitWork::kFurther, require, dropped);
+  ASSERT_EQ(found.size(), 3U);  // as it is, and two shares
+  EXPECT_EQ(found[0].name(), "able, the mesh as it is");
+  EXPECT_EQ(found[2].name(), "able, refined -80%");
+  EXPECT_THAT(dropped, testing::ElementsAre(HasSubstr("supports"), HasSubstr("the work \"further\"")));
+}
+
+TEST_F(FitPlans, AMovingSceneIsJudgedAtItsGreatestLoad) {
+  test::SceneText text;
+  text.mesh = "{make: bar, vertices: 100}";
+  text.load =
+      "[{force: {sphere: {surface_point: {direction: [1, 0, 0]}, radius_m: 1}, total_n: [0, 0, 2]}, "
+      "profile: {times_s: [0, 1, 2], shares: [0, -1.5, 1]}, until_s: 2}]";
+  text.analysis = "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 3}}";
+  text.rest = "model: {springs: van_gelder}\nrequire: {error: {measure: energy, at_most: 0.1}}\n";
+  const Scene scene = read_scene(folder_.add("moving.yaml", text.yaml()));
+  EXPECT_EQ(choose_work(scene), FitWork::kSecond);
+  const json still = static_scene(scene);
+  EXPECT_EQ(still.at("analysis"), "static");
+  EXPECT_FALSE(still.contains("model"));
+  EXPECT_FALSE(still.contains("require"));
+  EXPECT_EQ(still.at("/load/0/force/total_n"_json_pointer), json({0.0, 0.0, -3.0}));
+  EXPECT_FALSE(still.at("load")[0].contains("profile"));
+  EXPECT_FALSE(still.at("load")[0].contains("until_s"));
+}
+
+TEST_F(FitPlans, EachCandidateIsOneCaseAScene) {
+  test::SceneText text;
+  text.mesh = "{make: bar, vertices: 100}";
+  text.rest = "require: {error: {measure: energy, at_most: 0.1}}\n";
+  const Scene scene = read_scene(folder_.add("still.yaml", text.yaml()));
+  const FitCandidates candidates = read_candidates(candidates_path(), registry_);
+  FitPlan plan;
+  plan.folder = folder_ / "fit";
+  plan.work = choose_work(scene);
+  EXPECT_EQ(plan.work, FitWork::kFirst);
+  plan.scenes = {static_scene(scene), perturbed_scene(static_scene(scene), 7)};
+  std::vector<std::string> dropped;
+  plan.candidates = list_candidates(candidates, plan.work, *scene.require, dropped);
+  const Plan read = read_plan(write_fit_plan(plan, candidates), registry_);
+  EXPECT_EQ(build_cases(read, registry_).size(), 2 * plan.candidates.size());
+}
+
+}  // namespace
+}  // namespace palpate::experiments

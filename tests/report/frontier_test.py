@@ -1,0 +1,125 @@
+"""Error against work on made-up records: what is on the frontier, times at equal error, targets, charts."""
+
+import unittest
+
+from support import ReportTest
+import synthetic
+from synthetic import deformed, reference_record
+
+PLAN = {**synthetic.DEFORM, "beside": None, "scenes": ["bar"],
+        "contestants": [{"label": "quick"}, {"label": "middle"}, {"label": "exact"}, {"label": "bad"}],
+        "frontier": {"families": {"ours": ["quick", "middle", "bad"], "theirs": ["exact"]}, "against": ["theirs"], "at": [0.1, 0.02],
+                     "targets": [{"work": "first", "against": "theirs", "at": 0.1, "factor": 20}]}}
+
+
+def repeats(label, error, seconds, count=9, spread=0.01, scene="bar", answer_s=None, **other):
+    """Answers with that error; times spread evenly by that share to either side."""
+    lines = []
+    for repeat in range(count):
+        share = 1 + spread * (2 * repeat / max(1, count - 1) - 1)
+        line = deformed(scene, label, error, seconds=seconds * share, repeat=repeat, **other)
+        line["judge"]["displacement_deformation"] = error
+        if answer_s is not None:
+            line["report"]["answer_s"] = answer_s * share
+        lines.append(line)
+    return lines
+
+
+def reference(scene="bar", own=0.001):
+    return reference_record(scene, own=own, reference_error_deformation=own)
+
+
+class FrontierTest(ReportTest):
+    def run_frontier(self, lines, *arguments, **plan):
+        synthetic.write_run(self.folder, lines, {**PLAN, **plan})
+        code, out, err = self.report(*(arguments or ("--no-charts",)))
+        self.assertEqual((code, err), (0, ""))
+        return {row["label"]: row for row in self.table("frontier.csv")}, out
+
+
+class Points(FrontierTest):
+    def test_what_is_surely_slower_and_no_better_is_off(self):
+        points, out = self.run_frontier([reference(), *repeats("quick", 0.08, 0.01), *repeats("middle", 0.05, 0.1),
+                                         *repeats("exact", 0.01, 1.0), *repeats("bad", 0.2, 0.5)])
+        on = {label for label, row in points.items() if "displacement_deformation" in row["on_first"]}
+        self.assertEqual(on, {"quick", "middle", "exact"})
+        self.assertIn("palpate run PLAN --case ID", out)
+        self.assertTrue(points["bad"]["case"])
+
+    def test_what_is_within_noise_of_the_frontier_is_on_it(self):
+        # 3% slower with times that spread by 20%: nobody can tell.
+        points, _ = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1, spread=0.2), *repeats("bad", 0.05, 0.103, spread=0.2)])
+        self.assertIn("displacement_deformation", points["bad"]["on_first"])
+        # The same with times that spread by 0.1%: it is beaten.
+        points, _ = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1, spread=0.001), *repeats("bad", 0.05, 0.103, spread=0.001)])
+        self.assertNotIn("displacement_deformation", points["bad"]["on_first"])
+
+    def test_an_error_within_what_the_references_leave_open_beats_nobody(self):
+        lines = [*repeats("quick", 0.05, 0.1, spread=0.2), *repeats("bad", 0.051, 0.101, spread=0.2)]
+        points, _ = self.run_frontier([reference(own=0.001), *lines])
+        self.assertIn("displacement_deformation", points["bad"]["on_first"])
+        points, _ = self.run_frontier([reference(own=0.0001), *lines])
+        self.assertNotIn("displacement_deformation", points["bad"]["on_first"])
+
+    def test_too_few_repeats_beat_nobody(self):
+        points, _ = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1, count=3), *repeats("bad", 0.05, 9.0, count=3)])
+        self.assertIn("displacement_deformation", points["bad"]["on_first"])
+
+    def test_the_simplifier_belongs_to_a_first_answer_and_not_to_a_further_one(self):
+        sweep = {"simplify": "refined", "tets_removed_ratio": 0.5, "vertices": 1503}
+        solved = {"name": "bar", "vertices": 700, "tets": 3000, "hash": "1", "ideal_volume": 1.0, "simplify_s": 0.25}
+        points, _ = self.run_frontier([reference_record("bar", sweep={"vertices": 1503}), *repeats("quick", 0.05, 0.1, answer_s=0.001, sweep=sweep, solved_on=solved)])
+        self.assertAlmostEqual(float(points["quick"]["first_s"]), 0.35)
+        self.assertAlmostEqual(float(points["quick"]["further_s"]), 0.001)
+        self.assertEqual((points["quick"]["mesh"], points["quick"]["tets"]), ("1503, refined -50%", "3000"))
+
+    def test_what_gave_no_answer_is_kept_and_shown_apart(self):
+        points, out = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1), deformed("bar", "bad", None)])
+        self.assertEqual((points["bad"]["first_s"], points["bad"]["on_first"]), ("", ""))
+        self.assertIn("its outcome is diverged", points["bad"]["note"])
+        self.assertIn("Not on any frontier", out)
+
+
+class EqualError(FrontierTest):
+    def lines(self):
+        return [reference(), *repeats("quick", 0.08, 0.01), *repeats("middle", 0.015, 0.1), *repeats("exact", 0.01, 1.0)]
+
+    def test_each_family_is_taken_at_its_fastest(self):
+        _, out = self.run_frontier(self.lines())
+        rows = {(row["family"], row["error"]): row for row in self.table("equal_error.csv") if row["work"] == "first"}
+        self.assertEqual(rows[("ours", "0.1")]["label"], "quick")
+        self.assertEqual(rows[("ours", "0.02")]["label"], "middle")
+        self.assertAlmostEqual(float(rows[("ours", "0.1")]["times_as_fast_as"].split("=")[1]), 100.0, places=6)
+        self.assertAlmostEqual(float(rows[("ours", "0.02")]["times_as_fast_as"].split("=")[1]), 10.0, places=6)
+        self.assertIn("times as fast as theirs", out)
+
+    def test_targets_say_what_was_found(self):
+        _, out = self.run_frontier(self.lines())
+        line = next(line for line in out.splitlines() if line.startswith("first answer at 10.0%"))
+        self.assertEqual(line.split()[-3:], ["20", "100", "yes"])
+        slow = [*self.lines()[:10], *repeats("exact", 0.01, 0.15)]
+        _, out = self.run_frontier(slow)
+        line = next(line for line in out.splitlines() if line.startswith("first answer at 10.0%"))
+        self.assertEqual(line.split()[-1], "no")
+
+    def test_a_target_without_a_pair_is_open(self):
+        _, out = self.run_frontier([reference(), *repeats("quick", 0.08, 0.01)])
+        line = next(line for line in out.splitlines() if line.startswith("first answer at 10.0%"))
+        self.assertIn("open", line)
+        self.assertIn("no pair on 1 of 1 scenes", line)
+
+
+class Charts(FrontierTest):
+    def test_one_a_scene_and_measure_with_the_same_bytes_twice(self):
+        lines = [reference(), *repeats("quick", 0.08, 0.01, answer_s=0.001), *repeats("exact", 0.01, 1.0), deformed("bar", "bad", None)]
+        self.run_frontier(lines, "--no-charts")
+        drawn = []
+        for _ in range(2):
+            self.assertEqual(self.report()[0], 0)
+            drawn.append({name: data for name, data in self.charts().items() if name.startswith("frontier")})
+        self.assertIn("frontier_bar__nu_0.25.svg", drawn[0])
+        self.assertEqual(drawn[0], drawn[1])
+
+
+if __name__ == "__main__":
+    unittest.main()
