@@ -28,7 +28,8 @@ struct StepCost {
 /// fastest engine that takes the model. Springs without strain energies turn with the body, whatever the
 /// strain: that is what the plain engine is for.
 ///
-/// Throws: InputError for a density that is not above zero, and as predict_stable_step.
+/// Requires: a density above zero. Throws: InputError for a body without a stable step, and as
+/// predict_stable_step.
 StepCost measure_step_cost(const TetMesh& mesh, dynamics::ElasticModel model, const dynamics::Loads& loads,
                            double density_kg_m3, int threads);
 

@@ -227,11 +227,5 @@ TEST_F(SpringsAdapter, TheCostOfASimulatedSecondIsThatOfItsSteps) {
   }
 }
 
-TEST_F(SpringsAdapter, ABodyWithoutMassHasNoStep) {
-  problem_.material.density_kg_m3 = 0.0;
-  EXPECT_NE(run("springs.van_gelder", {{"step_cost", true}}), 0);
-  EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("a density above zero"));
-}
-
 }  // namespace
 }  // namespace palpate::reference

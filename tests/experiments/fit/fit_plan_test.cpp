@@ -122,7 +122,7 @@ TEST_F(FitPlans, AModelThatCannotDoItIsDroppedWithTheReason) {
 
 TEST_F(FitPlans, AMovingSceneIsJudgedAtItsGreatestLoad) {
   test::SceneText text;
-  text.mesh = "{make: bar, vertices: 100}";
+  text.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
   text.load =
       "[{force: {sphere: {surface_point: {direction: [1, 0, 0]}, radius_m: 1}, total_n: [0, 0, 2]}, "
       "profile: {times_s: [0, 1, 2], shares: [0, -1.5, 1]}, until_s: 2}]";
@@ -141,7 +141,7 @@ TEST_F(FitPlans, AMovingSceneIsJudgedAtItsGreatestLoad) {
 
 TEST_F(FitPlans, EachCandidateIsOneCaseAScene) {
   test::SceneText text;
-  text.mesh = "{make: bar, vertices: 100}";
+  text.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
   text.rest = "require: {error: {measure: energy, at_most: 0.1}}\n";
   const Scene scene = read_scene(folder_.add("still.yaml", text.yaml()));
   const FitCandidates candidates = read_candidates(candidates_path(), registry_);
