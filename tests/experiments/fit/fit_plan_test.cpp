@@ -147,6 +147,7 @@ TEST_F(FitPlans, EachCandidateIsOneCaseAScene) {
   const FitCandidates candidates = read_candidates(candidates_path(), registry_);
   FitPlan plan;
   plan.folder = folder_ / "fit";
+  plan.enough = 0.01;
   plan.work = choose_work(scene);
   EXPECT_EQ(plan.work, FitWork::kFirst);
   plan.scenes = {static_scene(scene), perturbed_scene(static_scene(scene), 7)};
