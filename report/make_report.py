@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from deform import convergence, cost, deform, deform_tables, frontier, targets
 from engine import engine
-from motion import motion
+from motion import motion, stages
 from shared import equal_count, records, tables
 from simplify import comparisons, contest, scaling, verdict
 from stability import stability
@@ -152,6 +152,21 @@ def draw_simplifiers(run, claim):
     return charts.draw_charts(run, claim, run.folder / "charts")
 
 
+def report_motions(run):
+    """Tables and summary of a contest of motions; where meshes were simplified, also what each stage costs and adds."""
+    found = motion.read_sections(run)
+    staged = stages.read_stages(run)
+    names = motion.write_tables(found, run.folder / "tables")
+    names |= stages.write_stages(staged, run.folder / "tables") if staged else set()
+    remove_old(run.folder / "tables", names)
+    if run.plan_data.get("question"):
+        print(f"{run.plan_data['question']}\n")
+    print(motion.table_text(found) if found else "no records")
+    if staged:
+        print(f"\n{stages.stages_text(staged)}")
+    return found, []
+
+
 def report_simplifiers(run):
     """Tables and summary of a contest of simplifiers; returns its claim, and what is required and does not hold."""
     claim = verdict.read_claim(run.plan_data)
@@ -172,7 +187,7 @@ def choose_report(run):
     """What writes the tables and what draws the charts of this contest."""
     of_contest = {
         "engine": (report_cases(engine.read_cases, engine.write_tables, engine.engine_text), draw_engine),
-        "motion": (report_cases(motion.read_sections, motion.write_tables, motion.table_text), draw_motions),
+        "motion": (report_motions, draw_motions),
         "stability": (report_cases(stability.read_cases, stability.write_tables, stability.summary_text), draw_extremes),
         "verify": (report_cases(verification.read_rows, verification.write_tables, verification.verification_text), draw_known_answers),
     }.get(run.plan_data.get("contest"))

@@ -14,6 +14,7 @@ from shared.tables import (first_reason, outcome_text, pad_columns, percent_text
 
 MARGIN = 5.0
 BEST, COARSE = "*", "~"
+WHOLE = "whole"  # the mesh as it is
 
 
 @dataclass(frozen=True)
@@ -90,10 +91,20 @@ def problem_sweep(record):
     return tuple((key, sweep[key]) for key in ("poisson_ratio", "vertices") if key in sweep)
 
 
+def mesh_of(record):
+    """"whole", or the simplifier with what it removed: "refined -22%"."""
+    sweep = record.get("sweep") if isinstance(record.get("sweep"), dict) else {}
+    simplify, share = sweep.get("simplify", "none"), sweep.get("tets_removed_ratio")
+    if simplify == "none":
+        return WHOLE
+    return simplify if share is None else f"{simplify} -{100 * share:g}%"
+
+
 def label_of(record):
-    """The label with the options that the plan sweeps."""
+    """The label with the options that the plan sweeps, and with the simplifier of its mesh."""
     sweep = record.get("sweep") if isinstance(record.get("sweep"), dict) else {}
     swept = [f"{key.removeprefix('option.')} {value}" for key, value in sweep.items() if key.startswith("option.")]
+    swept += [mesh_of(record)] if mesh_of(record) != WHOLE else []
     return record["label"] + (f" ({', '.join(swept)})" if swept else "")
 
 

@@ -14,7 +14,7 @@ INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
 BUCKETS = 10
 PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts",
-             "contest", "scenes", "scene_sets", "targets", "cases", "reference", "beside", "frontier")  # what of the plan the provenance repeats
+             "contest", "scenes", "scene_sets", "targets", "cases", "reference", "beside", "frontier", "simplify")  # what of the plan the provenance repeats
 
 
 class BadRun(Exception):

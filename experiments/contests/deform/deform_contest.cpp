@@ -11,6 +11,7 @@
 #include "experiments/contests/deform/deform_input.h"
 #include "experiments/contests/deform/plan_deform.h"
 #include "experiments/contests/pad_force.h"
+#include "experiments/contests/simplified_mesh.h"
 #include "experiments/files/output_file.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/json_file.h"
@@ -203,14 +204,11 @@ class DeformContest : public Contest {
   }
 
   bool is_simplified(const Case& run_case) const {
-    return run_case.simplifier && !setting_.plan.simplifiers[*run_case.simplifier].method.empty();
+    return experiments::is_simplified(setting_.plan, run_case);
   }
 
   std::string simplified_id(const Case& run_case) const {
-    std::string id = id_of(run_case) + "/simplify=" + setting_.plan.simplifiers[*run_case.simplifier].label;
-    if (run_case.sweep.contains("tets_removed_ratio"))
-      id += "/tets_removed_ratio=" + run_case.sweep.at("tets_removed_ratio").dump();
-    return id;
+    return experiments::simplified_id(setting_.plan, run_case, id_of(run_case));
   }
 
   const ProblemFiles& files_of(const Case& run_case) const {

@@ -5,14 +5,12 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
-#include "experiments/contestants/answer_cache.h"
 #include "experiments/contestants/solution.h"
 #include "experiments/contests/pad_force.h"
+#include "experiments/contests/simplified_mesh.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
-#include "experiments/judging/judge_record.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "reference/door/deform_problem.h"
@@ -24,10 +22,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kReferenceTimeout = 7200.0;  // s
-constexpr double kSimplifierTimeout = 1800.0;
-// Simplifiers get millimetres, as in their own contest: VTK's, in single precision, removes nothing from an
-// organ in metres.
-constexpr double kSimplifierUnit = 1e-3;  // m
 
 void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
   reference.outcome = outcome;
@@ -111,11 +105,6 @@ void estimate_from(const DeformInput& input, const PlanReference& plan,
                          whole.field.end());
 }
 
-TetMesh scaled(TetMesh mesh, double factor) {
-  for (Vec3& point : mesh.points) point = factor * point;
-  return mesh;
-}
-
 }  // namespace
 
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
@@ -168,28 +157,13 @@ DeformReference solve_reference(const DeformInput& input, const ContestSetting& 
 
 SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
                                const fs::path& folder, const ContestSetting& setting) {
+  SimplifiedMesh made = simplify_mesh(input.own.mesh, simplifier, stop, folder, setting);
   SimplifiedInput simplified;
-  create_folder(folder);
-  ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
-  write_medit(task.mesh_in, scaled(input.own.mesh, 1.0 / kSimplifierUnit));
-  task.options = resolve_options(*task.method.method, simplifier.set);
-  task.stop = stop;
-  task.timeout_s = kSimplifierTimeout;
-  bool was_kept = false;
-  const ContestantAnswer answer = run_cached(task, was_kept);
-  if (answer.outcome != "ok") {
-    simplified.failure =
-        "simplifying with " + simplifier.label + " ended: " + answer.outcome + ": " + answer.message;
-    return simplified;
-  }
-  simplified.report = answer.report;
-  simplified.kernel_s = answer.kernel_s;
+  simplified.failure = made.failure;
+  simplified.kernel_s = made.kernel_s;
+  if (!made.failure.empty()) return simplified;
+  simplified.files.mesh = std::move(made.mesh);
   try {
-    simplified.files.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit);
-    if (stop.kind != StopKind::kLimit && simplified.files.mesh.tets.size() >= input.own.mesh.tets.size())
-      throw InputError("no tetrahedra were removed");
-    const Judgement judgement = judge_mesh(simplified.files.mesh);
-    if (!judgement.violations.empty()) throw InputError(judgement.violations.front());
     simplified.files.problem = build_problem(input.placed, simplified.files.mesh);
     write_problem(simplified.files, folder);
   } catch (const InputError& error) {

@@ -45,7 +45,6 @@ struct DeformReference {
 struct SimplifiedInput {
   std::string failure;  ///< why there is none; empty if there is
   ProblemFiles files;
-  nlohmann::json report;
   std::optional<double> kernel_s;  ///< of the simplifier
 };
 

@@ -5,6 +5,7 @@
 #include "core/base/error.h"
 #include "experiments/contests/motion/motion_input.h"
 #include "experiments/contests/motion/plan_motion.h"
+#include "experiments/contests/simplified_mesh.h"
 
 namespace palpate::experiments {
 namespace {
@@ -86,12 +87,18 @@ class MotionContest : public Contest {
     for (const Case* c : cases) {
       const std::string id = id_of(*c);
       if (!setting_.plan.contestants[c->contestant].own_limit.empty()) limited_.push_back(*c);
-      if (inputs_.count(id) > 0) continue;
-      setting_.progress.show("scene " + id);
-      inputs_.emplace(id, build_motion_input(setting_.plan.scenes[c->subject], c->sweep,
-                                             setting_.folder.paths().problem(id)));
-      order_.push_back(id);
-      describe(id, described);
+      if (inputs_.count(id) == 0) {
+        setting_.progress.show("scene " + id);
+        inputs_.emplace(id, build_motion_input(setting_.plan.scenes[c->subject], c->sweep,
+                                               setting_.folder.paths().problem(id)));
+        order_.push_back(id);
+        describe(id, described);
+      }
+      if (!is_simplified(setting_.plan, *c)) continue;
+      const std::string simplified = simplified_id(setting_.plan, *c, id);
+      if (simplified_.count(simplified) > 0) continue;
+      setting_.progress.show("simplified scene " + simplified);
+      simplified_.emplace(simplified, simplify_motion_input(inputs_.at(id), *c, simplified, setting_));
     }
     return {{"problems", described}};
   }
@@ -108,7 +115,10 @@ class MotionContest : public Contest {
     }
     for (const Case& each : limited_) {
       setting_.progress.show("own limit of " + each.id);
-      OwnLimit limit = solve_own_limit(inputs_.at(id_of(each)), each, setting_);
+      const MotionInput& input = input_of(each);
+      OwnLimit limit;
+      limit.failure = input.failure;
+      if (limit.failure.empty()) limit = solve_own_limit(input, each, setting_);
       if (limit.interrupted) return false;
       limits_.emplace(each.id, std::move(limit));
     }
@@ -118,7 +128,8 @@ class MotionContest : public Contest {
   std::string fill_task(const Case& run_case, ContestantTask& task) const override {
     const MotionReference& reference = references_.at(id_of(run_case));
     if (!reference.failure.empty()) return "there is nothing to judge it by: " + reference.failure;
-    const MotionInput& input = inputs_.at(id_of(run_case));
+    const MotionInput& input = input_of(run_case);
+    if (!input.failure.empty()) return input.failure;
     task.mesh_in = input.files.mesh_file;
     task.problem_in = input.files.problem_file;
     return "";
@@ -126,16 +137,21 @@ class MotionContest : public Contest {
 
   json build_record(const RepeatFacts& facts, const ContestantAnswer& answer,
                     const std::vector<json>& earlier) const override {
-    const MotionInput& input = inputs_.at(id_of(facts.run_case));
-    const MotionReference& reference = references_.at(input.id);
+    const MotionInput& whole = inputs_.at(id_of(facts.run_case));
+    const MotionInput& input = input_of(facts.run_case);
+    const MotionReference& reference = references_.at(whole.id);
     const auto limit = limits_.find(facts.run_case.id);
     const auto judge = [&](const std::filesystem::path& file) {
       return judge_motion(input, reference, limit == limits_.end() ? nullptr : &limit->second, answer.report,
                           file);
     };
     json record =
-        start_record(facts, mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash), answer);
-    record["scene"] = scene_facts(input);
+        start_record(facts, mesh_facts(whole.scene, whole.files.mesh, whole.files.mesh_hash), answer);
+    record["scene"] = scene_facts(whole);
+    if (&input != &whole && input.failure.empty()) {
+      record["solved_on"] = mesh_facts(input.id, input.files.mesh, input.files.mesh_hash);
+      if (input.simplify_s) record["solved_on"]["simplify_s"] = *input.simplify_s;
+    }
     judge_answer({judge, [](json&) {}, "history"}, facts, answer, earlier, record);
     return record;
   }
@@ -147,6 +163,12 @@ class MotionContest : public Contest {
  private:
   std::string id_of(const Case& run_case) const {
     return problem_id(setting_.plan.scenes[run_case.subject].name, run_case.sweep);
+  }
+
+  /// On the case's own mesh, simplified or not.
+  const MotionInput& input_of(const Case& run_case) const {
+    if (!is_simplified(setting_.plan, run_case)) return inputs_.at(id_of(run_case));
+    return simplified_.at(simplified_id(setting_.plan, run_case, id_of(run_case)));
   }
 
   void describe(const std::string& id, json& described) const {
@@ -170,6 +192,7 @@ class MotionContest : public Contest {
   ContestSetting setting_;
   std::vector<std::string> order_;
   std::map<std::string, MotionInput> inputs_;
+  std::map<std::string, MotionInput> simplified_;
   std::map<std::string, MotionReference> references_;
   std::vector<Case> limited_;               ///< cases that are held against their own limit
   std::map<std::string, OwnLimit> limits_;  ///< by case
@@ -179,7 +202,7 @@ class MotionContest : public Contest {
 
 const ContestKind& motion_contest() {
   static const ContestKind kind{"motion",
-                                {"scenes", "reference", "charts"},
+                                {"scenes", "reference", "simplify", "charts"},
                                 {"scenes", "reference"},
                                 {},
                                 {"motion_errors", "motion_histories"},

@@ -4,7 +4,10 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
+#include "core/mesh/geometry.h"
 #include "experiments/contestants/solution.h"
+#include "experiments/contests/simplified_mesh.h"
 #include "experiments/files/output_file.h"
 #include "experiments/scene_reader/scene_motion.h"
 
@@ -81,6 +84,19 @@ void add_errors(const json& errors, double factor, json& own) {
   }
 }
 
+/// Histories are compared probe by probe: each has to be the same point of the body.
+void check_probes(const MotionInput& whole, const MotionInput& simplified) {
+  constexpr double kSamePoint = 1e-6;  // of the longest side
+  const double most = kSamePoint * longest_side(bounding_box(whole.files.mesh.points));
+  for (std::size_t k = 0; k < whole.problem.probes.size(); ++k) {
+    const Vec3& there = whole.files.mesh.points[whole.problem.probes[k]];
+    const double off = length(simplified.files.mesh.points[simplified.problem.probes[k]] - there);
+    if (off > most)
+      throw InputError("probe " + std::to_string(k) + " has no vertex left: the nearest is " +
+                       short_number(1e3 * off) + " mm away");
+  }
+}
+
 }  // namespace
 
 MotionProblem build_compared_problem(const Scene& placed, const TetMesh& mesh) {
@@ -111,8 +127,33 @@ MotionInput build_motion_input(const PlanScene& scene, const json& sweep, const 
   input.id = problem_id(scene.name, sweep);
   SweptScene swept = place_swept_scene(scene.scene, input.sweep);
   input.files.mesh = std::move(swept.mesh);
-  input.problem = build_compared_problem(swept.placed, input.files.mesh);
+  input.placed = std::move(swept.placed);
+  input.problem = build_compared_problem(input.placed, input.files.mesh);
   write_problem(input.files, reference::motion_to_json(input.problem), folder);
+  return input;
+}
+
+MotionInput simplify_motion_input(const MotionInput& whole, const Case& run_case, const std::string& id,
+                                  const ContestSetting& setting) {
+  const PlanContestant& simplifier = setting.plan.simplifiers[*run_case.simplifier];
+  const fs::path folder = setting.folder.paths().problem(id);
+  SimplifiedMesh made =
+      simplify_mesh(whole.files.mesh, simplifier, run_case.simplifier_stop, folder, setting);
+  MotionInput input;
+  input.id = id;
+  input.scene = whole.scene;
+  input.sweep = whole.sweep;
+  input.failure = made.failure;
+  input.simplify_s = made.kernel_s;
+  if (!input.failure.empty()) return input;
+  input.files.mesh = std::move(made.mesh);
+  try {
+    input.problem = build_compared_problem(whole.placed, input.files.mesh);
+    check_probes(whole, input);
+    write_problem(input.files, reference::motion_to_json(input.problem), folder);
+  } catch (const InputError& error) {
+    input.failure = "on the mesh of " + simplifier.label + ": " + error.what();
+  }
   return input;
 }
 

@@ -31,9 +31,12 @@ std::array<double, 2> judging_window(const reference::MotionProblem& problem);
 
 /// One problem of a run, written for the requests.
 struct MotionInput {
-  std::string id;  ///< "plucked_bar", then "/vertices=1503" where it is swept
+  std::string failure;               ///< of a simplified one: why there is none; empty if there is
+  std::optional<double> simplify_s;  ///< of a simplified one: what the simplifier took
+  std::string id;                    ///< "plucked_bar", then "/vertices=1503" where it is swept
   std::string scene;
   nlohmann::json sweep = nlohmann::json::object();
+  Scene placed;
   reference::MotionProblem problem;
   ProblemFiles files;  ///< its `problem` stays empty: what is written is the motion's
 };
@@ -41,6 +44,11 @@ struct MotionInput {
 /// Makes the mesh, places the scene on it and writes both below `folder`.
 MotionInput build_motion_input(const PlanScene& scene, const nlohmann::json& sweep,
                                const std::filesystem::path& folder);
+
+/// The same problem on a mesh that a simplifier made of `whole`'s. A mesh without a vertex where each probe
+/// of the whole one is has nothing to compare, which is its failure.
+MotionInput simplify_motion_input(const MotionInput& whole, const Case& run_case, const std::string& id,
+                                  const ContestSetting& setting);
 
 /// A history with what the judge needs of it.
 struct JudgedMotion {

@@ -1,5 +1,6 @@
 #include "experiments/contests/motion/plan_motion.h"
 
+#include "experiments/contests/simplified_mesh.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_reference.h"
 #include "experiments/plan_reader/plan_scene.h"
@@ -10,8 +11,10 @@ void read_motion_plan(const YamlFields& fields, Plan& plan, const Registry& regi
   plan.scenes =
       read_plan_scenes(fields.need("scenes"), plan.file.parent_path(), SceneKind::kDynamic, plan.contest);
   plan.subjects = names_of(plan.scenes);
-  if (const auto sweep = fields.find("sweep")) plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices"});
-  plan.contestants = read_contestants(fields.need("contestants"), "motion", plan.sweep, registry);
+  if (const auto sweep = fields.find("sweep"))
+    plan.sweep = read_sweep(*sweep, {"poisson_ratio", "vertices", "tets_removed_ratio"});
+  const std::vector<SweepAxis> own = read_simplifiers(fields, plan, registry);
+  plan.contestants = read_contestants(fields.need("contestants"), "motion", own, registry);
   check_reserved_labels(fields.need("contestants"), plan);
   plan.reference = read_reference(fields.need("reference"), plan.contest, registry);
   check_vertices_sweep(fields, plan);
