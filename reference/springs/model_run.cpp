@@ -1,13 +1,13 @@
 #include "reference/springs/model_run.h"
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/elastic_model.h"
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "reference/door/deform_problem.h"
@@ -19,16 +19,6 @@ namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 dynamics::StaticOptions take_static_options(StrainSize strain, int threads, json& options) {
   dynamics::StaticOptions out;
