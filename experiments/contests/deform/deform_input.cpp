@@ -15,6 +15,7 @@
 #include "experiments/judging/judge_record.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/scene_reader/swept_scene.h"
 #include "reference/door/deform_problem.h"
 
 namespace palpate::experiments {
