@@ -4,7 +4,6 @@
 #include "experiments/files/file_hash.h"
 #include "experiments/files/problem_folder.h"
 #include "experiments/records/case_record.h"
-#include "experiments/scene_reader/scene_problem.h"
 #include "reference/door/deform_problem.h"
 
 namespace palpate::experiments {
@@ -61,16 +60,6 @@ void describe_problem(const RunPaths& paths, const std::string& id, const Proble
                      " is no longer what it was");
   }
   described[id] = now;
-}
-
-SweptScene place_swept_scene(Scene scene, const json& sweep) {
-  if (sweep.contains("poisson_ratio")) scene.material.poisson_ratio = sweep.at("poisson_ratio").get<double>();
-  std::optional<std::uint64_t> vertices;
-  if (sweep.contains("vertices")) vertices = sweep.at("vertices").get<std::uint64_t>();
-  SweptScene out;
-  out.mesh = build_scene_mesh(scene.mesh, vertices).mesh;
-  out.placed = place_scene(std::move(scene), out.mesh);
-  return out;
 }
 
 }  // namespace palpate::experiments

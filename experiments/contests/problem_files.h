@@ -8,7 +8,6 @@
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
 #include "experiments/records/run_folder.h"
-#include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {
 
@@ -27,15 +26,6 @@ nlohmann::json problem_sweep(const nlohmann::json& sweep);
 
 /// "kidney_gravity/poisson_ratio=0.45".
 std::string problem_id(const std::string& scene, const nlohmann::json& sweep);
-
-/// A scene with what a sweep changes of it, placed on its mesh.
-struct SweptScene {
-  Scene placed;
-  TetMesh mesh;
-};
-
-/// Throws: InputError or UnavailableError as build_scene_mesh and place_scene do.
-SweptScene place_swept_scene(Scene scene, const nlohmann::json& sweep);
 
 /// Writes mesh and problem below `folder`, which is made, and fills in the files and their hashes.
 /// Throws: InputError if the folder cannot be written.

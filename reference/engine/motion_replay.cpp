@@ -9,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/dynamics/time_loop/plain_run.h"
 #include "reference/door/json_file.h"
+#include "reference/elastic_models/stepped_motion.h"
 
 namespace palpate::reference {
 namespace {
@@ -17,25 +18,6 @@ using dynamics::MotionOutcome;
 using dynamics::MotionReport;
 using dynamics::MotionState;
 using nlohmann::json;
-
-void merge(const MotionReport& phase, MotionReport& all) {
-  const auto first_inversion = all.first_inversion_s >= 0.0 ? all.first_inversion_s : phase.first_inversion_s;
-  MotionReport sum = phase;
-  sum.steps += all.steps;
-  sum.zero_length_springs += all.zero_length_springs;
-  sum.speeds_cut += all.speeds_cut;
-  sum.steps_with_cuts += all.steps_with_cuts;
-  sum.solver_iterations += all.solver_iterations;
-  sum.steps_unsolved += all.steps_unsolved;
-  if (all.residual_worst)
-    sum.residual_worst = std::max(sum.residual_worst.value_or(0.0), *all.residual_worst);
-  sum.peak_speed_m_s = std::max(sum.peak_speed_m_s, all.peak_speed_m_s);
-  sum.inverted_tets_most = std::max(sum.inverted_tets_most, all.inverted_tets_most);
-  sum.first_inversion_s = first_inversion;
-  sum.outcome =
-      name_end(sum, phase.outcome != MotionOutcome::kDiverged, phase.outcome == MotionOutcome::kStopped);
-  all = sum;
-}
 
 json energy_json(const dynamics::MotionEnergy& energy) {
   return {{"kinetic_j", number_or_null(energy.kinetic_j)},
@@ -145,13 +127,13 @@ class MotionRunner {
     options.observe_every = strides_.row;
     options.should_stop = [this] { return should_stop(); };
     if (integrator) {
-      merge(run_motion(*integrator, state_, options, observe), report_);
+      add_phase(run_motion(*integrator, state_, options, observe), report_);
     } else {
       const dynamics::PlainRunOptions own{options, setup_.integrator.threads,
                                           setup_.integrator.speed_limit_m_s, setup_.single_precision};
-      merge(setup_.engine == EngineChoice::kTets ? run_tet_motion(phase.model, state_, own, observe)
-                                                 : run_plain_motion(phase.model, state_, own, observe),
-            report_);
+      add_phase(setup_.engine == EngineChoice::kTets ? run_tet_motion(phase.model, state_, own, observe)
+                                                     : run_plain_motion(phase.model, state_, own, observe),
+                report_);
     }
   }
 

@@ -12,6 +12,7 @@
 #include "core/dynamics/tet_engine/tet_engine.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_request.h"
+#include "reference/elastic_models/stepped_motion.h"
 
 namespace palpate::reference {
 namespace {
@@ -168,8 +169,6 @@ dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh
 
 MotionModel build_free_body(const MovingBody& body, const TetMesh& mesh, dynamics::ElasticModel elastic) {
   const MotionStepping& own = body.stepping;
-  const double stiffness_s = body.motion.damping_stiffness_s;
-  const double mass_per_s = body.motion.damping_mass_per_s;
   MotionModel model;
   model.tets = mesh.tets;
   model.elastic = std::move(elastic);
@@ -177,15 +176,9 @@ MotionModel build_free_body(const MovingBody& body, const TetMesh& mesh, dynamic
                       ? std::vector<double>(mesh.points.size(), *own.mass_per_vertex_kg)
                       : dynamics::build_lumped_masses(mesh, body.motion.body.material.density_kg_m3);
   model.spring_damping = own.spring_damping;
-  model.strain_damping_s = stiffness_s;
-  if (stiffness_s > 0.0 || own.damping_spring_n_s_per_m > 0.0) {
-    for (const double stiffness : model.elastic.springs.stiffness_n_per_m)
-      model.spring_damping_n_s_per_m.push_back(stiffness_s * stiffness + own.damping_spring_n_s_per_m);
-  }
-  if (mass_per_s > 0.0 || own.damping_vertex_n_s_per_m > 0.0) {
-    for (const double mass : model.mass_kg)
-      model.environment_damping_n_s_per_m.push_back(mass_per_s * mass + own.damping_vertex_n_s_per_m);
-  }
+  set_damping({body.motion.damping_stiffness_s, body.motion.damping_mass_per_s, own.damping_spring_n_s_per_m,
+               own.damping_vertex_n_s_per_m},
+              model);
   return model;
 }
 

@@ -64,10 +64,12 @@ StrainOperator cell_operator(const Lattice& lattice) {
 
 }  // namespace
 
-LatticeRequest take_lattice_request(const std::string& name, json& left) {
+LatticeRequest take_lattice_request(const std::string& prefix, const std::string& method, json& left) {
+  if (!method.starts_with(prefix))
+    throw InputError("method", 0, prefix + "hexahedral or " + prefix + "bcc", method);
   LatticeRequest request;
   springs::LatticeOptions& lattice = request.lattice;
-  lattice.kind = springs::kLatticeKindNames.parse(name);
+  lattice.kind = springs::kLatticeKindNames.parse(method.substr(prefix.size()));
   lattice.boundary = springs::kLatticeBoundaryNames.parse(
       take_option<std::string>(left, "boundary", &json::is_string, "keep, remove or weight",
                                springs::kLatticeBoundaryNames.of(lattice.boundary)));

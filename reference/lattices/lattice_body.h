@@ -22,8 +22,9 @@ struct LatticeRequest {
   double held_stiffness = 100.0;  ///< of held faces, in E / spacing
 };
 
-/// Takes them out of `left`. `name` is "hexahedral" or "bcc". Throws: InputError.
-LatticeRequest take_lattice_request(const std::string& name, nlohmann::json& left);
+/// Takes them out of `left`. `method` is "hexahedral" or "bcc" behind `prefix`. Throws: InputError.
+LatticeRequest take_lattice_request(const std::string& prefix, const std::string& method,
+                                    nlohmann::json& left);
 
 /// A lattice, its elastic model over its own nodes, and where the vertices of the mesh are in it.
 struct LatticeBody {

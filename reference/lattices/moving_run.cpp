@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <limits>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
@@ -17,6 +16,7 @@
 #include "core/springs/lattice/lattice_network.h"
 #include "reference/door/motion_problem.h"
 #include "reference/door/request_options.h"
+#include "reference/elastic_models/stepped_motion.h"
 #include "reference/lattices/embedded_loads.h"
 #include "reference/lattices/lattice_body.h"
 
@@ -28,11 +28,6 @@ using dynamics::MotionModel;
 using dynamics::MotionState;
 using nlohmann::json;
 
-struct StepOptions {
-  double time_step_s = 0.0;
-  double safety = 0.9;
-};
-
 /// Loads that follow one profile.
 struct MovingGroup {
   EmbeddedLoads loads;
@@ -43,22 +38,13 @@ struct MovingGroup {
 struct LatticePhase {
   LoadPhase time;
   std::vector<MovingGroup> groups;
-  dynamics::StableStep stable;
 };
 
 MotionModel build_motion(const LatticeBody& body, const MotionProblem& problem) {
   MotionModel model;
   model.elastic = body.elastic;
   model.mass_kg = build_lattice_masses(body.lattice, problem.body.material.density_kg_m3);
-  model.strain_damping_s = problem.damping_stiffness_s;
-  if (problem.damping_stiffness_s > 0.0) {
-    for (const double k : model.elastic.springs.stiffness_n_per_m)
-      model.spring_damping_n_s_per_m.push_back(problem.damping_stiffness_s * k);
-  }
-  if (problem.damping_mass_per_s > 0.0) {
-    for (const double mass : model.mass_kg)
-      model.environment_damping_n_s_per_m.push_back(problem.damping_mass_per_s * mass);
-  }
+  set_damping({problem.damping_stiffness_s, problem.damping_mass_per_s}, model);
   return model;
 }
 
@@ -78,7 +64,7 @@ class LatticeMotion {
     add_changing_damping(model_, rest, damping);
     add_constant_damping(model_, damping);
     for (const LoadPhase& time : find_phases(task.problem)) {
-      LatticePhase& phase = phases_.emplace_back(LatticePhase{time, {}, {}});
+      LatticePhase& phase = phases_.emplace_back(LatticePhase{time, {}});
       phase.groups.push_back({embed_loads(body, task.mesh, task.problem.body), {}});
       for (const std::size_t k : time.loads) {
         const MotionLoad& load = task.problem.loads[k];
@@ -86,20 +72,15 @@ class LatticeMotion {
       }
       stiffness_ = free;
       for (const MovingGroup& group : phase.groups) add_load_stiffness(group.loads, stiffness_);
-      phase.stable = predict_stable_step(stiffness_, damping, model_.mass_kg,
-                                         dynamics::IntegratorKind::kSymplecticEuler, threads);
+      const dynamics::StableStep stable = predict_stable_step(
+          stiffness_, damping, model_.mass_kg, dynamics::IntegratorKind::kSymplecticEuler, threads);
+      if (!stable.converged) throw UnavailableError("the stable step did not converge");
+      stable_step_s_ = std::min(stable_step_s_, stable.step_s);
     }
   }
 
   /// The shortest of the phases' bounds.
-  double stable_step_s() const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const LatticePhase& phase : phases_) {
-      if (!phase.stable.converged) throw UnavailableError("the stable step did not converge");
-      least = std::min(least, phase.stable.step_s);
-    }
-    return least;
-  }
+  double stable_step_s() const { return stable_step_s_; }
 
   /// Of the last phase, in Hz.
   std::vector<double> find_frequencies() const {
@@ -112,17 +93,14 @@ class LatticeMotion {
 
   void run(double step_s) {
     constexpr double kMostSteps = 1e9;
-    double steps = 0.0;
-    for (const LatticePhase& phase : phases_) steps += steps_of(phase, step_s);
-    if (!(steps <= kMostSteps)) throw InputError("time_step_s", 0, "at most 1e9 steps", json(steps).dump());
-    stride_ = static_cast<std::uint64_t>(
-        std::ceil(steps / static_cast<double>(task_.problem.samples) * (1.0 - 1e-12)));
+    const StepPlan plan = plan_steps(task_.problem, step_s, kMostSteps);
+    stride_ = plan.stride;
     const std::size_t n = model_.mass_kg.size();
     state_ = {0.0, std::vector<Vec3>(n), std::vector<Vec3>(n)};
     bound_m_ = kEscapeRatio * longest_side(bounding_box(body_.elastic.rest));
     add_row(phases_.front());
     for (std::size_t k = 0; k < phases_.size() && is_good_; ++k)
-      run_phase(phases_[k], step_s, k + 1 == phases_.size());
+      run_phase(phases_[k], plan.phases[k], k + 1 == phases_.size());
   }
 
   void report(json& out) const {
@@ -138,13 +116,8 @@ class LatticeMotion {
  private:
   static constexpr double kEscapeRatio = 1000.0;
 
-  static double steps_of(const LatticePhase& phase, double step_s) {
-    return std::ceil((phase.time.to_s - phase.time.from_s) / step_s * (1.0 - 1e-12));
-  }
-
-  void run_phase(const LatticePhase& phase, double most_s, bool is_last) {
-    const auto steps = static_cast<std::uint64_t>(steps_of(phase, most_s));
-    const double h = (phase.time.to_s - phase.time.from_s) / static_cast<double>(steps);
+  void run_phase(const LatticePhase& phase, const PhaseSteps& planned, bool is_last) {
+    const auto [steps, h] = planned;
     longest_step_s_ = std::max(longest_step_s_, h);
     std::vector<Vec3> force(model_.mass_kg.size());
     for (std::uint64_t k = 1; k <= steps && is_good_; ++k) {
@@ -198,6 +171,7 @@ class LatticeMotion {
   MotionHistory history_;
   springs::Embedding probes_ = embed_probes();
   std::vector<LatticePhase> phases_;
+  double stable_step_s_ = std::numeric_limits<double>::infinity();
   BlockMatrix stiffness_;  ///< of the last phase, supports included
   MotionState state_;
   double bound_m_ = 0.0;
@@ -208,26 +182,13 @@ class LatticeMotion {
   bool is_good_ = true;
 };
 
-double choose_time_step(const StepOptions& options, double stable_step_s) {
-  if (options.time_step_s > stable_step_s)
-    throw InputError("time_step_s", 0,
-                     "at most the stable step of symplectic_euler, " + json(stable_step_s).dump(),
-                     json(options.time_step_s).dump());
-  return options.time_step_s > 0.0 ? options.time_step_s : options.safety * stable_step_s;
-}
-
 }  // namespace
 
 Response run_moving_lattice(const Request& request) {
-  constexpr std::string_view kPrefix = "moving_lattice.";
-  if (!request.method.starts_with(kPrefix))
-    throw InputError("method", 0, "moving_lattice.hexahedral or moving_lattice.bcc", request.method);
   const MotionTask task = read_motion_task(request);
   json left = request.options;
-  const LatticeRequest wanted = take_lattice_request(request.method.substr(kPrefix.size()), left);
-  StepOptions stepping;
-  stepping.time_step_s = take_number(left, "time_step_s", 0.0, 1e6, stepping.time_step_s);
-  stepping.safety = take_number(left, "safety", 1e-6, 1.0, stepping.safety);
+  const LatticeRequest wanted = take_lattice_request("moving_lattice.", request.method, left);
+  const StepRequest stepping = take_step_request(left);
   require_all_taken(left);
 
   Response response;
@@ -237,7 +198,7 @@ Response run_moving_lattice(const Request& request) {
   const double identify_s = kernel.seconds();
   LatticeMotion motion(task, body, request.threads);
   const double stable_step_s = motion.stable_step_s();
-  const double step_s = choose_time_step(stepping, stable_step_s);
+  const double step_s = choose_time_step(stepping, "symplectic_euler", stable_step_s);
   const double setup_s = kernel.seconds() - identify_s;
   const Stopwatch solving;
   motion.run(step_s);

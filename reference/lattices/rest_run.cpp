@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/component.h"
@@ -112,17 +111,13 @@ std::vector<Vec3> sample_field(const LatticeBody& body, const TetMesh& mesh, std
 }  // namespace
 
 Response run_lattice_at_rest(const Request& request) {
-  constexpr std::string_view kPrefix = "lattice.";
-  if (!request.method.starts_with(kPrefix))
-    throw InputError("method", 0, "lattice.hexahedral or lattice.bcc", request.method);
   const DeformTask task = read_deform_task(request);
   json left = request.options;
-  const LatticeRequest wanted = take_lattice_request(request.method.substr(kPrefix.size()), left);
+  const LatticeRequest wanted = take_lattice_request("lattice.", request.method, left);
   dynamics::LinearOptions linear;
   constexpr std::array kMethods{dynamics::LinearMethod::kAuto, dynamics::LinearMethod::kDirect,
                                 dynamics::LinearMethod::kConjugateGradients};
-  if (left.contains("solver"))
-    linear.method = kMethods[take_choice(left, "solver", {"auto", "direct", "conjugate_gradients"})];
+  linear.method = kMethods[take_choice(left, "solver", {"auto", "direct", "conjugate_gradients"})];
   linear.threads = request.threads;
   const bool midpoints = take_option<bool>(left, "midpoints", &json::is_boolean, "true or false", false);
   require_all_taken(left);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "core/base/error.h"
@@ -13,6 +14,7 @@
 #include "reference/door/deform_problem.h"
 #include "reference/door/motion_problem.h"
 #include "reference/door/request_options.h"
+#include "reference/elastic_models/stepped_motion.h"
 #include "reference/linear_systems/factor.h"
 
 namespace palpate::reference {
@@ -59,14 +61,8 @@ class ModalMotion {
         options_(options),
         space_(dynamics::build_element_space(task.mesh, options.order)),
         body_(build_element_matrices(task.mesh, space_, task.problem.body.material)),
-        history_{history_columns(task.problem), {}} {
-    double steps = 0.0;
-    for (const LoadPhase& phase : find_phases(task.problem)) steps += steps_of(phase);
-    if (!(steps <= kMostSteps))
-      throw InputError("time_step_s", 0, "at most 1e8 steps", std::to_string(steps));
-    stride_ = static_cast<std::uint64_t>(
-        std::ceil(steps / static_cast<double>(task.problem.samples) * (1.0 - 1e-12)));
-  }
+        history_{history_columns(task.problem), {}},
+        plan_(plan_steps(task.problem, options.time_step_s, kMostSteps)) {}
 
   void run() {
     dynamics::NodeState state{std::vector<Vec3>(space_.nodes()), std::vector<Vec3>(space_.nodes())};
@@ -77,7 +73,7 @@ class ModalMotion {
       setup_s_ += setting_up.seconds();
       left_out_ = std::max(left_out_, moving.start(state, phases[k].from_s));
       if (k == 0) add_row(moving, phases[k], phases[k].from_s);
-      step_through(moving, phases[k], k + 1 == phases.size());
+      step_through(moving, phases, k);
       state = moving.state();
       frequencies_ = moving.frequencies_hz();
     }
@@ -105,10 +101,6 @@ class ModalMotion {
   const MotionHistory& history() const { return history_; }
 
  private:
-  double steps_of(const LoadPhase& phase) const {
-    return std::ceil((phase.to_s - phase.from_s) / options_.time_step_s * (1.0 - 1e-12));
-  }
-
   ModalPhase build_phase(const LoadPhase& phase) const {
     const auto group_of = [&](const BoundaryProblem& part, const dynamics::TimeProfile& profile) {
       return ModalGroup{build_node_loads(task_.mesh, space_, part, BodyForces::kInclude), profile};
@@ -132,9 +124,10 @@ class ModalMotion {
     return {body_, options_.order, std::move(groups), modal, choose_factor(options_.factor)};
   }
 
-  void step_through(ModalPhase& moving, const LoadPhase& phase, bool is_last) {
-    const auto steps = static_cast<std::uint64_t>(steps_of(phase));
-    const double step_s = (phase.to_s - phase.from_s) / static_cast<double>(steps);
+  void step_through(ModalPhase& moving, std::span<const LoadPhase> phases, std::size_t at) {
+    const LoadPhase& phase = phases[at];
+    const bool is_last = at + 1 == phases.size();
+    const auto [steps, step_s] = plan_.phases[at];
     longest_step_s_ = std::max(longest_step_s_, step_s);
     const Stopwatch preparing;
     moving.prepare(step_s);
@@ -145,7 +138,7 @@ class ModalMotion {
       moving.advance(step_s, time_s);
       stepping_s_ += stepping.seconds();
       ++steps_;
-      if (steps_ % stride_ == 0 || (is_last && k == steps)) add_row(moving, phase, time_s);
+      if (steps_ % plan_.stride == 0 || (is_last && k == steps)) add_row(moving, phase, time_s);
     }
   }
 
@@ -163,7 +156,7 @@ class ModalMotion {
   dynamics::ElementSpace space_;
   dynamics::ElementMatrices body_;
   MotionHistory history_;
-  std::uint64_t stride_ = 1;
+  StepPlan plan_;
   std::uint64_t steps_ = 0;
   double longest_step_s_ = 0.0;
   double setup_s_ = 0.0;

@@ -1,10 +1,11 @@
 #include "reference/springs/motion_phases.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
+#include "reference/elastic_models/stepped_motion.h"
 
 namespace palpate::reference {
 namespace {
@@ -18,21 +19,6 @@ MotionModel build_body(const TetMesh& mesh, const MotionProblem& problem,
   model.elastic = elastic;
   model.mass_kg = dynamics::build_lumped_masses(mesh, problem.body.material.density_kg_m3);
   return model;
-}
-
-void damp_by_shares(const MotionProblem& problem, MotionModel& model) {
-  const double stiffness_s = problem.damping_stiffness_s;
-  model.strain_damping_s = stiffness_s;
-  if (stiffness_s > 0.0) {
-    for (const double k : model.elastic.springs.stiffness_n_per_m)
-      model.spring_damping_n_s_per_m.push_back(stiffness_s * k);
-  }
-}
-
-void damp_vertices_by_mass(const MotionProblem& problem, MotionModel& model) {
-  if (problem.damping_mass_per_s == 0.0) return;
-  for (const double mass : model.mass_kg)
-    model.environment_damping_n_s_per_m.push_back(problem.damping_mass_per_s * mass);
 }
 
 /// The first mode's shape decides what constants do.
@@ -66,35 +52,26 @@ MovingPhases build_phases(const TetMesh& mesh, const MotionProblem& problem,
   const bool matches = damping != DampingModel::kRayleigh;
   const std::size_t modes = std::max<std::size_t>(problem.frequencies, matches ? 1 : 0);
   if (modes > 0) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     made.modes = find_lowest_modes(made.phases.back().model, modes);
-    made.modes_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    made.modes_s = watch.seconds();
     if (!made.modes.converged) throw UnavailableError("the lowest frequencies did not converge");
   }
+  DampingShares shares{problem.damping_stiffness_s, problem.damping_mass_per_s};
   if (damping == DampingModel::kSprings) {
     if (elastic.springs.springs.empty())
       throw InputError("damping", 0, "rayleigh or vertices for a model without springs", "springs");
     const dynamics::ModeShares first = measure_first(made.phases.back().model, made.modes);
     if (problem.damping_stiffness_s > 0.0)
       made.spring_damping_n_s_per_m = quotient(problem.damping_stiffness_s * first.stiffness, first.springs);
+    shares = {0.0, problem.damping_mass_per_s, made.spring_damping_n_s_per_m};
   } else if (damping == DampingModel::kVertices) {
     const dynamics::ModeShares first = measure_first(made.phases.back().model, made.modes);
     made.vertex_damping_n_s_per_m =
         (problem.damping_stiffness_s * first.stiffness + problem.damping_mass_per_s) / first.vertices;
+    shares = {0.0, 0.0, 0.0, made.vertex_damping_n_s_per_m};
   }
-  for (MovingPhase& phase : made.phases) {
-    MotionModel& model = phase.model;
-    if (damping == DampingModel::kVertices) {
-      model.environment_damping_n_s_per_m.assign(model.mass_kg.size(), made.vertex_damping_n_s_per_m);
-      continue;
-    }
-    damp_vertices_by_mass(problem, model);
-    if (damping == DampingModel::kRayleigh) {
-      damp_by_shares(problem, model);
-    } else {
-      model.spring_damping_n_s_per_m.assign(elastic.springs.springs.size(), made.spring_damping_n_s_per_m);
-    }
-  }
+  for (MovingPhase& phase : made.phases) set_damping(shares, phase.model);
   made.modes.frequency_hz.resize(problem.frequencies);
   return made;
 }

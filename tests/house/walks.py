@@ -34,7 +34,7 @@ WALKS = {
         simplify_contest:build_record > judge_output
         simplify_contest:build_record > add_region_figures
         """),
-    "scene to displacement error": (10, """
+    "scene to displacement error": (9, """
         read_deform_plan > read_plan_scenes
         read_plan_scenes > read_plan_scene
         read_plan_scene > read_scene

@@ -10,7 +10,7 @@
 #include "experiments/contestants/contestant_run.h"
 #include "reference/door/motion_problem.h"
 #include "tests/support/angles.h"
-#include "tests/support/contestant_starter.h"
+#include "tests/support/moving_contestant.h"
 #include "tests/support/rod.h"
 
 namespace palpate::experiments {
@@ -20,53 +20,25 @@ using nlohmann::json;
 using reference::MotionHistory;
 using reference::MotionLoad;
 using reference::MotionProblem;
+using test::column;
 using test::kPi;
 using test::Rod;
 using testing::HasSubstr;
 
 /// Starts a method on a motion.
-class MovingElements : public testing::Test {
+class MovingElements : public test::MovingContestant {
  protected:
   void SetUp() override {
     ASSERT_EQ(starter_.registry().find("moving_fem.p2")->contestant->unavailable(), "");
   }
 
-  ContestantAnswer run(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
-                       const json& options = json::object()) {
-    return starter_.run(method, mesh, reference::motion_to_json(problem), options);
-  }
-
-  MotionHistory move(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
-                     const json& options = json::object()) {
-    const ContestantAnswer answer = run(method, mesh, problem, options);
-    EXPECT_EQ(answer.outcome, "ok") << answer.message;
-    if (answer.outcome != "ok") return {};
-    report_ = answer.report;
-    EXPECT_EQ(report_.at("outcome"), "completed");
-    return reference::read_history(answer.output, problem);
-  }
-
   std::vector<double> frequencies(const std::string& method, Rod rod, std::size_t count) {
     rod.problem.frequencies = count;
     rod.problem.duration_s = 1e-3;
-    move(method, rod.mesh, rod.problem);
+    move(method, rod);
     return report_.value("frequencies_hz", std::vector<double>(count));
   }
-
-  test::ContestantStarter starter_;
-  json report_;
 };
-
-/// The numbers of one column.
-std::vector<double> column(const MotionHistory& history, const std::string& name) {
-  const auto at = std::find(history.columns.begin(), history.columns.end(), name);
-  EXPECT_NE(at, history.columns.end()) << name;
-  if (at == history.columns.end()) return {};
-  std::vector<double> numbers;
-  for (const auto& row : history.rows)
-    numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
-  return numbers;
-}
 
 // f_k = (2 k - 1) c / (4 L). The error of omega falls as h^4 for P2 and as h^2 for P1.
 TEST_F(MovingElements, FrequenciesOfARodHeldAtOneEnd) {
@@ -178,20 +150,15 @@ TEST_F(MovingElements, WithoutDampingTheEnergyStays) {
 
 // A pad pushes slowly against a damped rod: in the end springs in series, a fixed force.
 TEST_F(MovingElements, ToolForceEndsAtTheStaticReaction) {
-  Rod rod(6);
-  rod.hold_left();
-  rod.problem.damping_mass_per_s = 60.0;
-  rod.problem.duration_s = 1.0;
-  const double by = -1e-3;
-  const double per_area = rod.modulus_pa() / Rod::kLengthM;
-  MotionLoad pad = rod.pad(3.0 * per_area, by);
-  pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
+  test::PushedRod rod;
+  const double by = test::PushedRod::kByM;
+  const MotionLoad pad = rod.problem.loads[0];
   MotionLoad hand = rod.empty_load();
   hand.part.held.push_back({rod.right(), {true, false, false}, {by, 0.0, 0.0}});
   hand.profile = pad.profile;
   for (const char* method : {"moving_fem.p1", "moving_fem.p2"}) {
-    for (const auto& [load, expected] : {std::pair{pad, 0.75 * per_area * by * Rod::kAreaM2},
-                                         std::pair{hand, per_area * by * Rod::kAreaM2}}) {
+    for (const auto& [load, expected] :
+         {std::pair{pad, rod.pad_force_n()}, std::pair{hand, rod.stiffness_n_m3() * by * Rod::kAreaM2}}) {
       rod.problem.loads = {load};
       const MotionHistory history = move(method, rod.mesh, rod.problem, {{"time_step_s", 5e-3}});
       EXPECT_NEAR(column(history, "tool_1_fx_n").back(), expected, 1e-6 * std::fabs(expected));

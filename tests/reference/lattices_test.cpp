@@ -14,7 +14,7 @@
 #include "reference/closed_form/structured_mesh.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/motion_problem.h"
-#include "tests/support/contestant_starter.h"
+#include "tests/support/moving_contestant.h"
 #include "tests/support/rod.h"
 
 namespace palpate::reference {
@@ -22,6 +22,7 @@ namespace {
 
 using experiments::ContestantAnswer;
 using nlohmann::json;
+using test::column;
 using test::Rod;
 using testing::HasSubstr;
 
@@ -63,7 +64,7 @@ KnownCase build_pressed_bar(double poisson_ratio) {
   return known;
 }
 
-class LatticeContestant : public testing::Test {
+class LatticeContestant : public test::MovingContestant {
  protected:
   ContestantAnswer ask(const std::string& kind, const KnownCase& known,
                        const json& options = json::object()) {
@@ -90,29 +91,6 @@ class LatticeContestant : public testing::Test {
     return judge::compare_displacement(known.mesh, u, exact(known), material.lambda_pa(), material.mu_pa())
         .relative_l2;
   }
-
-  MotionHistory move(const std::string& kind, const Rod& rod, const json& options = json::object()) {
-    const ContestantAnswer answer =
-        starter_.run("moving_lattice." + kind, rod.mesh, motion_to_json(rod.problem), options);
-    EXPECT_EQ(answer.outcome, "ok") << answer.message;
-    if (answer.outcome != "ok") return {};
-    report_ = answer.report;
-    EXPECT_EQ(report_.at("outcome"), "completed");
-    return read_history(answer.output, rod.problem);
-  }
-
-  static std::vector<double> column(const MotionHistory& history, const std::string& name) {
-    const auto at = std::find(history.columns.begin(), history.columns.end(), name);
-    EXPECT_NE(at, history.columns.end()) << name;
-    if (at == history.columns.end()) return {};
-    std::vector<double> numbers;
-    for (const auto& row : history.rows)
-      numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
-    return numbers;
-  }
-
-  test::ContestantStarter starter_;
-  json report_;
 };
 
 // The patch test: whole cells fill the bar, its mesh has other vertices than the lattice.
@@ -282,7 +260,7 @@ TEST_F(LatticeContestant, FrequenciesOfARodHeldAtOneEnd) {
     rod.hold_left();
     rod.problem.frequencies = 3;
     rod.problem.duration_s = 1e-3;
-    move(kind, rod, {{"spacing_m", 0.00625}, {"held_stiffness", 1000.0}});
+    move(std::string("moving_lattice.") + kind, rod, {{"spacing_m", 0.00625}, {"held_stiffness", 1000.0}});
     const double exact = rod.wave_speed_m_s() / (4.0 * Rod::kLengthM);
     EXPECT_NEAR(report_.at("frequencies_hz")[0].get<double>() / exact, 1.0, 5e-3) << kind;
     EXPECT_EQ(report_.at("frequencies_hz").size(), 3U);
@@ -291,22 +269,14 @@ TEST_F(LatticeContestant, FrequenciesOfARodHeldAtOneEnd) {
 
 TEST_F(LatticeContestant, ToolForceEndsAtTheStaticReaction) {
   for (const char* kind : kKinds) {
-    Rod rod(6);
-    rod.hold_left();
-    rod.problem.damping_mass_per_s = 60.0;
-    rod.problem.duration_s = 1.0;
-    const double by = -1e-3;
-    const double per_area = rod.modulus_pa() / Rod::kLengthM;
-    MotionLoad pad = rod.pad(3.0 * per_area, by);
-    pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
-    rod.problem.loads = {pad};
+    const test::PushedRod rod;
     const double spacing = 0.0125;
     const double penalty = 1e5;
-    const MotionHistory history = move(kind, rod, {{"spacing_m", spacing}, {"held_stiffness", penalty}});
+    const MotionHistory history = move(std::string("moving_lattice.") + kind, rod,
+                                       {{"spacing_m", spacing}, {"held_stiffness", penalty}});
     // Three springs in a row, per area: the pad, the rod, and what holds it. The walls give way by some h /
     // (p W).
-    const double held = penalty * 1e4 / spacing;
-    const double expected = by * Rod::kAreaM2 / (1.0 / (3.0 * per_area) + 1.0 / per_area + 1.0 / held);
+    const double expected = rod.pad_force_n(penalty * 1e4 / spacing);
     EXPECT_NEAR(column(history, "tool_1_fx_n").back(), expected, 3e-5 * std::fabs(expected)) << kind;
     EXPECT_LT(report_.at("time_step_s"), report_.at("stable_step_s"));
   }
@@ -322,7 +292,8 @@ TEST_F(LatticeContestant, KeepTheEnergyOfARodThatIsLetGo) {
     pluck.until_s = 0.1;
     rod.problem.loads = {pluck};
     rod.problem.duration_s = 0.4;
-    const MotionHistory history = move(kind, rod, {{"spacing_m", 0.00625}, {"safety", 0.3}});
+    const MotionHistory history =
+        move(std::string("moving_lattice.") + kind, rod, {{"spacing_m", 0.00625}, {"safety", 0.3}});
     const std::vector<double> time = column(history, "time_s");
     const std::vector<double> total = column(history, "total_j");
     double least = 1e300;
@@ -342,13 +313,13 @@ TEST_F(LatticeContestant, RefuseStepsBeyondTheBoundInMotion) {
   Rod rod(6);
   rod.hold_left();
   rod.problem.duration_s = 0.01;
-  move("bcc", rod);
+  move("moving_lattice.bcc", rod);
   const double bound = report_.at("stable_step_s").get<double>();
   const ContestantAnswer answer = starter_.run("moving_lattice.bcc", rod.mesh, motion_to_json(rod.problem),
                                                {{"time_step_s", 1.01 * bound}});
   EXPECT_EQ(answer.outcome, "bad_input");
   EXPECT_THAT(answer.message, HasSubstr("at most the stable step"));
-  move("bcc", rod, {{"time_step_s", 0.99 * bound}});
+  move("moving_lattice.bcc", rod, {{"time_step_s", 0.99 * bound}});
   rod.problem.body.strain = StrainSize::kLarge;
   EXPECT_THAT(starter_.run("moving_lattice.bcc", rod.mesh, motion_to_json(rod.problem)).message,
               HasSubstr("linear here"));

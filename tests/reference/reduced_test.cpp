@@ -16,6 +16,7 @@
 #include "reference/door/motion_problem.h"
 #include "reference/reduced/table_file.h"
 #include "tests/support/contestant_starter.h"
+#include "tests/support/moving_contestant.h"
 #include "tests/support/rod.h"
 #include "tests/support/scratch_folder.h"
 
@@ -25,6 +26,7 @@ namespace {
 using dynamics::ComplianceTable;
 using experiments::ContestantAnswer;
 using nlohmann::json;
+using test::column;
 using testing::HasSubstr;
 
 /// A cube on an elastic foot that is pressed by a pad, pulled by its weight, and held at one side.
@@ -215,29 +217,7 @@ TEST_F(Reduced, SaysWhatItCannotDo) {
 }
 
 /// A rod in motion through the door.
-class MovingModes : public testing::Test {
- protected:
-  MotionHistory move(const std::string& method, const test::Rod& rod, const json& options) {
-    const ContestantAnswer answer = starter_.run(method, rod.mesh, motion_to_json(rod.problem), options);
-    EXPECT_EQ(answer.outcome, "ok") << answer.message;
-    if (answer.outcome != "ok") return {};
-    report_ = answer.report;
-    return read_history(answer.output, rod.problem);
-  }
-
-  static std::vector<double> column(const MotionHistory& history, const std::string& name) {
-    const auto at = std::find(history.columns.begin(), history.columns.end(), name);
-    EXPECT_NE(at, history.columns.end()) << name;
-    std::vector<double> numbers;
-    if (at == history.columns.end()) return numbers;
-    for (const auto& row : history.rows)
-      numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
-    return numbers;
-  }
-
-  test::ContestantStarter starter_;
-  json report_;
-};
+class MovingModes : public test::MovingContestant {};
 
 TEST_F(MovingModes, FrequenciesOfARodHeldAtOneEnd) {
   test::Rod rod(8);
@@ -284,25 +264,19 @@ TEST_F(MovingModes, FollowsNewmarkOfTheSameElementsThroughAPadThatComesAndGoes) 
 }
 
 TEST_F(MovingModes, ToolForceEndsAtTheStaticReactionAndAHeldEndFollowsItsProfile) {
-  test::Rod rod(6);
-  rod.hold_left();
-  rod.problem.damping_mass_per_s = 60.0;
-  rod.problem.duration_s = 1.0;
-  const double per_area = rod.modulus_pa() / test::Rod::kLengthM;
-  MotionLoad pad = rod.pad(3.0 * per_area, -1e-3);
-  pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
-  rod.problem.loads = {pad};
-  const double expected = 0.75 * per_area * -1e-3 * test::Rod::kAreaM2;
+  test::PushedRod rod;
+  const double by = test::PushedRod::kByM;
+  const double expected = rod.pad_force_n();
   EXPECT_NEAR(column(move("moving_reduced.modal", rod, {{"modes", 4}}), "tool_1_fx_n").back(), expected,
               1e-6 * std::fabs(expected));
   // The end held hard and moved: the reaction of the whole rod, and the end where it was put.
   MotionLoad hold = rod.empty_load();
-  hold.part.held.push_back({rod.right(), {true, false, false}, {-1e-3, 0, 0}});
-  hold.profile = pad.profile;
+  hold.part.held.push_back({rod.right(), {true, false, false}, {by, 0, 0}});
+  hold.profile = rod.problem.loads[0].profile;
   rod.problem.loads = {hold};
   const MotionHistory held = move("moving_reduced.modal", rod, {{"modes", 4}});
-  EXPECT_NEAR(column(held, "tool_1_fx_n").back(), per_area * -1e-3 * test::Rod::kAreaM2, 1e-6);
-  EXPECT_NEAR(column(held, "probe_1_ux_m").back(), -1e-3, 1e-12);
+  EXPECT_NEAR(column(held, "tool_1_fx_n").back(), rod.stiffness_n_m3() * by * test::Rod::kAreaM2, 1e-6);
+  EXPECT_NEAR(column(held, "probe_1_ux_m").back(), by, 1e-12);
 }
 
 TEST_F(MovingModes, EnergyIsKeptWithoutDamping) {

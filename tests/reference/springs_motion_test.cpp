@@ -8,7 +8,7 @@
 #include "experiments/contestants/contestant_run.h"
 #include "reference/door/motion_problem.h"
 #include "tests/support/angles.h"
-#include "tests/support/contestant_starter.h"
+#include "tests/support/moving_contestant.h"
 #include "tests/support/rod.h"
 
 namespace palpate::experiments {
@@ -18,40 +18,12 @@ using nlohmann::json;
 using reference::MotionHistory;
 using reference::MotionLoad;
 using reference::MotionProblem;
+using test::column;
 using test::kPi;
 using test::Rod;
 using testing::HasSubstr;
 
-class MovingSprings : public testing::Test {
- protected:
-  ContestantAnswer run(const std::string& method, const TetMesh& mesh, const MotionProblem& problem,
-                       const json& options = json::object()) {
-    return starter_.run(method, mesh, reference::motion_to_json(problem), options);
-  }
-
-  MotionHistory move(const std::string& method, const Rod& rod, const json& options = json::object()) {
-    const ContestantAnswer answer = run(method, rod.mesh, rod.problem, options);
-    EXPECT_EQ(answer.outcome, "ok") << answer.message;
-    if (answer.outcome != "ok") return {};
-    report_ = answer.report;
-    EXPECT_EQ(report_.at("outcome"), "completed");
-    return reference::read_history(answer.output, rod.problem);
-  }
-
-  std::vector<double> column(const MotionHistory& history, const std::string& name) {
-    const auto at = std::find(history.columns.begin(), history.columns.end(), name);
-    EXPECT_NE(at, history.columns.end()) << name;
-    if (at == history.columns.end()) return {};
-    if (at == history.columns.end()) return {};
-    std::vector<double> numbers;
-    for (const auto& row : history.rows)
-      numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
-    return numbers;
-  }
-
-  test::ContestantStarter starter_;
-  json report_;
-};
+class MovingSprings : public test::MovingContestant {};
 
 /// Linear elements, no smoothing at all.
 const json kLinearElements{{"theta", 0.0}, {"rest", "tet"}, {"domain", "tet"}};
@@ -75,16 +47,8 @@ TEST_F(MovingSprings, FrequenciesOfARodHeldAtOneEnd) {
 }
 
 TEST_F(MovingSprings, ToolForceEndsAtTheStaticReaction) {
-  Rod rod(6);
-  rod.hold_left();
-  rod.problem.damping_mass_per_s = 60.0;
-  rod.problem.duration_s = 1.0;
-  const double by = -1e-3;
-  const double per_area = rod.modulus_pa() / Rod::kLengthM;
-  MotionLoad pad = rod.pad(3.0 * per_area, by);
-  pad.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
-  rod.problem.loads = {pad};
-  const double expected = 0.75 * per_area * by * Rod::kAreaM2;
+  const test::PushedRod rod;
+  const double expected = rod.pad_force_n();
   for (const char* integrator : {"symplectic_euler", "velocity_verlet", "runge_kutta_4"}) {
     json options = kLinearElements;
     options["integrator"] = integrator;

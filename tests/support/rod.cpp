@@ -1,6 +1,10 @@
 #include "tests/support/rod.h"
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/mesh/topology.h"
@@ -79,6 +83,38 @@ double Rod::modulus_pa() const {
 
 double Rod::wave_speed_m_s() const {
   return std::sqrt(modulus_pa() / problem.body.material.density_kg_m3);
+}
+
+PushedRod::PushedRod() : Rod(6) {
+  hold_left();
+  problem.damping_mass_per_s = 60.0;
+  problem.duration_s = 1.0;
+  reference::MotionLoad push = pad(3.0 * stiffness_n_m3(), kByM);
+  push.profile = {{0.0, 0.3}, {0.0, 1.0}, true};
+  problem.loads = {push};
+}
+
+double PushedRod::stiffness_n_m3() const {
+  return modulus_pa() / kLengthM;
+}
+
+double PushedRod::pad_force_n() const {
+  return pad_force_n(std::numeric_limits<double>::infinity());
+}
+
+double PushedRod::pad_force_n(double held_n_m3) const {
+  const double rod = stiffness_n_m3();
+  return kByM * kAreaM2 / (1.0 / (3.0 * rod) + 1.0 / rod + 1.0 / held_n_m3);
+}
+
+std::vector<double> column(const reference::MotionHistory& history, const std::string& name) {
+  const auto at = std::find(history.columns.begin(), history.columns.end(), name);
+  EXPECT_NE(at, history.columns.end()) << name;
+  if (at == history.columns.end()) return {};
+  std::vector<double> numbers;
+  for (const auto& row : history.rows)
+    numbers.push_back(row[static_cast<std::size_t>(at - history.columns.begin())]);
+  return numbers;
 }
 
 }  // namespace palpate::test

@@ -1,6 +1,9 @@
 // A rod between smooth walls: it can move along x alone, so that all of it is known in closed form.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/mesh/tet_mesh.h"
 #include "reference/door/motion_problem.h"
 
@@ -26,5 +29,21 @@ struct Rod {
   double modulus_pa() const;  ///< lambda + 2 mu: Young's modulus without sideways strain
   double wave_speed_m_s() const;
 };
+
+/// Six cells, damped and held at the left. A pad, three times as stiff as the rod, pushes the right end
+/// within 0.3 s: at 1 s springs in series are at rest.
+struct PushedRod : Rod {
+  static constexpr double kByM = -1e-3;  ///< how far the pad is moved
+
+  PushedRod();
+
+  double stiffness_n_m3() const;               ///< of the rod alone, over its area
+  double pad_force_n() const;                  ///< on the rod at the end
+  double pad_force_n(double held_n_m3) const;  ///< the same where what holds the left end gives way
+};
+
+/// The numbers of one column of a history, one a row; none, and a failure of the test, where there is no such
+/// column.
+std::vector<double> column(const reference::MotionHistory& history, const std::string& name);
 
 }  // namespace palpate::test

@@ -1,10 +1,10 @@
 #include "core/springs/lattice/cell_faces.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
 #include "core/base/component.h"
+#include "core/springs/lattice/cell_cuts.h"
 
 namespace palpate::springs {
 namespace {
@@ -25,12 +25,8 @@ void cut_part(const Part& part, std::size_t axis, double plane, std::vector<Part
   const Vec3& a = part[tip];
   const Vec3& b = part[(tip + 1) % 3];
   const Vec3& c = part[(tip + 2) % 3];
-  const auto meet = [&](const Vec3& to) {
-    const double from = component(a, axis);
-    return a + ((plane - from) / (component(to, axis) - from)) * (to - a);
-  };
-  const Vec3 ab = meet(b);
-  const Vec3 ac = meet(c);
+  const Vec3 ab = meet_plane(a, b, axis, plane);
+  const Vec3 ac = meet_plane(a, c, axis, plane);
   std::vector<Part>& own = lows == 1 ? below : above;
   std::vector<Part>& other = lows == 1 ? above : below;
   own.push_back({a, ab, ac});
@@ -43,19 +39,14 @@ void cut_part(const Part& part, std::size_t axis, double plane, std::vector<Part
 std::vector<std::array<Vec3, 3>> split_at_cells(const std::array<Vec3, 3>& corners) {
   std::vector<Part> parts{corners};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    double least = component(corners[0], axis);
-    double most = least;
-    for (const Vec3& corner : corners) {
-      least = std::min(least, component(corner, axis));
-      most = std::max(most, component(corner, axis));
-    }
     std::vector<Part> done;
-    const auto last = static_cast<long>(std::ceil(most));
-    for (auto plane = static_cast<long>(std::floor(least)) + 1; plane < last; ++plane) {
-      std::vector<Part> rest;
-      for (const Part& part : parts) cut_part(part, axis, static_cast<double>(plane), done, rest);
-      parts.swap(rest);
-    }
+    const auto cut = [&](const Part& part, double plane, std::vector<Part>& below, std::vector<Part>& above) {
+      cut_part(part, axis, plane, below, above);
+    };
+    const auto take = [&](long /*cell*/, const std::vector<Part>& below) {
+      done.insert(done.end(), below.begin(), below.end());
+    };
+    cut_between_cells(span_cells(corners, axis), cut, take, parts);
     parts.insert(parts.end(), done.begin(), done.end());
   }
   std::erase_if(parts, [](const Part& p) { return length_sq(cross(p[1] - p[0], p[2] - p[0])) == 0.0; });

@@ -6,18 +6,12 @@
 
 #include "core/base/component.h"
 #include "core/mesh/geometry.h"
+#include "core/springs/lattice/cell_cuts.h"
 
 namespace palpate::springs {
 namespace {
 
 using Piece = std::array<Vec3, 4>;
-
-/// Where the edge from a to b meets the plane.
-Vec3 cut_edge(const Vec3& a, const Vec3& b, std::size_t axis, double plane) {
-  const double from = component(a, axis);
-  const double t = (plane - from) / (component(b, axis) - from);
-  return a + t * (b - a);
-}
 
 /// The prism between the triangles abc and def (a over d, b over e, c over f) as three tets.
 void add_prism(const std::array<Vec3, 6>& p, std::vector<Piece>& pieces) {
@@ -47,7 +41,7 @@ void cut_piece(const Piece& piece, std::size_t axis, double plane, std::vector<P
       high[highs++] = corner;
     }
   }
-  const auto at = [&](const Vec3& a, const Vec3& b) { return cut_edge(a, b, axis, plane); };
+  const auto at = [&](const Vec3& a, const Vec3& b) { return meet_plane(a, b, axis, plane); };
   if (highs == 0) {
     below.push_back(piece);
   } else if (lows == 0) {
@@ -85,25 +79,19 @@ class CellFiller {
       volumes_[cell] += std::fabs(signed_volume(piece[0], piece[1], piece[2], piece[3]));
       return;
     }
-    double least = component(piece[0], axis);
-    double most = least;
-    for (const Vec3& corner : piece) {
-      least = std::min(least, component(corner, axis));
-      most = std::max(most, component(corner, axis));
-    }
-    const int outermost = size_[axis] - 1;
-    int at = std::clamp(static_cast<int>(std::floor(least)), 0, outermost);
+    const long outermost = size_[axis] - 1;
+    CellSpan span = span_cells(piece, axis);
+    span.first = std::clamp(span.first, 0L, outermost);
+    span.last = std::clamp(span.last, span.first, outermost);
+    const auto cut = [&](const Piece& each, double plane, std::vector<Piece>& below,
+                         std::vector<Piece>& above) { cut_piece(each, axis, plane, below, above); };
+    const auto take = [&](long cell, const std::vector<Piece>& pieces) {
+      place_[axis] = static_cast<int>(cell);
+      for (const Piece& each : pieces) add(each, axis + 1);
+    };
     std::vector<Piece> rest{piece};
-    for (; at < outermost && most > at + 1.0; ++at) {
-      std::vector<Piece> below;
-      std::vector<Piece> above;
-      for (const Piece& each : rest) cut_piece(each, axis, at + 1.0, below, above);
-      place_[axis] = at;
-      for (const Piece& each : below) add(each, axis + 1);
-      rest.swap(above);
-    }
-    place_[axis] = at;
-    for (const Piece& each : rest) add(each, axis + 1);
+    cut_between_cells(span, cut, take, rest);
+    take(span.last, rest);
   }
 
   std::vector<double> take() { return std::move(volumes_); }

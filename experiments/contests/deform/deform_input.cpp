@@ -13,6 +13,7 @@
 #include "experiments/files/output_file.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/scene_reader/swept_scene.h"
 #include "reference/door/deform_problem.h"
 
 namespace palpate::experiments {

@@ -10,6 +10,7 @@
 #include "experiments/contests/simplified_mesh.h"
 #include "experiments/files/output_file.h"
 #include "experiments/scene_reader/scene_motion.h"
+#include "experiments/scene_reader/swept_scene.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;

@@ -23,14 +23,15 @@ import tempfile
 CELLS = {10: "1.3k", 21: "10k", 46: "100k", 100: "1M"}
 NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/|$)")
 OURS = "bench_plain<float>"
+BENCHES = "bench_(plain|portable|every_force|pointers|pointers_shuffled|bullet_[a-z_]+|triad)[</]"
 
 
-def run_bench(bench, large, repetitions, path):
+def run_bench(bench, names, repetitions, path, large=False):
+    """Rows of the benchmarks that `names` finds, as JSON at `path`."""
     environment = dict(os.environ)
     environment.pop("PALPATE_BENCH_LARGE", None)
     if large:
         environment["PALPATE_BENCH_LARGE"] = "1"
-    names = "bench_(plain|portable|every_force|pointers|pointers_shuffled|bullet_[a-z_]+|triad)[</]"
     subprocess.run([bench, f"--benchmark_filter={names}", f"--benchmark_repetitions={repetitions}",
                     "--benchmark_enable_random_interleaving=true", f"--benchmark_out={path}", "--benchmark_out_format=json"],
                    check=True, env=environment, stdout=subprocess.DEVNULL)
@@ -132,14 +133,30 @@ def align(table):
     return "\n".join(lines)
 
 
-def render(data, clock):
-    rows = read_rows(data)
-    figures = Figures(rows, clock)
+def head_lines(data, rows, clock):
+    """The machine, its load, and what a figure is."""
     context = data.get("context", {})
     load = ", ".join(f"{value:.2f}" for value in context.get("load_avg", []))
     repetitions = max((len(repeated) for repeated in rows.values()), default=0)
-    lines = [f"{context.get('num_cpus', '?')} processors of {context.get('mhz_per_cpu', '?')} MHz, load {load} at the start, "
-             f"medians of {repetitions} repetitions, {clock} clock", ""]
+    return [f"{context.get('num_cpus', '?')} processors of {context.get('mhz_per_cpu', '?')} MHz, load {load} at the start, "
+            f"medians of {repetitions} repetitions, {clock} clock", ""]
+
+
+def target_lines(found):
+    table = [["target", "bound", "measured", ""]]
+    for what, bound, value, verdict in found:
+        table.append([what, bound, "-" if value is None else f"{value:.2f}", verdict])
+    return [align(table), ""]
+
+
+def hash_text(found, where=""):
+    return f"{next(iter(found))}{where}" if len(found) == 1 else "DIFFERS: " + ", ".join(sorted(found))
+
+
+def render(data, clock):
+    rows = read_rows(data)
+    figures = Figures(rows, clock)
+    lines = head_lines(data, rows, clock)
     table = [["ns a spring and step", *CELLS.values(), "spread"]]
     springs = sorted({(name, threads) for name, _, threads in rows if name != "bench_triad"})
     for name, threads in springs:
@@ -154,14 +171,9 @@ def render(data, clock):
             rate = figures.median("bench_triad", 100, threads, counter="gb_per_s")
             name = f"roofline{', 2 threads' if threads == 2 else ''} ({rate:.1f} GB/s)"
             table.append([name, *cells, f"{100 * figures.spread('bench_triad', 100, threads):.0f}%"])
-    lines += [align(table), ""]
-    table = [["target", "bound", "measured", ""]]
-    for what, bound, value, verdict in targets(figures):
-        table.append([what, bound, "-" if value is None else f"{value:.2f}", verdict])
-    lines += [align(table), ""]
+    lines += [align(table), "", *target_lines(targets(figures))]
     for size, found in sorted(hashes(rows).items()):
-        lines.append(f"hash of the state after 100 steps, {CELLS[size]}: "
-                     + (f"{next(iter(found))} in all rows" if len(found) == 1 else "DIFFERS: " + ", ".join(sorted(found))))
+        lines.append(f"hash of the state after 100 steps, {CELLS[size]}: {hash_text(found, ' in all rows')}")
     for size in CELLS:
         if figures.has(OURS, size):
             row = rows[OURS, size, 1][0]
@@ -171,12 +183,14 @@ def render(data, clock):
     return "\n".join(lines)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def print_table(description, benches, render, find_hashes, has_large=False):
+    """What either table does with its command line; returns 1 if hashes differ."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bench", nargs="?")
     parser.add_argument("--read")
     parser.add_argument("--json")
-    parser.add_argument("--large", action="store_true")
+    if has_large:
+        parser.add_argument("--large", action="store_true")
     parser.add_argument("--repetitions", type=int, default=5)
     parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
     given = parser.parse_args()
@@ -185,13 +199,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         path = given.read or given.json or os.path.join(folder, "rows.json")
         if given.read is None:
-            run_bench(given.bench, given.large, given.repetitions, path)
+            run_bench(given.bench, benches, given.repetitions, path, has_large and given.large)
         with open(path, encoding="utf-8") as file:
             data = json.load(file)
     print(render(data, given.clock))
-    differs = any(len(found) > 1 for found in hashes(read_rows(data)).values())
-    return 1 if differs else 0
+    return 1 if any(len(found) > 1 for found in find_hashes(data).values()) else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(print_table(__doc__, BENCHES, render, lambda data: hashes(read_rows(data)), has_large=True))

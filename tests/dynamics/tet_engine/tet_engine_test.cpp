@@ -12,6 +12,7 @@
 #include "core/dynamics/time_loop/plain_run.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
+#include "tests/support/engine_comparison.h"
 #include "tests/support/law_cases.h"
 #include "tests/support/motion_cases.h"
 
@@ -226,75 +227,32 @@ TEST(TetEngine, ThreadsAndInstructionSetsGiveTheSameBits) {
   EXPECT_NE(hash_after<float>(body, {1}), hash_after<float>(other, {1}));
 }
 
-/// A cube on an elastic support, under gravity that swells, with an elastic pad that goes down and a tool
-/// that moves along two axes; both blocks have some of it.
+/// A cube in the hands of a tool; both blocks have some of it.
 MotionModel make_palpated(Continuum kind, StrainLaw law) {
   const TetMesh mesh = build_kuhn_cube(13, 0.2, 5);
   MotionModel model = make_continuum(make_pressed_body(mesh, 0.2), mesh, kind, law);
   model.strain_damping_s = 1e-3;
-  const std::size_t n = mesh.points.size();
-  model.loads.front().loads = {std::vector<Vec3>(n), {}, std::vector<std::uint8_t>(n), std::vector<Vec3>(n)};
-  const auto patch = [&](int axis, double at) {
-    FacePatch out{find_faces_at(mesh, axis, at), {}};
-    for (std::size_t k = 0; k < out.faces.size(); ++k) out.weight.push_back(k % 3 == 0 ? 0.25 : 1.0);
-    return out;
-  };
-  BoundaryProblem still;
-  still.supports.push_back({patch(2, 0.0), 5e3, {}});
-  BoundaryProblem pad;
-  pad.supports.push_back({patch(0, 1.0), 2e4, {-0.05, 0.01, 0.0}});
-  pad.nodal_forces.push_back({7, {0.0, 0.5, 0.0}});
-  BoundaryProblem weight;
-  weight.material.density_kg_m3 = 1000.0;
-  weight.gravity_m_s2 = {0.0, 0.3, -0.5};
-  model.loads.push_back({build_loads(mesh, still), {}});
-  model.loads.push_back({build_loads(mesh, pad), {{0.0, 0.15}, {0.0, 1.0}, true}});
-  model.loads.push_back({build_loads(mesh, weight), {{0.0, 0.05, 0.1}, {0.0, 1.0, 0.5}, false}});
+  add_palpation(mesh, model);
   return model;
 }
 
-/// Steps both side by side and holds states and forces of the loads against each other.
+/// The engine against the integrator, and what both cut.
 template <typename Real>
-void compare_with_integrator(const MotionModel& model, const PlainOptions& options, double tolerance) {
-  constexpr double kStep = 1e-3;
-  IntegratorOptions general;
-  general.speed_limit_m_s = options.speed_limit_m_s;
-  Integrator integrator(model, general);
-  MotionState expected = start_at_rest(model);
-  TetEngine<Real> engine(model, options);
-  double error = 0.0;
-  double size = 0.0;
-  std::uint64_t cut = 0;
-  const PlainReport report = engine.step(kStep, 150, [&](std::uint64_t) {
-    const std::vector<Vec3> told = integrator.forces().group_forces(expected);
-    for (std::size_t g = 0; g < told.size(); ++g) {
-      error = std::max(error, length(engine.group_forces()[g] - told[g]));
-      size = std::max(size, length(told[g]));
-    }
-    cut += integrator.step(expected, kStep).speeds_cut;
-  });
-  EXPECT_GT(size, 1.0);
-  EXPECT_LT(error, tolerance * size);
+void compare_engine(const MotionModel& model, const PlainOptions& options, double tolerance) {
+  const auto [report, cut] = compare_with_integrator<TetEngine<Real>>(model, options, 150, tolerance);
   EXPECT_EQ(cut > 0, options.speed_limit_m_s > 0.0);
   if (sizeof(Real) == 8) {
     EXPECT_EQ(report.speeds_cut, cut);
   }
-  const MotionState got = engine.state();
-  EXPECT_EQ(got.time_s, expected.time_s);
-  EXPECT_LT(field_distance(got.displacement_m, expected.displacement_m),
-            tolerance * field_norm(expected.displacement_m));
-  EXPECT_LT(field_distance(got.velocity_m_s, expected.velocity_m_s),
-            tolerance * field_norm(expected.velocity_m_s));
 }
 
 TEST(TetEngine, SupportsPadsToolsAndProfilesAreThoseOfTheIntegrator) {
   for (const StrainLaw law : kLaws) {
     const MotionModel model = make_palpated(Continuum::kTets, law);
-    compare_with_integrator<double>(model, {}, 1e-11);
-    compare_with_integrator<float>(model, {}, 1e-3);
+    compare_engine<double>(model, {}, 1e-11);
+    compare_engine<float>(model, {}, 1e-3);
   }
-  compare_with_integrator<double>(make_palpated(Continuum::kEdgeNode, StrainLaw::kCorotated), {2, 0.3},
-                                  1e-11);
+  compare_engine<double>(make_palpated(Continuum::kEdgeNode, StrainLaw::kCorotated), {2, 0.3}, 1e-11);
 }
 
 TEST(TetEngine, AWatchedRunReportsThePeakSpeedAndStopsWhereItEscapes) {

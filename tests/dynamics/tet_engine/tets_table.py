@@ -9,18 +9,13 @@ are: tests/dynamics/spring_engine/speed_table.py. Exits with 1 if hashes of sing
 threads and instruction sets.
 """
 
-import argparse
-import json
-import os
 import pathlib
 import re
 import statistics
-import subprocess
 import sys
-import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "spring_engine"))
-from speed_table import align, judge  # noqa: E402
+from speed_table import align, hash_text, head_lines, judge, print_table, target_lines  # noqa: E402
 
 CELLS = {10: "1.3k", 21: "10k", 46: "100k"}
 LAWS = {0: "linear", 1: "corotated", 2: "neo_hookean"}
@@ -28,13 +23,7 @@ NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/(\d))?(?:/|$)")
 SINGLE = {"tets": "bench_tets<float>", "edge_node": "bench_edge_node<float>"}
 TARGETS = (("tets", 6.0), ("edge_node", 15.0))
 ROOFLINES = 3.0
-
-
-def run_bench(bench, repetitions, path):
-    names = "bench_(tets|edge_node|general|triad)"
-    subprocess.run([bench, f"--benchmark_filter={names}", f"--benchmark_repetitions={repetitions}",
-                    "--benchmark_enable_random_interleaving=true", f"--benchmark_out={path}", "--benchmark_out_format=json"],
-                   check=True, stdout=subprocess.DEVNULL)
+BENCHES = "bench_(tets|edge_node|general|triad)"
 
 
 def read_rows(data):
@@ -105,11 +94,7 @@ def hashes(rows):
 def render(data, clock):
     rows = read_rows(data)
     figures = Figures(rows, clock)
-    context = data.get("context", {})
-    load = ", ".join(f"{value:.2f}" for value in context.get("load_avg", []))
-    repetitions = max((len(repeated) for repeated in rows.values()), default=0)
-    lines = [f"{context.get('num_cpus', '?')} processors of {context.get('mhz_per_cpu', '?')} MHz, load {load} at the start, "
-             f"medians of {repetitions} repetitions, {clock} clock", ""]
+    lines = head_lines(data, rows, clock)
     table = [["ns a tet and step", "law", *CELLS.values(), "spread"]]
     for name, threads, law in sorted({(name, threads, law) for name, _, threads, law in rows if law >= 0}):
         keys = {cells: (name, cells, threads, law) for cells in CELLS if (name, cells, threads, law) in rows}
@@ -124,14 +109,9 @@ def render(data, clock):
             keys = {size: (name, size, 1, 0) for size in CELLS if (name, size, 1, 0) in rows}
             table.append([f"roofline of {kind} ({figures.median(triad, 'gb_per_s'):.1f} GB/s)", "",
                           *[f"{figures.roofline(keys[size]):.2f}" if size in keys else "-" for size in CELLS], ""])
-    lines += [align(table), ""]
-    table = [["target", "bound", "measured", ""]]
-    for what, bound, value, verdict in targets(figures) if triad in rows else []:
-        table.append([what, bound, "-" if value is None else f"{value:.2f}", verdict])
-    lines += [align(table), ""]
+    lines += [align(table), "", *target_lines(targets(figures) if triad in rows else [])]
     for (kind, precision, cells, law), found in sorted(hashes(rows).items()):
-        lines.append(f"hash after 100 steps, {kind} {precision} {CELLS[cells]} {LAWS[law]}: "
-                     + (next(iter(found)) if len(found) == 1 else "DIFFERS: " + ", ".join(sorted(found))))
+        lines.append(f"hash after 100 steps, {kind} {precision} {CELLS[cells]} {LAWS[law]}: {hash_text(found)}")
     for kind, name in SINGLE.items():
         for size in CELLS:
             if (name, size, 1, 0) in rows:
@@ -141,25 +121,5 @@ def render(data, clock):
     return "\n".join(lines)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("bench", nargs="?")
-    parser.add_argument("--read")
-    parser.add_argument("--json")
-    parser.add_argument("--repetitions", type=int, default=5)
-    parser.add_argument("--clock", choices=("wall", "cpu"), default="wall")
-    given = parser.parse_args()
-    if (given.bench is None) == (given.read is None):
-        parser.error("give the benchmark program, or --read FILE")
-    with tempfile.TemporaryDirectory() as folder:
-        path = given.read or given.json or os.path.join(folder, "rows.json")
-        if given.read is None:
-            run_bench(given.bench, given.repetitions, path)
-        with open(path, encoding="utf-8") as file:
-            data = json.load(file)
-    print(render(data, given.clock))
-    return 1 if any(len(found) > 1 for found in hashes(read_rows(data)).values()) else 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(print_table(__doc__, BENCHES, render, lambda data: hashes(read_rows(data))))
