@@ -113,6 +113,26 @@ TEST_F(MotionContest, WhatNotAllContestantsCanHaveIsRefused) {
   EXPECT_THAT(error_of(large), HasSubstr("small strain"));
 }
 
+TEST_F(MotionContest, AMotionOnASimplifiedMeshIsHeldAgainstTheWholeOne) {
+  fixture_.folder().add("block.yaml", plucked().yaml());
+  fixture_.run(add_plan("[{method: moving_springs.van_gelder, label: springs}]",
+                        "simplify:\n  - none\n  - {method: test.copy, label: same, stop: {limit: true}}\n"
+                        "  - {method: test.copy, label: lazy, stop: {ratio: 0.5}}\n"));
+  const auto all = fixture_.records();
+  const json& whole = all.at("block/springs/simplify=none");
+  const json& same = all.at("block/springs/simplify=same");
+  ASSERT_EQ(whole.at("outcome"), "accepted") << whole.dump();
+  ASSERT_EQ(same.at("outcome"), "accepted") << same.dump();
+  EXPECT_FALSE(whole.contains("solved_on"));
+  EXPECT_EQ(same.at("/solved_on/tets"_json_pointer), whole.at("/mesh/tets"_json_pointer));
+  EXPECT_GE(same.at("/solved_on/simplify_s"_json_pointer).get<double>(), 0.0);
+  EXPECT_NEAR(same.at("/judge/probe_l2"_json_pointer).get<double>(),
+              whole.at("/judge/probe_l2"_json_pointer).get<double>(), 1e-6);  // millimetres and back
+  const json& lazy = all.at("block/springs/simplify=lazy");
+  EXPECT_EQ(lazy.at("outcome"), "error");
+  EXPECT_THAT(lazy.at("message").get<std::string>(), HasSubstr("no tetrahedra were removed"));
+}
+
 TEST_F(MotionContest, PlansThatMakeNoSense) {
   fixture_.folder().add("block.yaml", plucked().yaml());
   const std::string springs = "[moving_springs.van_gelder]";
@@ -125,7 +145,9 @@ TEST_F(MotionContest, PlansThatMakeNoSense) {
               HasSubstr("2"));
   EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "", "{method: moving_fem.p2, enough: 0.1}")),
               HasSubstr("enough"));
-  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "simplify: [none]\n")), HasSubstr("simplify"));
+  EXPECT_EQ(fixture_.error_of_plan(add_plan(springs, "simplify: [none]\n")), "no error");
+  EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "sweep: {tets_removed_ratio: [0.5]}\n")),
+              HasSubstr("needs the key \"simplify\""));
   EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "charts: [error_bars]\n")),
               HasSubstr("unknown chart"));
   EXPECT_THAT(fixture_.error_of_plan(add_plan(springs, "sweep: {tets: [100]}\n")),
