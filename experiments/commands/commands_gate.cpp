@@ -9,8 +9,8 @@
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
-#include "experiments/runner/gate.h"
-#include "experiments/runner/gate_run.h"
+#include "experiments/gates/gate.h"
+#include "experiments/gates/gate_run.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {

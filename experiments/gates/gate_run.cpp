@@ -1,4 +1,4 @@
-#include "experiments/runner/gate_run.h"
+#include "experiments/gates/gate_run.h"
 
 #include <algorithm>
 #include <map>

@@ -1,4 +1,4 @@
-#include "experiments/runner/gate.h"
+#include "experiments/gates/gate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

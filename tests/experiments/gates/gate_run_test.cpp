@@ -1,4 +1,4 @@
-#include "experiments/runner/gate_run.h"
+#include "experiments/gates/gate_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/records/record_file.h"
-#include "experiments/runner/gate.h"
+#include "experiments/gates/gate.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
