@@ -2,122 +2,204 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string_view>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "experiments/judging/measure.h"
 #include "experiments/records/record_file.h"
-#include "experiments/text/nearest_name.h"
-#include "experiments/text/terminal.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
 
-using nlohmann::ordered_json;
+using nlohmann::json;
 
-constexpr std::size_t kLargestFile = 64U << 20U;
-
-ordered_json read_accepted(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path))
-    throw InputError(path.string(), 0, "accepted figures (palpate/accepted/1)", "no such file");
-  const std::string text = reference::read_text_file(path, kLargestFile);
-  ordered_json value = reference::parse_ordered_json(text, path.string());
-  if (!value.is_object() || value.value("schema", ordered_json()) != "palpate/accepted/1") {
-    throw InputError(path.string(), 0, "accepted figures (palpate/accepted/1)", "something else");
-  }
-  if (!value.value("figures", ordered_json()).is_array() || value.at("figures").empty()) {
-    throw InputError(path.string(), 0, "a list \"figures\" that is not empty", "none");
-  }
-  return value;
-}
-
-GateLine read_line(const ordered_json& entry, const std::string& where) {
-  static const std::vector<std::string> known{"case", "measure", "value", "lower", "upper", "unit"};
-  if (!entry.is_object()) throw InputError(where, 0, "an object", entry.dump());
-  for (const auto& [key, value] : entry.items()) {
-    if (std::find(known.begin(), known.end(), key) == known.end()) {
-      throw InputError(where + ": unknown key \"" + key + "\"" + nearest_hint(key, known));
-    }
-  }
-  for (const std::string& key : known) {
-    if (!entry.contains(key)) throw InputError(where + ": the key \"" + key + "\" is missing");
-  }
-  for (const char* key : {"case", "measure", "unit"}) {
-    if (!entry.at(key).is_string()) throw InputError(where + ": " + key, 0, "text", entry.at(key).dump());
-  }
-  GateLine line;
-  line.run_case = entry.at("case").get<std::string>();
-  line.measure = entry.at("measure").get<std::string>();
-  line.unit = entry.at("unit").get<std::string>();
-  const Measure* measure = find_measure(line.measure);
-  if (measure == nullptr || !measure->scalar) {
-    throw InputError(where + ": unknown measure \"" + line.measure + "\"" +
-                     nearest_hint(line.measure, measure_names()));
-  }
-  if (line.unit != measure->unit)
-    throw InputError(where + ": unit of " + line.measure, 0, std::string("\"") + measure->unit + "\"",
-                     "\"" + line.unit + "\"");
-  for (const char* key : {"lower", "upper"}) {
-    const ordered_json& value = entry.at(key);
-    if (!value.is_number() || value.get<double>() < 0.0) {
-      throw InputError(where + ": " + key, 0, "a tolerance of at least 0", value.dump());
-    }
-  }
-  line.lower = entry.at("lower").get<double>();
-  line.upper = entry.at("upper").get<double>();
-  const ordered_json& value = entry.at("value");
-  if (!value.is_number() && !value.is_null())
-    throw InputError(where + ": value", 0, "a number", value.dump());
-  if (value.is_number()) line.accepted = value.get<double>();
-  return line;
-}
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Whether the figure is an error against a reference that is not good enough to tell it.
-bool is_marked(const nlohmann::json& record, const Measure& measure) {
-  static const nlohmann::json::json_pointer mark_place("/judge/reference_too_coarse");
+bool is_marked(const json& record, const Measure& measure) {
+  static const json::json_pointer mark_place("/judge/reference_too_coarse");
   return std::string_view(measure.name).starts_with("displacement_") && record.contains(mark_place) &&
          record.at(mark_place) == true;
 }
 
-void measure_line(GateLine& line, const std::vector<nlohmann::json>& records) {
-  const Measure& measure = *find_measure(line.measure);
-  std::vector<double> values;
-  for (const nlohmann::json& record : records) {
-    if (record.at("case") != line.run_case || record.value("warmup", false)) continue;
-    if (record.at("outcome") != "accepted") {
-      line.problem = "a repeat is " + record.at("outcome").get<std::string>();
-      return;
-    }
-    if (is_marked(record, measure)) {
-      line.problem = "marked: its reference is not five times better";
-      return;
-    }
-    const auto figure = figure_of(record, measure);
-    if (!figure) {
-      line.problem = "a repeat has no figure";
-      return;
-    }
-    values.push_back(*figure);
+/// The repeats of a case after warm-up, and with them if asked.
+std::vector<const json*> repeats_of_case(const std::vector<json>& records, const std::string& run_case,
+                                         bool with_warmup) {
+  std::vector<const json*> own;
+  for (const json& record : records) {
+    if (record.at("case") == run_case && (with_warmup || !record.value("warmup", false))) own.push_back(&record);
   }
-  if (values.empty()) {
-    line.problem = "the run has no such case";
-    return;
-  }
-  line.measured = median(std::move(values));
+  return own;
 }
 
-void compare(GateLine& line) {
-  if (!line.problem.empty()) return;
-  if (!line.accepted) {
-    line.problem = "no accepted value yet";
-  } else if (*line.measured < *line.accepted - line.lower) {
-    line.problem = "below the lower bound";
-  } else if (*line.measured > *line.accepted + line.upper) {
-    line.problem = "above the upper bound";
+/// Figures of a measure in all repeats of a case after warm-up, or why there are none.
+struct Figures {
+  std::vector<double> values;
+  std::string problem;
+};
+
+Figures figures_of(const std::vector<json>& records, const std::string& run_case, const Measure& measure) {
+  Figures figures;
+  for (const json* record : repeats_of_case(records, run_case, false)) {
+    if (record->at("outcome") != "accepted")
+      return {{}, "a repeat is " + record->at("outcome").get<std::string>()};
+    if (is_marked(*record, measure)) return {{}, "marked: its reference is not five times better"};
+    const auto figure = figure_of(*record, measure);
+    if (!figure) return {{}, "a repeat has no figure"};
+    figures.values.push_back(*figure);
+  }
+  if (figures.values.empty()) figures.problem = "the run has no such case";
+  return figures;
+}
+
+/// The line fails: the figure lies `outside` beyond a bound, where `tolerance` is allowed.
+void fail_outside(GateLine& line, const std::string& problem, double outside, double tolerance) {
+  line.problem = problem;
+  const double size = std::fabs(line.figure.value.value_or(0.0));
+  line.shortfall = outside / std::max(size, tolerance);
+  line.by = short_number(outside);
+  if (!line.figure.unit.empty() && line.figure.unit != "1") line.by += " " + line.figure.unit;
+  if (size > 0.0) line.by += " (" + short_number(std::round(1e4 * outside / size) / 100.0) + "%)";
+  if (tolerance > 0.0) line.by += ", " + short_number(std::round(100.0 * outside / tolerance) / 100.0) + " tolerances";
+}
+
+void fail_without_figure(GateLine& line, std::string problem) {
+  line.problem = std::move(problem);
+  line.shortfall = kInfinite;
+}
+
+/// Whether the line has a figure and something to hold it against; it fails otherwise.
+bool is_comparable(GateLine& line) {
+  if (line.problem.empty() && !line.figure.value) fail_without_figure(line, "no accepted value yet");
+  return line.problem.empty();
+}
+
+void hold_bounds(GateLine& line) {
+  const AcceptedFigure& figure = line.figure;
+  if (!is_comparable(line)) return;
+  const double below = *figure.value - figure.lower - *line.measured;
+  const double above = *line.measured - (*figure.value + figure.upper);
+  if (*line.measured < *figure.value - figure.lower) {
+    fail_outside(line, "below the lower bound", below, figure.lower);
+  } else if (*line.measured > *figure.value + figure.upper) {
+    fail_outside(line, "above the upper bound", above, figure.upper);
+  }
+}
+
+void hold_validity(GateLine& line, const std::vector<double>& values) {
+  if (std::adjacent_find(values.begin(), values.end(), std::not_equal_to<>()) != values.end()) {
+    line.measured.reset();
+    return fail_without_figure(line, "its repeats differ");
+  }
+  if (!is_comparable(line) || *line.measured == *line.figure.value) return;
+  fail_outside(line, "not the accepted value", std::fabs(*line.measured - *line.figure.value), 0.0);
+}
+
+void hold_stability(GateLine& line) {
+  const AcceptedFigure& figure = line.figure;
+  if (!is_comparable(line)) return;
+  if (figure.at_least && *line.measured < *figure.at_least) {
+    fail_outside(line, "below the least margin of " + short_number(*figure.at_least), *figure.at_least - *line.measured,
+                 figure.lower);
+  } else if (*line.measured < *figure.value - figure.lower) {
+    fail_outside(line, "below the lower bound", *figure.value - figure.lower - *line.measured, figure.lower);
+  }
+}
+
+/// A number of each repeat: accuracy, validity, stability.
+void hold_number(GateLine& line, const std::vector<json>& records) {
+  Figures figures = figures_of(records, line.figure.run_case, *find_measure(line.figure.measure));
+  if (!figures.problem.empty()) return fail_without_figure(line, figures.problem);
+  line.measured = median(figures.values);
+  if (line.figure.kind == FigureKind::kValidity) {
+    hold_validity(line, figures.values);
+  } else if (line.figure.kind == FigureKind::kStability) {
+    hold_stability(line);
+  } else {
+    hold_bounds(line);
+  }
+}
+
+/// An outcome, or the hash of the output: a word that all repeats have in common.
+void hold_word(GateLine& line, const std::vector<json>& records) {
+  const bool is_hash = line.figure.kind == FigureKind::kHash;
+  const char* key = is_hash ? "output_hash" : "outcome";
+  const auto repeats = repeats_of_case(records, line.figure.run_case, is_hash);
+  if (repeats.empty()) return fail_without_figure(line, "the run has no such case");
+  std::set<std::string> words;
+  for (const json* record : repeats) {
+    const json word = record->value(key, json());
+    if (!word.is_string()) return fail_without_figure(line, "a repeat left no output");
+    words.insert(word.get<std::string>());
+  }
+  if (words.size() > 1) {
+    const std::string many = std::to_string(words.size());
+    return fail_without_figure(line, is_hash ? "its repeats gave " + many + " different outputs: not deterministic"
+                                             : "its repeats ended in " + many + " different ways");
+  }
+  line.measured_word = *words.begin();
+  if (line.figure.word.empty()) return fail_without_figure(line, "no accepted value yet");
+  if (line.measured_word != line.figure.word)
+    fail_without_figure(line, is_hash ? "another output" : "another outcome");
+}
+
+void hold_comparison(GateLine& line, const std::vector<json>& records) {
+  const AcceptedFigure& figure = line.figure;
+  const Measure& measure = *find_measure(figure.measure);
+  const Figures less = figures_of(records, figure.run_case, measure);
+  const Figures than = figures_of(records, figure.other_case, measure);
+  if (!less.problem.empty()) return fail_without_figure(line, figure.run_case + ": " + less.problem);
+  if (!than.problem.empty()) return fail_without_figure(line, figure.other_case + ": " + than.problem);
+  const double left = median(less.values);
+  const double right = median(than.values);
+  if (figure.by_factor != 1.0 && (left < 0.0 || right < 0.0))
+    return fail_without_figure(line, "a factor between figures that are not all positive");
+  if (left != 0.0 && std::isfinite(right / left)) line.measured = right / left;
+  const double bound = right / figure.by_factor;
+  if (left < bound) return;
+  line.problem = short_number(left) + " is not less than " + short_number(right) +
+                 (figure.by_factor == 1.0 ? "" : " / " + short_number(figure.by_factor));
+  line.shortfall = (left - bound) / std::fabs(bound);
+  if (!std::isfinite(line.shortfall)) line.shortfall = left == bound ? 0.0 : kInfinite;
+  line.by = short_number(left - bound);
+  if (bound != 0.0) line.by += " (" + short_number(std::round(1e4 * (left - bound) / std::fabs(bound)) / 100.0) + "%)";
+}
+
+/// The times of a case that may be compared: of a process, those of repeats without a search.
+Figures times_of(const std::vector<json>& records, const std::string& run_case, const Measure& measure) {
+  const std::string_view name = measure.name;
+  const bool of_process = name == "wall_s" || name == "user_s";
+  std::vector<json> counted;
+  for (const json& record : records) {
+    if (record.at("case") == run_case && !(of_process && record.value("searched", false))) counted.push_back(record);
+  }
+  Figures figures = figures_of(counted, run_case, measure);
+  if (figures.problem.empty() && figures.values.size() < kLeastTimeRepeats)
+    figures.problem = std::to_string(figures.values.size()) + " repeats, a ratio of times needs at least " +
+                      std::to_string(kLeastTimeRepeats);
+  return figures;
+}
+
+void hold_time_ratio(GateLine& line, const std::vector<json>& records) {
+  const AcceptedFigure& figure = line.figure;
+  const Measure& measure = *find_measure(figure.measure);
+  const Figures own = times_of(records, figure.run_case, measure);
+  const Figures over = times_of(records, figure.other_case, measure);
+  if (!own.problem.empty()) return fail_without_figure(line, figure.run_case + ": " + own.problem);
+  if (!over.problem.empty()) return fail_without_figure(line, figure.other_case + ": " + over.problem);
+  const double divisor = median(over.values);
+  if (divisor <= 0.0) return fail_without_figure(line, figure.other_case + ": its time is not above zero");
+  line.measured = median(own.values) / divisor;
+  if (!is_comparable(line)) return;
+  const double low = *figure.value / figure.lower;
+  const double high = *figure.value * figure.upper;
+  if (*line.measured < low) {
+    fail_outside(line, "below the lower bound", low - *line.measured, *figure.value - low);
+  } else if (*line.measured > high) {
+    fail_outside(line, "above the upper bound", *line.measured - high, high - *figure.value);
   }
 }
 
@@ -128,42 +210,50 @@ bool GateResult::holds() const {
          std::all_of(lines.begin(), lines.end(), [](const GateLine& line) { return line.problem.empty(); });
 }
 
-GateResult hold_against(const std::vector<nlohmann::json>& records, const std::string& plan,
-                        const std::filesystem::path& accepted_file) {
-  const ordered_json accepted = read_accepted(accepted_file);
-  if (accepted.value("plan", ordered_json()) != plan) {
-    throw InputError(accepted_file.string(), 0, "figures of the plan " + plan,
-                     accepted.value("plan", ordered_json()).dump());
+std::vector<const GateLine*> GateResult::failures() const {
+  std::vector<const GateLine*> failing;
+  for (const GateLine& line : lines) {
+    if (!line.problem.empty()) failing.push_back(&line);
   }
-  GateResult result;
-  std::set<std::pair<std::string, std::string>> seen;
-  std::size_t number = 0;
-  for (const ordered_json& entry : accepted.at("figures")) {
-    const std::string where = accepted_file.string() + ": figure " + std::to_string(++number);
-    GateLine line = read_line(entry, where);
-    if (!seen.insert({line.run_case, line.measure}).second) throw InputError(where + ": twice");
-    measure_line(line, records);
-    compare(line);
-    result.lines.push_back(std::move(line));
-  }
-  return result;
+  std::stable_sort(failing.begin(), failing.end(),
+                   [](const GateLine* a, const GateLine* b) { return a->shortfall > b->shortfall; });
+  return failing;
 }
 
-std::vector<std::string> update_accepted(const GateResult& result,
-                                         const std::filesystem::path& accepted_file) {
-  ordered_json accepted = read_accepted(accepted_file);
-  std::vector<std::string> changes;
-  require(accepted.at("figures").size() == result.lines.size(), "update_accepted: another file");
-  for (std::size_t i = 0; i < result.lines.size(); ++i) {
-    const GateLine& line = result.lines[i];
-    if (!line.measured || line.measured == line.accepted) continue;
-    accepted["figures"][i]["value"] = *line.measured;
-    changes.push_back(line.run_case + " " + line.measure + ": " +
-                      (line.accepted ? short_number(*line.accepted) : "none") + " -> " +
-                      short_number(*line.measured) + " " + line.unit);
+GateLine hold_figure(const AcceptedFigure& figure, const std::vector<json>& records) {
+  GateLine line;
+  line.figure = figure;
+  if (figure.kind == FigureKind::kComparison) {
+    hold_comparison(line, records);
+  } else if (figure.kind == FigureKind::kTimeRatio) {
+    hold_time_ratio(line, records);
+  } else if (figure.is_word()) {
+    hold_word(line, records);
+  } else {
+    hold_number(line, records);
   }
-  if (!changes.empty()) write_file_atomically(accepted_file, accepted.dump(2) + "\n");
-  return changes;
+  return line;
+}
+
+GateResult hold_against(const std::vector<json>& records, const std::string& plan,
+                        const std::filesystem::path& accepted_file) {
+  const AcceptedFile accepted = read_accepted(accepted_file, plan);
+  GateResult result;
+  result.plan = plan;
+  bool compared = false;
+  for (const AcceptedFigure& figure : accepted.figures) {
+    result.lines.push_back(hold_figure(figure, records));
+    const GateLine& line = result.lines.back();
+    compared = compared || line.problem.empty() || std::isfinite(line.shortfall) || line.measured ||
+               !line.measured_word.empty();
+  }
+  if (accepted.figures.empty()) {
+    result.problems.push_back("nothing to compare: " + accepted_file.string() + " holds no figures");
+  } else if (!compared) {
+    result.problems.push_back("nothing to compare: the run has none of the " +
+                              std::to_string(accepted.figures.size()) + " accepted figures");
+  }
+  return result;
 }
 
 }  // namespace palpate::experiments
