@@ -67,7 +67,8 @@ std::vector<FigureKind> read_kinds(const GateArguments& arguments) {
 }
 
 /// Holds the run against the accepted file; if that is to be updated and the run is sound, updates it first.
-GateResult hold_run(const GateArguments& arguments, const fs::path& folder, std::vector<AcceptedChange>& changes) {
+GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
+                    std::vector<AcceptedChange>& changes) {
   const std::vector<FigureKind> kinds = read_kinds(arguments);
   const auto records = read_records(folder / "records.jsonl");
   const std::string plan = plan_of(records, folder);
@@ -145,17 +146,20 @@ int history(const HistoryArguments& arguments) {
   }
   for (const std::string& folder : arguments.folders) {
     std::error_code error;
-    if (!fs::is_directory(folder, error)) throw InputError(folder, 0, "a run, or a folder of runs", "no folder");
+    if (!fs::is_directory(folder, error))
+      throw InputError(folder, 0, "a run, or a folder of runs", "no folder");
   }
   const fs::path script = fs::path(source_folder()) / "report" / "make_history.py";
   if (!fs::exists(script)) throw UnavailableError("the script is missing: " + script.string());
   if (!arguments.out.empty()) create_folder(arguments.out);
   const ScratchFolder scratch;
   ProcessSpec spec;
-  spec.arguments = {"/usr/bin/python3", "-B", script.string(), "--measures", scratch.file("measures.json").string()};
+  spec.arguments = {"/usr/bin/python3", "-B", script.string(), "--measures",
+                    scratch.file("measures.json").string()};
   write_file_atomically(scratch.file("measures.json"), describe_measures().dump() + "\n");
   if (!arguments.out.empty()) spec.arguments.insert(spec.arguments.end(), {"--out", arguments.out});
-  if (!arguments.measure.empty()) spec.arguments.insert(spec.arguments.end(), {"--measure", arguments.measure});
+  if (!arguments.measure.empty())
+    spec.arguments.insert(spec.arguments.end(), {"--measure", arguments.measure});
   if (arguments.as_json) spec.arguments.emplace_back("--json");
   spec.arguments.emplace_back("--");
   spec.arguments.insert(spec.arguments.end(), arguments.folders.begin(), arguments.folders.end());
@@ -170,7 +174,8 @@ int history(const HistoryArguments& arguments) {
   if (result.end == ProcessEnd::kExited && result.exit_code == kBadInput)
     throw InputError(said.substr(said.rfind('\n') + 1));
   if (result.end != ProcessEnd::kExited || result.exit_code != kDone)
-    throw UnavailableError("the history failed (" + result.message + "): " + said.substr(said.rfind('\n') + 1));
+    throw UnavailableError("the history failed (" + result.message +
+                           "): " + said.substr(said.rfind('\n') + 1));
   std::cout << read_bytes(spec.standard_output).value_or("");
   return kDone;
 }
@@ -194,11 +199,13 @@ void add_gate_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false)
       ->type_name("KIND,...");
   command->add_option("--junit", arguments->junit, "Write the outcome as JUnit XML, too")->type_name("FILE");
-  command->add_option("--markdown", arguments->markdown, "Write a summary in Markdown, too")->type_name("FILE");
+  command->add_option("--markdown", arguments->markdown, "Write a summary in Markdown, too")
+      ->type_name("FILE");
   command->add_flag("--all", arguments->all, "Print what holds, too");
   command->add_flag("--json", arguments->as_json, "Print the outcome as JSON");
   command->footer(
-      "Exit codes: 0 all figures hold; 1 one does not, the run is not sound, or there is nothing to compare.\n"
+      "Exit codes: 0 all figures hold; 1 one does not, the run is not sound, or there is nothing to "
+      "compare.\n"
       "docs/gates.md has the kinds of figures: accuracy, validity, stability, hash, comparison, time_ratio.");
   command->callback([arguments, &exit_code] { exit_code = gate(*arguments); });
 }
@@ -206,13 +213,17 @@ void add_gate_command(CLI::App& app, int& exit_code) {
 void add_history_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<HistoryArguments>();
   CLI::App* command = app.add_subcommand("history", "Follow figures over many runs, and find steps");
-  command->add_option("DIR", arguments->folders, "Run folders, or folders of runs (results/<plan>)")->required();
-  command->add_option("-o,--out", arguments->out, "Write history.csv, steps.csv and charts there")->type_name("FOLDER");
+  command->add_option("DIR", arguments->folders, "Run folders, or folders of runs (results/<plan>)")
+      ->required();
+  command->add_option("-o,--out", arguments->out, "Write history.csv, steps.csv and charts there")
+      ->type_name("FOLDER");
   command
-      ->add_option("--measure", arguments->measure, "This measure alone (default: those that the runs' plans name, and kernel_s)")
+      ->add_option("--measure", arguments->measure,
+                   "This measure alone (default: those that the runs' plans name, and kernel_s)")
       ->type_name("NAME");
   command->add_flag("--json", arguments->as_json, "Print as JSON");
-  command->footer("A step is a level that changed and stayed; docs/gates.md has the rule. The largest comes first.");
+  command->footer(
+      "A step is a level that changed and stayed; docs/gates.md has the rule. The largest comes first.");
   command->callback([arguments, &exit_code] { exit_code = history(*arguments); });
 }
 

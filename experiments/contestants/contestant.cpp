@@ -196,8 +196,8 @@ void read_command(const YamlValue& value, const std::filesystem::path& folder, C
   if (words.empty() || words[0].empty())
     value.fail_expected("a list of words that starts with a program, such as [python3, adapter.py]");
   const bool is_path = words[0].find('/') != std::string::npos;
-  contestant.program = is_path ? std::filesystem::absolute(folder / words[0]).lexically_normal()
-                               : find_in_path(words[0]);
+  contestant.program =
+      is_path ? std::filesystem::absolute(folder / words[0]).lexically_normal() : find_in_path(words[0]);
   contestant.command = {contestant.program.string()};
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::filesystem::path file = std::filesystem::absolute(folder / words[i]).lexically_normal();
@@ -212,8 +212,7 @@ void read_command(const YamlValue& value, const std::filesystem::path& folder, C
 void read_program(const YamlFields& fields, const std::filesystem::path& folder,
                   const std::filesystem::path& bin_folder, Contestant& contestant) {
   const auto command = fields.find("command");
-  if (command && fields.find("program"))
-    command->fail("a contestant has a program or a command, not both");
+  if (command && fields.find("program")) command->fail("a contestant has a program or a command, not both");
   if (command) {
     read_command(*command, folder, contestant);
   } else {
@@ -303,7 +302,8 @@ std::vector<Contestant> read_description(const std::filesystem::path& descriptio
                    "contest", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant shared;
-  const std::filesystem::path folder = std::filesystem::absolute(description).lexically_normal().parent_path();
+  const std::filesystem::path folder =
+      std::filesystem::absolute(description).lexically_normal().parent_path();
   shared.folder = folder.filename().string();
   read_program(fields, folder, bin_folder, shared);
   if (const auto packages = fields.find("packages")) shared.packages = read_texts(*packages);

@@ -32,8 +32,8 @@ struct MethodSpec {
 struct Contestant {
   std::string folder;  ///< its name, "tetfusion"
   std::string contest;
-  std::filesystem::path program;  ///< beside its description, in the build's bin folder, or anywhere
-  std::vector<std::string> command;          ///< what is started: the program, and the words behind it
+  std::filesystem::path program;     ///< beside its description, in the build's bin folder, or anywhere
+  std::vector<std::string> command;  ///< what is started: the program, and the words behind it
   std::vector<std::filesystem::path> files;  ///< that the program needs: scripts among the words, `files`
   std::vector<std::string> packages;
   std::string licence;

@@ -45,11 +45,15 @@ std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   const auto is_rest = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
-  if (start > 0) text.erase(0, static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_rest) - text.begin()));
-  std::string valid = json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+  if (start > 0)
+    text.erase(0,
+               static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_rest) - text.begin()));
+  std::string valid =
+      json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
   while (valid.size() > bytes) {  // U+FFFD is longer than what it stands for
     valid.erase(0, valid.size() - bytes);
-    valid.erase(0, static_cast<std::size_t>(std::find_if_not(valid.begin(), valid.end(), is_rest) - valid.begin()));
+    valid.erase(
+        0, static_cast<std::size_t>(std::find_if_not(valid.begin(), valid.end(), is_rest) - valid.begin()));
   }
   return valid;
 }
@@ -74,7 +78,8 @@ std::string last_lines(const std::string& text) {
   std::istringstream all(text);
   for (std::string line; std::getline(all, line);) {
     line.erase(0, line.find_first_not_of(" \t\r"));
-    while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos) line.pop_back();
+    while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos)
+      line.pop_back();
     if (!line.empty()) lines.push_back(one_line(line));
   }
   std::string joint;
@@ -203,8 +208,7 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   const std::string status = response.at("status").get<std::string>();
   const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
   if (process.exit_code != expected) {
-    return bad_answer(std::move(answer),
-                  "it answered \"" + status + "\" and left with " + process.message);
+    return bad_answer(std::move(answer), "it answered \"" + status + "\" and left with " + process.message);
   }
   if (status != "ok") {
     const std::string message = one_line(response.at("message").get<std::string>());
@@ -215,9 +219,8 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   if (!bad_tuned.empty()) return bad_answer(std::move(answer), bad_tuned);
   const double kernel_s = response.at("kernel_s").get<double>();
   if (kernel_s > process.wall_s + kClockStepSeconds) {
-    return bad_answer(std::move(answer),
-                  "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
-                      short_number(process.wall_s) + " s of its process");
+    return bad_answer(std::move(answer), "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
+                                             short_number(process.wall_s) + " s of its process");
   }
   answer.kernel_s = kernel_s;
   const std::string bad_output = output_error(task, response.at("report"), answer.output);

@@ -20,11 +20,19 @@ using nlohmann::json;
 using nlohmann::ordered_json;
 
 /// Counts and flags that a valid answer has exactly.
-constexpr std::array kValidityMeasures{
-    "inverted_tets",          "flat_tets",      "duplicate_tets",       "nonmanifold_faces",
-    "folded_faces",           "nonmanifold_edges", "nonmanifold_vertices", "isolated_vertices",
-    "boundary_changed_faces", "kept_tets_changed", "surface_self_intersections", "euler_unchanged",
-    "components_unchanged"};
+constexpr std::array kValidityMeasures{"inverted_tets",
+                                       "flat_tets",
+                                       "duplicate_tets",
+                                       "nonmanifold_faces",
+                                       "folded_faces",
+                                       "nonmanifold_edges",
+                                       "nonmanifold_vertices",
+                                       "isolated_vertices",
+                                       "boundary_changed_faces",
+                                       "kept_tets_changed",
+                                       "surface_self_intersections",
+                                       "euler_unchanged",
+                                       "components_unchanged"};
 
 FigureKind kind_of_measure(const std::string& measure) {
   if (is_stability_measure(measure)) return FigureKind::kStability;
@@ -57,7 +65,8 @@ std::vector<const Measure*> measures_of_plan(const json& plan) {
 }
 
 ordered_json figure_of_measure(const std::string& id, const Measure& measure, FigureKind kind) {
-  ordered_json figure = {{"kind", kFigureKindNames.of(kind)}, {"case", id}, {"measure", measure.name}, {"value", nullptr}};
+  ordered_json figure = {
+      {"kind", kFigureKindNames.of(kind)}, {"case", id}, {"measure", measure.name}, {"value", nullptr}};
   if (kind != FigureKind::kValidity) figure["lower"] = 0;
   if (kind == FigureKind::kAccuracy) figure["upper"] = 0;
   figure["unit"] = measure.unit;
@@ -83,7 +92,8 @@ std::string AcceptedChange::text() const {
   return name + ": " + from + " -> " + to + (share.empty() ? "" : " (" + share + ")");
 }
 
-std::vector<AcceptedChange> update_accepted(const GateResult& result, const std::filesystem::path& accepted_file) {
+std::vector<AcceptedChange> update_accepted(const GateResult& result,
+                                            const std::filesystem::path& accepted_file) {
   AcceptedFile accepted = read_accepted(accepted_file, result.plan);
   require(accepted.figures.size() == result.lines.size(), "update_accepted: another file");
   std::vector<AcceptedChange> changes;
@@ -99,7 +109,7 @@ std::vector<AcceptedChange> update_accepted(const GateResult& result, const std:
     }
     if (!line.measured || line.measured == figure.value) continue;
     entry["value"] = *line.measured;
-    const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
+    const std::string unit = figure.unit.empty() || figure.unit == "1" ? "" : " " + figure.unit;
     changes.push_back({figure.name(), figure.value ? short_number(*figure.value) : "none",
                        short_number(*line.measured) + unit,
                        figure.value ? share_text(*figure.value, *line.measured) : ""});
@@ -114,7 +124,9 @@ std::vector<FigureKind> default_kinds() {
 
 ordered_json propose_accepted(const std::filesystem::path& folder, const std::vector<json>& records,
                               const std::string& plan, const std::vector<FigureKind>& kinds) {
-  const auto wanted = [&](FigureKind kind) { return std::find(kinds.begin(), kinds.end(), kind) != kinds.end(); };
+  const auto wanted = [&](FigureKind kind) {
+    return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+  };
   for (const FigureKind kind : {FigureKind::kComparison, FigureKind::kTimeRatio}) {
     if (wanted(kind))
       throw InputError(std::string("a ") + kFigureKindNames.of(kind) +
@@ -132,13 +144,15 @@ ordered_json propose_accepted(const std::filesystem::path& folder, const std::ve
       figures.push_back({{"kind", "validity"}, {"case", id}, {"outcome", nullptr}});
     for (const Measure* measure : measures) {
       const FigureKind kind = kind_of_measure(measure->name);
-      if (wanted(kind) && figure_of(record, *measure)) figures.push_back(figure_of_measure(id, *measure, kind));
+      if (wanted(kind) && figure_of(record, *measure))
+        figures.push_back(figure_of_measure(id, *measure, kind));
     }
     if (wanted(FigureKind::kHash) && is_answer && repeats_agree(records, id))
       figures.push_back({{"kind", "hash"}, {"case", id}, {"value", nullptr}});
   }
   if (figures.empty())
-    throw InputError(folder.string(), 0, "a run with figures of these kinds, of measures that its plan names", "none");
+    throw InputError(folder.string(), 0, "a run with figures of these kinds, of measures that its plan names",
+                     "none");
   return {{"schema", "palpate/accepted/2"}, {"plan", plan}, {"figures", std::move(figures)}};
 }
 

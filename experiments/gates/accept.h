@@ -23,15 +23,16 @@ struct AcceptedChange {
 
 /// Puts the measured values into the accepted file, tolerances kept. Figures without a measured value stay;
 /// a comparison takes the ratio that it has, which decides nothing. The result is of this very file.
-std::vector<AcceptedChange> update_accepted(const GateResult& result, const std::filesystem::path& accepted_file);
+std::vector<AcceptedChange> update_accepted(const GateResult& result,
+                                            const std::filesystem::path& accepted_file);
 
 /// Kinds that a new file takes unless others are asked for: all that can be read off a run. Comparisons and
 /// ratios of times are for their author to write.
 std::vector<FigureKind> default_kinds();
 
-/// Accepted figures (palpate/accepted/2) for a run that has none yet, without values (update_accepted puts them
-/// in) and with tolerances of 0 for their author to widen. Of every accepted case and input, of the measures
-/// that its plan names under `measure` and `accept`, without times and memory:
+/// Accepted figures (palpate/accepted/2) for a run that has none yet, without values (update_accepted puts
+/// them in) and with tolerances of 0 for their author to widen. Of every accepted case and input, of the
+/// measures that its plan names under `measure` and `accept`, without times and memory:
 ///
 ///   accuracy   each, but for those below
 ///   stability  those that are margins or steps

@@ -17,10 +17,12 @@ using nlohmann::ordered_json;
 
 constexpr std::size_t kLargestFile = 64U << 20U;
 constexpr const char* kNoTimes =
-    "a time by itself says as much of the machine and its load as of the code; accept the kind time_ratio, one "
+    "a time by itself says as much of the machine and its load as of the code; accept the kind time_ratio, "
+    "one "
     "case's time over another's in the same run";
-constexpr std::array kStabilityMeasures{"measured_over_predicted", "row_sum_over_measured", "stability_margin",
-                                        "measured_step_s", "predicted_step_s", "stable_step_s"};
+constexpr std::array kStabilityMeasures{"measured_over_predicted", "row_sum_over_measured",
+                                        "stability_margin",        "measured_step_s",
+                                        "predicted_step_s",        "stable_step_s"};
 
 /// One figure of the file, and where it stands.
 struct Entry {
@@ -45,7 +47,8 @@ struct Entry {
 
   std::optional<double> number_or_null(const char* key) const {
     const ordered_json& found = value.at(key);
-    if (!found.is_number() && !found.is_null()) throw InputError(where + ": " + key, 0, "a number", found.dump());
+    if (!found.is_number() && !found.is_null())
+      throw InputError(where + ": " + key, 0, "a number", found.dump());
     return found.is_null() ? std::nullopt : std::optional<double>(found.get<double>());
   }
 
@@ -126,7 +129,8 @@ AcceptedFigure read_stability(const Entry& entry) {
   }
   figure.lower = entry.number("lower", 0.0, "a tolerance of at least 0");
   figure.value = entry.number_or_null("value");
-  if (entry.value.contains("at_least")) figure.at_least = entry.number("at_least", 0.0, "a number of at least 0");
+  if (entry.value.contains("at_least"))
+    figure.at_least = entry.number("at_least", 0.0, "a number of at least 0");
   return figure;
 }
 
@@ -143,7 +147,8 @@ void read_cases(const Entry& entry, const char* first, const char* second, Accep
   figure.run_case = entry.text(first);
   figure.other_case = entry.text(second);
   if (figure.run_case == figure.other_case)
-    throw InputError(entry.where + ": " + second, 0, "another case than " + std::string(first), figure.other_case);
+    throw InputError(entry.where + ": " + second, 0, "another case than " + std::string(first),
+                     figure.other_case);
 }
 
 AcceptedFigure read_comparison(const Entry& entry) {
@@ -224,9 +229,11 @@ AcceptedFile read_accepted(const std::filesystem::path& path, const std::string&
   const std::string text = reference::read_text_file(path, kLargestFile);
   AcceptedFile file;
   file.data = reference::parse_ordered_json(text, path.string());
-  const ordered_json schema = file.data.is_object() ? file.data.value("schema", ordered_json()) : ordered_json();
+  const ordered_json schema =
+      file.data.is_object() ? file.data.value("schema", ordered_json()) : ordered_json();
   const bool has_kinds = schema == "palpate/accepted/2";
-  if (!has_kinds && schema != "palpate/accepted/1") throw InputError(path.string(), 0, expected, "something else");
+  if (!has_kinds && schema != "palpate/accepted/1")
+    throw InputError(path.string(), 0, expected, "something else");
   for (const auto& [key, value] : file.data.items()) {
     static const std::vector<std::string> known{"schema", "plan", "figures"};
     if (std::find(known.begin(), known.end(), key) == known.end())
@@ -242,7 +249,8 @@ AcceptedFile read_accepted(const std::filesystem::path& path, const std::string&
   for (const ordered_json& value : file.data.at("figures")) {
     const Entry entry{value, path.string() + ": figure " + std::to_string(++number)};
     AcceptedFigure figure = read_figure(entry, has_kinds);
-    if (!seen.insert({figure.kind, figure.run_case, figure.other_case, figure.measure}).second) entry.fail("twice");
+    if (!seen.insert({figure.kind, figure.run_case, figure.other_case, figure.measure}).second)
+      entry.fail("twice");
     file.figures.push_back(std::move(figure));
   }
   return file;

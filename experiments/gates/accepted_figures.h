@@ -11,7 +11,8 @@
 
 namespace palpate::experiments {
 
-/// What an accepted figure says of a run (docs/gates.md). A time is no kind: only a ratio of two in one run is.
+/// What an accepted figure says of a run (docs/gates.md). A time is no kind: only a ratio of two in one run
+/// is.
 enum class FigureKind { kAccuracy, kValidity, kStability, kHash, kComparison, kTimeRatio };
 inline constexpr EnumNames<FigureKind, 6> kFigureKindNames{
     "a figure's kind", {"accuracy", "validity", "stability", "hash", "comparison", "time_ratio"}};
@@ -19,14 +20,15 @@ inline constexpr EnumNames<FigureKind, 6> kFigureKindNames{
 /// One accepted figure. `measure` is empty for a hash and for a validity that is an outcome.
 struct AcceptedFigure {
   FigureKind kind = FigureKind::kAccuracy;
-  std::string run_case;         ///< comparison: the case that is to be less
-  std::string other_case;       ///< comparison: than this one; time ratio: over this one
+  std::string run_case;    ///< comparison: the case that is to be less
+  std::string other_case;  ///< comparison: than this one; time ratio: over this one
   std::string measure;
   std::string unit;
-  std::optional<double> value;  ///< none yet, or none at all; comparison: what `other_case` was over `run_case`
-  std::string word;             ///< the hash or the outcome; empty: none yet
-  double lower = 0.0;           ///< may be less by this much; time ratio: by this factor
-  double upper = 0.0;           ///< and more by this much; time ratio: by this factor; stability: as much as it likes
+  std::optional<double>
+      value;           ///< none yet, or none at all; comparison: what `other_case` was over `run_case`
+  std::string word;    ///< the hash or the outcome; empty: none yet
+  double lower = 0.0;  ///< may be less by this much; time ratio: by this factor
+  double upper = 0.0;  ///< and more by this much; time ratio: by this factor; stability: as much as it likes
   std::optional<double> at_least;  ///< stability: and never less than this, whatever is accepted
   double by_factor = 1.0;          ///< comparison: run_case < other_case / by_factor
 

@@ -30,7 +30,8 @@ std::vector<const json*> repeats_of_case(const std::vector<json>& records, const
                                          bool with_warmup) {
   std::vector<const json*> own;
   for (const json& record : records) {
-    if (record.at("case") == run_case && (with_warmup || !record.value("warmup", false))) own.push_back(&record);
+    if (record.at("case") == run_case && (with_warmup || !record.value("warmup", false)))
+      own.push_back(&record);
   }
   return own;
 }
@@ -63,7 +64,8 @@ void fail_outside(GateLine& line, const std::string& problem, double outside, do
   line.by = short_number(outside);
   if (!line.figure.unit.empty() && line.figure.unit != "1") line.by += " " + line.figure.unit;
   if (size > 0.0) line.by += " (" + short_number(std::round(1e4 * outside / size) / 100.0) + "%)";
-  if (tolerance > 0.0) line.by += ", " + short_number(std::round(100.0 * outside / tolerance) / 100.0) + " tolerances";
+  if (tolerance > 0.0)
+    line.by += ", " + short_number(std::round(100.0 * outside / tolerance) / 100.0) + " times the tolerance";
 }
 
 void fail_without_figure(GateLine& line, std::string problem) {
@@ -102,8 +104,8 @@ void hold_stability(GateLine& line) {
   const AcceptedFigure& figure = line.figure;
   if (!is_comparable(line)) return;
   if (figure.at_least && *line.measured < *figure.at_least) {
-    fail_outside(line, "below the least margin of " + short_number(*figure.at_least), *figure.at_least - *line.measured,
-                 figure.lower);
+    fail_outside(line, "below the least margin of " + short_number(*figure.at_least),
+                 *figure.at_least - *line.measured, figure.lower);
   } else if (*line.measured < *figure.value - figure.lower) {
     fail_outside(line, "below the lower bound", *figure.value - figure.lower - *line.measured, figure.lower);
   }
@@ -137,8 +139,9 @@ void hold_word(GateLine& line, const std::vector<json>& records) {
   }
   if (words.size() > 1) {
     const std::string many = std::to_string(words.size());
-    return fail_without_figure(line, is_hash ? "its repeats gave " + many + " different outputs: not deterministic"
-                                             : "its repeats ended in " + many + " different ways");
+    return fail_without_figure(line,
+                               is_hash ? "its repeats gave " + many + " different outputs: not deterministic"
+                                       : "its repeats ended in " + many + " different ways");
   }
   line.measured_word = *words.begin();
   if (line.figure.word.empty()) return fail_without_figure(line, "no accepted value yet");
@@ -165,7 +168,8 @@ void hold_comparison(GateLine& line, const std::vector<json>& records) {
   line.shortfall = (left - bound) / std::fabs(bound);
   if (!std::isfinite(line.shortfall)) line.shortfall = left == bound ? 0.0 : kInfinite;
   line.by = short_number(left - bound);
-  if (bound != 0.0) line.by += " (" + short_number(std::round(1e4 * (left - bound) / std::fabs(bound)) / 100.0) + "%)";
+  if (bound != 0.0)
+    line.by += " (" + short_number(std::round(1e4 * (left - bound) / std::fabs(bound)) / 100.0) + "%)";
 }
 
 /// The times of a case that may be compared: of a process, those of repeats without a search.
@@ -174,7 +178,8 @@ Figures times_of(const std::vector<json>& records, const std::string& run_case, 
   const bool of_process = name == "wall_s" || name == "user_s";
   std::vector<json> counted;
   for (const json& record : records) {
-    if (record.at("case") == run_case && !(of_process && record.value("searched", false))) counted.push_back(record);
+    if (record.at("case") == run_case && !(of_process && record.value("searched", false)))
+      counted.push_back(record);
   }
   Figures figures = figures_of(counted, run_case, measure);
   if (figures.problem.empty() && figures.values.size() < kLeastTimeRepeats)

@@ -46,11 +46,12 @@ inline constexpr std::size_t kLeastTimeRepeats = 5;
 ///   stability   the median is at least value - lower, and at least at_least
 ///   hash        each repeat, warm-up too, gave this output, to the bit
 ///   comparison  median of `less` < median of `than` / by_factor
-///   time_ratio  median time of a case over that of another is within [value / lower, value upper]; of each at
+///   time_ratio  median time of a case over that of another is within [value / lower, value upper]; of each
+///   at
 ///               least 5 repeats after warm-up, those with a search left out of wall and processor time
 ///
-/// But for outcomes and hashes, a case with a repeat that is not accepted has no figure, and a missing or null
-/// figure fails. An error of a displacement whose row is marked (reference_too_coarse) is never held: it
+/// But for outcomes and hashes, a case with a repeat that is not accepted has no figure, and a missing or
+/// null figure fails. An error of a displacement whose row is marked (reference_too_coarse) is never held: it
 /// fails, so that the figure is taken out of the file. Without a figure that the run has there is nothing to
 /// compare, which is a problem of the run.
 /// Throws: InputError with the file and the key if the accepted file is not what it has to be.

@@ -82,7 +82,9 @@ std::string verdict_text(const GateResult& result) {
   return std::string(result.holds() ? "holds" : "fails") + (result.plan.empty() ? "" : ": " + result.plan);
 }
 
-bool is_control(unsigned char byte) { return byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r'; }
+bool is_control(unsigned char byte) {
+  return byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r';
+}
 
 /// Text that is valid UTF-8, without characters that XML cannot hold (C0, U+FFFE, U+FFFF).
 std::string xml_characters(const std::string& text) {
@@ -90,7 +92,8 @@ std::string xml_characters(const std::string& text) {
       json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
   std::string kept;
   for (std::size_t i = 0; i < valid.size(); ++i) {
-    const bool is_no_character = valid.compare(i, 3, "\xEF\xBF\xBE") == 0 || valid.compare(i, 3, "\xEF\xBF\xBF") == 0;
+    const bool is_no_character =
+        valid.compare(i, 3, "\xEF\xBF\xBE") == 0 || valid.compare(i, 3, "\xEF\xBF\xBF") == 0;
     kept += is_no_character || is_control(static_cast<unsigned char>(valid[i])) ? '?' : valid[i];
     if (is_no_character) i += 2;
   }
@@ -128,7 +131,8 @@ std::string escape_xml(const std::string& text) {
 
 std::string test_case(const std::string& group, const std::string& name, const std::string& failure,
                       const std::string& details) {
-  std::string text = "    <testcase classname=\"" + escape_xml(group) + "\" name=\"" + escape_xml(name) + "\" time=\"0\"";
+  std::string text =
+      "    <testcase classname=\"" + escape_xml(group) + "\" name=\"" + escape_xml(name) + "\" time=\"0\"";
   if (failure.empty()) return text + "/>\n";
   return text + ">\n      <failure message=\"" + escape_xml(failure) + "\">" + escape_xml(details) +
          "</failure>\n    </testcase>\n";
@@ -162,7 +166,8 @@ std::string problems_markdown(const GateResult& result) {
   for (std::size_t i = 0; i < std::min(result.problems.size(), kShownProblems); ++i)
     text += "- **the run:** " + markdown_cell(result.problems[i]) + "\n";
   if (result.problems.size() > kShownProblems)
-    text += "- and " + std::to_string(result.problems.size() - kShownProblems) + " more problems of the run\n";
+    text +=
+        "- and " + std::to_string(result.problems.size() - kShownProblems) + " more problems of the run\n";
   return text.empty() ? "" : text + "\n";
 }
 
@@ -178,9 +183,10 @@ std::string gate_text(const GateResult& result, bool all) {
   TextTable table({"kind", "figure", "accepted", "measured", "tolerance", "unit", ""}, "llrrrll");
   const auto add = [&](const GateLine& line) {
     const bool holds = line.problem.empty();
-    table.add({kFigureKindNames.of(line.figure.kind), line.figure.name(), accepted_text(line.figure), measured_text(line),
-               tolerance_text(line.figure), unit_text(line.figure),
-               holds ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed) + ": " + reason_text(line)});
+    table.add(
+        {kFigureKindNames.of(line.figure.kind), line.figure.name(), accepted_text(line.figure),
+         measured_text(line), tolerance_text(line.figure), unit_text(line.figure),
+         holds ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed) + ": " + reason_text(line)});
   };
   for (const GateLine* line : failing) add(*line);
   for (const GateLine& line : result.lines) {
@@ -188,7 +194,8 @@ std::string gate_text(const GateResult& result, bool all) {
   }
   if (!failing.empty() || (all && !result.lines.empty())) text += table.text();
   const bool is_good = result.holds();
-  return text + (is_good ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed)) + ": " + count_text(result) + '\n';
+  return text + (is_good ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed)) + ": " +
+         count_text(result) + '\n';
 }
 
 json describe_gate(const GateResult& result, const std::vector<AcceptedChange>& changes) {
@@ -215,8 +222,9 @@ json describe_gate(const GateResult& result, const std::vector<AcceptedChange>& 
   }
   json changed = json::array();
   for (const AcceptedChange& change : changes)
-    changed.push_back({{"figure", change.name}, {"from", change.from}, {"to", change.to}, {"share", change.share}});
-  return {{"holds", result.holds()},     {"plan", result.plan},    {"run", result.run},
+    changed.push_back(
+        {{"figure", change.name}, {"from", change.from}, {"to", change.to}, {"share", change.share}});
+  return {{"holds", result.holds()},     {"plan", result.plan},         {"run", result.run},
           {"problems", result.problems}, {"figures", std::move(lines)}, {"changes", std::move(changed)}};
 }
 
@@ -224,10 +232,13 @@ std::string gate_junit(const GateResult& result) {
   const std::string plan = result.plan.empty() ? "run" : result.plan;
   const std::size_t failures = result.failures().size() + result.problems.size();
   const std::string counts = " tests=\"" + std::to_string(result.lines.size() + result.problems.size()) +
-                             "\" failures=\"" + std::to_string(failures) + "\" errors=\"0\" skipped=\"0\" time=\"0\"";
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"palpate gate\"" + counts + ">\n";
+                             "\" failures=\"" + std::to_string(failures) +
+                             "\" errors=\"0\" skipped=\"0\" time=\"0\"";
+  std::string text =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"palpate gate\"" + counts + ">\n";
   text += "  <testsuite name=\"" + escape_xml(plan) + "\"" + counts + ">\n";
-  for (const std::string& problem : result.problems) text += test_case(plan + ".run", problem, problem, problem);
+  for (const std::string& problem : result.problems)
+    text += test_case(plan + ".run", problem, problem, problem);
   for (const GateLine& line : result.lines)
     text += test_case(plan + "." + kFigureKindNames.of(line.figure.kind), line.figure.name(),
                       line.problem.empty() ? "" : reason_text(line), details_of(line));
@@ -235,20 +246,25 @@ std::string gate_junit(const GateResult& result) {
 }
 
 std::string gate_markdown(const GateResult& result, const std::vector<AcceptedChange>& changes) {
-  std::string text = "## palpate gate " + markdown_cell(verdict_text(result)) + "\n\n" + problems_markdown(result);
+  std::string text =
+      "## palpate gate " + markdown_cell(verdict_text(result)) + "\n\n" + problems_markdown(result);
   const std::vector<const GateLine*> failing = result.failures();
   if (!failing.empty()) {
-    text += "| what fell short | kind | accepted | measured | tolerance | unit | why |\n|---|---|--:|--:|--:|---|---|\n";
+    text +=
+        "| what fell short | kind | accepted | measured | tolerance | unit | why "
+        "|\n|---|---|--:|--:|--:|---|---|\n";
     for (const GateLine* line : failing)
-      text += markdown_row({line->figure.name(), kFigureKindNames.of(line->figure.kind), accepted_text(line->figure),
-                            measured_text(*line), tolerance_text(line->figure), unit_text(line->figure), reason_text(*line)});
+      text += markdown_row({line->figure.name(), kFigureKindNames.of(line->figure.kind),
+                            accepted_text(line->figure), measured_text(*line), tolerance_text(line->figure),
+                            unit_text(line->figure), reason_text(*line)});
     text += "\n";
   }
   text += count_text(result) + ".\n";
   if (!result.run.empty()) text += "\nRun: " + markdown_cell(result.run) + "\n";
   if (changes.empty()) return text;
   text += "\n| newly accepted | before | now | change |\n|---|--:|--:|--:|\n";
-  for (const AcceptedChange& change : changes) text += markdown_row({change.name, change.from, change.to, change.share});
+  for (const AcceptedChange& change : changes)
+    text += markdown_row({change.name, change.from, change.to, change.share});
   return text;
 }
 
