@@ -80,7 +80,8 @@ std::string last_lines(const std::string& text) {
     line.erase(0, line.find_first_not_of(" \t\r"));
     while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos)
       line.pop_back();
-    if (!line.empty()) lines.push_back(one_line(line));
+    const bool says_something = line.find_first_not_of(" \t^~") != std::string::npos;  // not Python's marks
+    if (says_something) lines.push_back(one_line(line));
   }
   std::string joint;
   for (std::size_t i = lines.size() > kLines ? lines.size() - kLines : 0; i < lines.size(); ++i)

@@ -14,9 +14,16 @@ from shared.tables import align, write_csv
 
 OF_PROCESS = ("wall_s", "user_s", "peak_rss_bytes")
 ALWAYS = "kernel_s"
+LONGEST_NAME = 16
 # What may move a figure beside the code, by its key in the provenance.
 SURROUNDINGS = [("plan_hash", "plan"), ("processor", "processor"), ("system", "system"), ("compiler", "compiler"),
                 ("flags", "flags"), ("libraries", "libraries"), ("threads", "threads")]
+
+
+def own_programs(provenance):
+    """Hashes of contestants' programs and files from elsewhere; those of the project come with its commit."""
+    programs = provenance.get("programs")
+    return {name: hash_ for name, hash_ in programs.items() if "/" in name} if isinstance(programs, dict) else {}
 
 
 @dataclass
@@ -27,10 +34,7 @@ class OneRun:
     commit: str
     provenance: dict
     cases: dict  # records by case, in the order of the file
-
-    @property
-    def name(self):
-        return self.commit + ("+" if self.provenance.get("dirty") else "")
+    name: str    # the commit of Palpate; where that is the same for all runs, the folder
 
 
 @dataclass
@@ -85,7 +89,8 @@ class Series:
     def surroundings(self, step):
         """What else differs between the two runs of a step."""
         before, after = (self.points[place].run.provenance for place in (step.place - 1, step.place))
-        return [name for key, name in SURROUNDINGS if before.get(key) != after.get(key)]
+        changed = [name for key, name in SURROUNDINGS if before.get(key) != after.get(key)]
+        return changed + [name for name in own_programs(after) if own_programs(before).get(name) != own_programs(after)[name]]
 
 
 @dataclass
@@ -129,8 +134,12 @@ def read_runs(folders, notes):
         cases = {}
         for record in lines:
             cases.setdefault(str(record.get("case")), []).append(record)
-        runs.append(OneRun(folder, provenance["plan"], provenance["started_at"], str(provenance.get("commit", "unknown")),
-                           provenance, cases))
+        commit = str(provenance.get("commit", "unknown"))
+        runs.append(OneRun(folder, provenance["plan"], provenance["started_at"], commit, provenance, cases,
+                           commit + ("+" if provenance.get("dirty") else "")))
+    if len({run.commit for run in runs}) == 1:
+        for run in runs:
+            run.name = run.folder.resolve().name[:LONGEST_NAME]
     return sorted(runs, key=lambda run: (run.started_at, str(run.folder)))
 
 
@@ -211,7 +220,7 @@ def history_text(history):
     found = history.found()
     text = ""
     if found:
-        header = ["case", "measure", "step", "before", "after", "unit", "commits", "since", "chance", "note"]
+        header = ["case", "measure", "step", "before", "after", "unit", "runs", "since", "chance", "note"]
         text = align(header, [step_cells(series, step) for series, step in found]) + "\n\n"
     told = [series for series in history.series if series.is_told]
     tested = sum(not series.exact for series in told)

@@ -150,6 +150,15 @@ class Runs(unittest.TestCase):
         _, out, _ = self.call("--measure", "percent_above_0_5", str(self.folder / "runs"))
         self.assertIn("1 steps in 1 series", out)
 
+    def test_runs_of_one_commit_are_named_by_their_folders_and_show_a_changed_contestant(self):
+        for number in range(4):
+            percent = 70.0 if number < 2 else 60.0
+            self.add_run(number, [synthetic.record("kidney", "a", percent)], commit="c1",
+                         programs={"palpate": str(number), "mine/adapter.py": "old" if number < 2 else "new"})
+        _, out, _ = self.call("--measure", "percent_above_0_5", str(self.folder / "runs"))
+        self.assertIn("run01 -> run02", out)
+        self.assertIn("worse (mine/adapter.py changed too)", out)
+
     def test_too_few_runs_of_what_scatters_are_said(self):
         self.add_runs(count=6, better_from=3, slower_from=3)
         _, out, _ = self.call(str(self.folder / "runs"))

@@ -131,7 +131,7 @@ TEST(Examples, TheWorkflowsCommandsTakeTheirFlags) {
     EXPECT_TRUE(step.contains("run") != step.contains("uses")) << step;
 }
 
-/// The workflow's own lines, one after the other, by bash -e as the service has it. Installing and checking
+/// The workflow's own lines, one after the other, by sh -e as the service has it in a container. Installing and checking
 /// out are left out.
 TEST(Examples, TheWorkflowsLinesRun) {
   const test::ScratchFolder folder;
@@ -145,10 +145,10 @@ TEST(Examples, TheWorkflowsLinesRun) {
                 figures.end());
   folder.add("benchmarks/accepted.json", accepted.dump());
   std::string script = "cd '" + folder.path().string() +
-                       "'\nexport HOME=$PWD GITHUB_RUN_ID=7 GITHUB_STEP_SUMMARY=$PWD/summary.md\n";
+                       "'\nexport HOME=$PWD RUN=runs/1234-1 GITHUB_STEP_SUMMARY=$PWD/summary.md\n";
   for (const std::string& lines : workflow_lines()) script += "(set -e\n" + lines + "\n) || exit 1\n";
   ProcessSpec spec;
-  spec.arguments = {"/usr/bin/bash", folder.add("lines.sh", script).string()};
+  spec.arguments = {"/bin/sh", folder.add("lines.sh", script).string()};
   spec.standard_output = folder / "out";
   spec.standard_error = folder / "error";
   const ProcessResult result = run_process(spec);
