@@ -182,7 +182,7 @@ std::filesystem::path find_in_path(const std::string& name) {
   std::istringstream folders(list != nullptr ? list : "/usr/bin:/bin");
   std::string folder;
   while (std::getline(folders, folder, ':')) {
-    const std::filesystem::path found = std::filesystem::absolute(std::filesystem::path(folder) / name);
+    std::filesystem::path found = std::filesystem::absolute(std::filesystem::path(folder) / name);
     std::error_code error;
     if (std::filesystem::is_regular_file(found, error) && ::access(found.c_str(), X_OK) == 0) return found;
   }
@@ -350,9 +350,8 @@ Registry load_registry(const std::vector<std::filesystem::path>& more) {
 }
 
 std::string hash_contestant(const Contestant& contestant) {
-  const std::string program = hash_file(contestant.program);
-  if (contestant.files.empty()) return program;
-  std::string all = program;
+  std::string all = hash_file(contestant.program);
+  if (contestant.files.empty()) return all;
   for (const std::filesystem::path& file : contestant.files)
     all += "\n" + file.filename().string() + " " + hash_file(file);
   return hash_bytes(all);

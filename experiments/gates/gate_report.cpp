@@ -1,8 +1,8 @@
 #include "experiments/gates/gate_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "core/base/number_text.h"
 #include "experiments/text/terminal.h"

@@ -131,8 +131,8 @@ TEST(Examples, TheWorkflowsCommandsTakeTheirFlags) {
     EXPECT_TRUE(step.contains("run") != step.contains("uses")) << step;
 }
 
-/// The workflow's own lines, one after the other, by sh -e as the service has it in a container. Installing and checking
-/// out are left out.
+/// The workflow's own lines, one after the other, by sh -e as the service has it in a container. Installing
+/// and checking out are left out.
 TEST(Examples, TheWorkflowsLinesRun) {
   const test::ScratchFolder folder;
   fs::create_directory(folder / "palpate");

@@ -28,6 +28,7 @@ json repeat_of(const std::string& run_case, double kernel_s, int inverted = 0,
 
 std::vector<json> repeats(const std::string& run_case, const std::vector<double>& times) {
   std::vector<json> all;
+  all.reserve(times.size());
   for (const double time : times) all.push_back(repeat_of(run_case, time));
   return all;
 }
@@ -180,11 +181,10 @@ TEST(GateKinds, UpdateTakesValuesOfAllKindsAndKeepsTolerances) {
   std::vector<std::string> texts;
   for (const AcceptedChange& change : update_accepted(hold_against(records, "p", file), file))
     texts.push_back(change.text());
-  EXPECT_THAT(texts, testing::ElementsAre("m/a inverted_tets: 4 -> 0 (-100%)",
-                                          "m/a outcome: none -> accepted", "m/a hash: xxh3:old -> xxh3:a",
-                                          "m/a measured_over_predicted: 1.1 -> 1.02 (-7.27%)",
-                                          "m/a / m/b kernel_s: 1.5 -> 3 (+100%)",
-                                          "m/a < m/b mean_quality: none -> 1.5"));
+  EXPECT_THAT(texts, testing::ElementsAre(
+                         "m/a inverted_tets: 4 -> 0 (-100%)", "m/a outcome: none -> accepted",
+                         "m/a hash: xxh3:old -> xxh3:a", "m/a measured_over_predicted: 1.1 -> 1.02 (-7.27%)",
+                         "m/a / m/b kernel_s: 1.5 -> 3 (+100%)", "m/a < m/b mean_quality: none -> 1.5"));
   EXPECT_TRUE(hold_against(records, "p", file).holds());
   const json after = json::parse(test::bytes_of(file)).at("figures");
   EXPECT_EQ(after[3], with(with(kMargin, "at_least", 0.9), "value", 1.02));

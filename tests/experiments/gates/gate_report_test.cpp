@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <sstream>
 
 #include "experiments/processes/process.h"
 #include "tests/support/scratch_folder.h"

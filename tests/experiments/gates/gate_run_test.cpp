@@ -110,12 +110,11 @@ TEST_F(GateRun, TheFirstAcceptedFiguresAreThePlansWithoutTimes) {
   for (const AcceptedChange& change : update_accepted(hold_against(records(), "plan", file), file))
     texts.push_back(change.text());
   const std::string hash = records().back().at("output_hash").get<std::string>();
-  EXPECT_THAT(texts,
-              ElementsAre("cube/input tets_out: none -> 384", "cube/input inverted_tets: none -> 0",
-                          "cube/a outcome: none -> accepted", "cube/a tets_out: none -> 384",
-                          "cube/a inverted_tets: none -> 0", "cube/a hash: none -> " + hash,
-                          "cube/b outcome: none -> accepted", "cube/b tets_out: none -> 384",
-                          "cube/b inverted_tets: none -> 0", "cube/b hash: none -> " + hash));
+  EXPECT_THAT(texts, ElementsAre("cube/input tets_out: none -> 384", "cube/input inverted_tets: none -> 0",
+                                 "cube/a outcome: none -> accepted", "cube/a tets_out: none -> 384",
+                                 "cube/a inverted_tets: none -> 0", "cube/a hash: none -> " + hash,
+                                 "cube/b outcome: none -> accepted", "cube/b tets_out: none -> 384",
+                                 "cube/b inverted_tets: none -> 0", "cube/b hash: none -> " + hash));
   EXPECT_TRUE(hold_against(records(), "plan", file).holds());
   const json kinds = propose("plan", {FigureKind::kValidity});
   EXPECT_EQ(kinds.at("figures").size(), 5U);

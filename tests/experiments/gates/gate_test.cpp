@@ -90,7 +90,8 @@ std::string gate_error(const std::string& accepted) {
 }
 
 TEST(Gate, FilesThatAreNoAcceptedFigures) {
-  EXPECT_THAT(gate_error("[]"), HasSubstr("expected accepted figures (palpate/accepted/2 or 1), found something else"));
+  EXPECT_THAT(gate_error("[]"),
+              HasSubstr("expected accepted figures (palpate/accepted/2 or 1), found something else"));
   EXPECT_THAT(gate_error("{"), HasSubstr("p.json: expected JSON"));
   EXPECT_THAT(gate_error(std::string(200'000, '[')), HasSubstr("p.json: expected at most 64 levels"));
   EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":{}})"),
