@@ -1,17 +1,27 @@
-// gate.
+// gate, history.
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
+#include "experiments/files/file_bytes.h"
+#include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
+#include "experiments/files/scratch_folder.h"
+#include "experiments/gates/accept.h"
+#include "experiments/gates/gate.h"
+#include "experiments/gates/gate_report.h"
+#include "experiments/gates/gate_run.h"
+#include "experiments/judging/measure.h"
+#include "experiments/processes/process.h"
+#include "experiments/processes/stop_signals.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
-#include "experiments/runner/gate.h"
-#include "experiments/runner/gate_run.h"
+#include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -22,77 +32,152 @@ using nlohmann::json;
 struct GateArguments {
   std::string run;
   std::string accepted;
+  std::string junit;
+  std::string markdown;
+  std::vector<std::string> kinds;
   bool update = false;
+  bool all = false;
   bool as_json = false;
 };
 
+/// The plan of a run, by its records or its provenance.
 std::string plan_of(const std::vector<json>& records, const fs::path& folder) {
-  if (records.empty()) throw InputError(folder.string(), 0, "a run with records", "none");
-  const json plan = records.front().value("plan", json());
-  if (!plan.is_string()) throw InputError(folder.string(), 0, "records that name their plan", plan.dump());
+  const fs::path provenance = RunPaths{folder}.provenance();
+  json plan;
+  if (!records.empty()) {
+    plan = records.front().value("plan", json());
+  } else if (fs::exists(provenance)) {
+    const json known = reference::read_json_file(provenance);
+    if (known.is_object()) plan = known.value("plan", json());
+  }
+  if (!plan.is_string()) throw InputError(folder.string(), 0, "a run that names its plan", plan.dump());
   return plan.get<std::string>();
 }
 
-void print_gate(const GateResult& result) {
-  TextTable table({"case", "measure", "accepted", "measured", "tolerance", "unit", ""}, "llrrrll");
-  for (const GateLine& line : result.lines) {
-    const bool holds = line.problem.empty();
-    table.add(
-        {line.run_case, line.measure, line.accepted ? short_number(*line.accepted) : "none",
-         line.measured ? short_number(*line.measured) : "none",
-         "-" + short_number(line.lower) + " +" + short_number(line.upper), line.unit,
-         holds ? colored("holds", Color::kGreen) : colored("FAILS", Color::kRed) + ": " + line.problem});
+std::vector<FigureKind> read_kinds(const GateArguments& arguments) {
+  if (arguments.kinds.empty()) return default_kinds();
+  if (!arguments.update) throw InputError("--kinds belongs to --update: it says what a new file takes");
+  std::vector<FigureKind> kinds;
+  for (const std::string& name : arguments.kinds) {
+    const auto kind = kFigureKindNames.find(name);
+    if (!kind) throw InputError("--kinds", 0, kFigureKindNames.known(), "\"" + name + "\"");
+    kinds.push_back(*kind);
   }
-  std::cout << table.text();
-  for (const std::string& problem : result.problems)
-    std::cout << colored("FAILS", Color::kRed) << ": " << problem << '\n';
+  return kinds;
 }
 
-json describe_gate(const GateResult& result) {
-  json lines = json::array();
-  for (const GateLine& line : result.lines) {
-    lines.push_back({{"case", line.run_case},
-                     {"measure", line.measure},
-                     {"unit", line.unit},
-                     {"accepted", line.accepted ? json(*line.accepted) : json()},
-                     {"measured", line.measured ? json(*line.measured) : json()},
-                     {"lower", line.lower},
-                     {"upper", line.upper},
-                     {"holds", line.problem.empty()},
-                     {"problem", line.problem}});
-  }
-  return {{"holds", result.holds()}, {"problems", result.problems}, {"figures", std::move(lines)}};
-}
-
-int gate(const GateArguments& arguments) {
-  const fs::path folder = find_run(arguments.run);
+/// Holds the run against the accepted file; if that is to be updated and the run is sound, updates it first.
+GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
+                    std::vector<AcceptedChange>& changes) {
+  const std::vector<FigureKind> kinds = read_kinds(arguments);
   const auto records = read_records(folder / "records.jsonl");
   const std::string plan = plan_of(records, folder);
   const fs::path accepted = arguments.accepted.empty()
                                 ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")
                                 : fs::path(arguments.accepted);
-  const auto problems = find_run_problems(folder, records);
+  std::vector<std::string> problems = find_run_problems(folder, records);
+  if (records.empty()) problems.insert(problems.begin(), "nothing to compare: the run has no records");
   const bool takes_over = arguments.update && problems.empty();
   if (arguments.update && !takes_over) print_note("the accepted figures are unchanged: the run is not sound");
   if (takes_over && !fs::exists(accepted)) {
-    write_file_atomically(accepted, propose_accepted(folder, records, plan).dump(2) + "\n");
+    write_file_atomically(accepted, propose_accepted(folder, records, plan, kinds).dump(2) + "\n");
     print_note(accepted.string() + " is new: its tolerances are 0, widen them where a figure may move");
   }
-  if (!problems.empty() && !fs::exists(accepted)) throw InputError(folder.string() + ": " + problems.front());
-  GateResult result = hold_against(records, plan, accepted);
-  if (takes_over) {
-    const auto changes = update_accepted(result, accepted);
-    for (const std::string& change : changes) print_note("accepted: " + change);
-    if (changes.empty()) print_note("the accepted figures are unchanged");
+  GateResult result;
+  result.plan = plan;
+  if (fs::exists(accepted)) {
     result = hold_against(records, plan, accepted);
-  }
-  result.problems = problems;
-  if (arguments.as_json) {
-    print_json(describe_gate(result));
+    if (takes_over) {
+      changes = update_accepted(result, accepted);
+      if (!changes.empty()) result = hold_against(records, plan, accepted);
+    }
   } else {
-    print_gate(result);
+    problems.push_back("nothing to compare: there are no accepted figures at " + accepted.string() +
+                       "; palpate gate RUN --update writes them");
+  }
+  result.problems.insert(result.problems.begin(), problems.begin(), problems.end());
+  result.run = folder.string();
+  return result;
+}
+
+int gate(const GateArguments& arguments) {
+  const fs::path folder = find_run(arguments.run);
+  std::vector<AcceptedChange> changes;
+  const GateResult result = hold_run(arguments, folder, changes);
+  for (const AcceptedChange& change : changes) print_note("accepted: " + change.text());
+  if (arguments.update && changes.empty() && result.holds()) print_note("the accepted figures are unchanged");
+  if (!arguments.junit.empty()) write_file_atomically(arguments.junit, gate_junit(result));
+  if (!arguments.markdown.empty()) write_file_atomically(arguments.markdown, gate_markdown(result, changes));
+  if (arguments.as_json) {
+    print_json(describe_gate(result, changes));
+  } else {
+    std::cout << gate_text(result, arguments.all);
   }
   return result.holds() ? kDone : kNotAccepted;
+}
+
+struct HistoryArguments {
+  std::vector<std::string> folders;
+  std::string out;
+  std::string measure;
+  bool as_json = false;
+};
+
+/// The measures for the script, which knows none by itself.
+json describe_measures() {
+  json all = json::array();
+  for (const Measure& measure : list_measures()) {
+    if (!measure.scalar) continue;
+    all.push_back({{"name", measure.name},
+                   {"unit", measure.unit},
+                   {"better", measure.better},
+                   {"key", measure.key},
+                   {"anew", is_measured_anew(measure)}});
+  }
+  return all;
+}
+
+int history(const HistoryArguments& arguments) {
+  if (!arguments.measure.empty()) {
+    const Measure* measure = find_measure(arguments.measure);
+    if (measure == nullptr || !measure->scalar)
+      throw InputError("--measure: unknown measure \"" + arguments.measure + "\"" +
+                       nearest_hint(arguments.measure, measure_names()));
+  }
+  for (const std::string& folder : arguments.folders) {
+    std::error_code error;
+    if (!fs::is_directory(folder, error))
+      throw InputError(folder, 0, "a run, or a folder of runs", "no folder");
+  }
+  const fs::path script = fs::path(source_folder()) / "report" / "make_history.py";
+  if (!fs::exists(script)) throw UnavailableError("the script is missing: " + script.string());
+  if (!arguments.out.empty()) create_folder(arguments.out);
+  const ScratchFolder scratch;
+  ProcessSpec spec;
+  spec.arguments = {"/usr/bin/python3", "-B", script.string(), "--measures",
+                    scratch.file("measures.json").string()};
+  write_file_atomically(scratch.file("measures.json"), describe_measures().dump() + "\n");
+  if (!arguments.out.empty()) spec.arguments.insert(spec.arguments.end(), {"--out", arguments.out});
+  if (!arguments.measure.empty())
+    spec.arguments.insert(spec.arguments.end(), {"--measure", arguments.measure});
+  if (arguments.as_json) spec.arguments.emplace_back("--json");
+  spec.arguments.emplace_back("--");
+  spec.arguments.insert(spec.arguments.end(), arguments.folders.begin(), arguments.folders.end());
+  spec.timeout_s = 1800.0;
+  spec.standard_output = scratch.file("out");
+  spec.standard_error = scratch.file("error");
+  spec.stop_flag = catch_stop_signals();
+  const ProcessResult result = run_process(spec);
+  std::string said = read_bytes(spec.standard_error).value_or("");
+  while (!said.empty() && said.back() == '\n') said.pop_back();
+  if (result.end == ProcessEnd::kInterrupted) return kInterrupted;
+  if (result.end == ProcessEnd::kExited && result.exit_code == kBadInput)
+    throw InputError(said.substr(said.rfind('\n') + 1));
+  if (result.end != ProcessEnd::kExited || result.exit_code != kDone)
+    throw UnavailableError("the history failed (" + result.message +
+                           "): " + said.substr(said.rfind('\n') + 1));
+  std::cout << read_bytes(spec.standard_output).value_or("");
+  return kDone;
 }
 
 }  // namespace
@@ -107,8 +192,39 @@ void add_gate_command(CLI::App& app, int& exit_code) {
                    "Accepted figures (default: results/accepted/<plan>.json)")
       ->type_name("FILE");
   command->add_flag("--update", arguments->update, "Take the run's figures over, tolerances kept");
+  command
+      ->add_option("--kinds", arguments->kinds,
+                   "With --update, kinds that a new file takes (accuracy,validity,stability,hash)")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("KIND,...");
+  command->add_option("--junit", arguments->junit, "Write the outcome as JUnit XML, too")->type_name("FILE");
+  command->add_option("--markdown", arguments->markdown, "Write a summary in Markdown, too")
+      ->type_name("FILE");
+  command->add_flag("--all", arguments->all, "Print what holds, too");
   command->add_flag("--json", arguments->as_json, "Print the outcome as JSON");
+  command->footer(
+      "Exit codes: 0 all figures hold; 1 one does not, the run is not sound, or there is nothing to "
+      "compare.\n"
+      "docs/gates.md has the kinds of figures: accuracy, validity, stability, hash, comparison, time_ratio.");
   command->callback([arguments, &exit_code] { exit_code = gate(*arguments); });
+}
+
+void add_history_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<HistoryArguments>();
+  CLI::App* command = app.add_subcommand("history", "Follow figures over many runs, and find steps");
+  command->add_option("DIR", arguments->folders, "Run folders, or folders of runs (results/<plan>)")
+      ->required();
+  command->add_option("-o,--out", arguments->out, "Write history.csv, steps.csv and charts there")
+      ->type_name("FOLDER");
+  command
+      ->add_option("--measure", arguments->measure,
+                   "This measure alone (default: those that the runs' plans name, and kernel_s)")
+      ->type_name("NAME");
+  command->add_flag("--json", arguments->as_json, "Print as JSON");
+  command->footer(
+      "A step is a level that changed and stayed; docs/gates.md has the rule. The largest comes first.");
+  command->callback([arguments, &exit_code] { exit_code = history(*arguments); });
 }
 
 }  // namespace palpate::experiments

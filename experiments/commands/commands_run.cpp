@@ -94,7 +94,7 @@ void print_outcomes(const RunResult& result) {
 }
 
 int run(const RunArguments& arguments) {
-  const Registry registry = load_registry();
+  const Registry registry = load_registry(read_contestant_folders(arguments.plan));
   const Plan plan = read_plan(arguments.plan, registry);
   if (arguments.list_cases) {
     const auto cases = build_cases(plan, registry);
@@ -169,8 +169,9 @@ int check(const std::vector<std::string>& files) {
         check_scene(file, registry);
         continue;
       }
-      const Plan plan = read_plan(file, registry);
-      const std::vector<Case> cases = build_cases(plan, registry);
+      const Registry known = load_registry(read_contestant_folders(file));
+      const Plan plan = read_plan(file, known);
+      const std::vector<Case> cases = build_cases(plan, known);
       int runs = 0;
       for (const Case& c : cases) runs += plan.run.warmup + repeats_of(plan.run, c);
       std::cout << file << ": good, " << cases.size() << " cases, " << runs << " runs\n";

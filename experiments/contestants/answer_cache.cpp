@@ -22,7 +22,7 @@ constexpr const char* kSchema = "palpate/answer_cache/1";
 json key_of(const ContestantTask& task) {
   json key = {{"contest", task.method.contestant->contest},
               {"method", task.method.method->name},
-              {"program", hash_file(task.method.contestant->program)},
+              {"program", hash_contestant(*task.method.contestant)},
               {"mesh", hash_file(task.mesh_in)},
               {"options", task.options}};
   if (task.problem_in.empty()) {

@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "experiments/contestants/stability_settings.h"
+#include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
 #include "experiments/text/nearest_name.h"
 
@@ -175,6 +176,55 @@ std::filesystem::path find_program(const YamlValue& value, const std::filesystem
   return std::filesystem::is_regular_file(own, error) ? own : bin_folder / name;
 }
 
+/// A name as the shell would find it in PATH; the name itself if it does not.
+std::filesystem::path find_in_path(const std::string& name) {
+  const char* list = std::getenv("PATH");
+  std::istringstream folders(list != nullptr ? list : "/usr/bin:/bin");
+  std::string folder;
+  while (std::getline(folders, folder, ':')) {
+    std::filesystem::path found = std::filesystem::absolute(std::filesystem::path(folder) / name);
+    std::error_code error;
+    if (std::filesystem::is_regular_file(found, error) && ::access(found.c_str(), X_OK) == 0) return found;
+  }
+  return name;
+}
+
+/// The words of a description's `command`. The first one is a path (relative to the description) or a name in
+/// PATH; a later one that names a file beside the description becomes its path.
+void read_command(const YamlValue& value, const std::filesystem::path& folder, Contestant& contestant) {
+  const std::vector<std::string> words = read_texts(value);
+  if (words.empty() || words[0].empty())
+    value.fail_expected("a list of words that starts with a program, such as [python3, adapter.py]");
+  const bool is_path = words[0].find('/') != std::string::npos;
+  contestant.program =
+      is_path ? std::filesystem::absolute(folder / words[0]).lexically_normal() : find_in_path(words[0]);
+  contestant.command = {contestant.program.string()};
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::filesystem::path file = std::filesystem::absolute(folder / words[i]).lexically_normal();
+    std::error_code error;
+    const bool is_file = !words[i].empty() && std::filesystem::is_regular_file(file, error);
+    if (is_file) contestant.files.push_back(file);
+    contestant.command.push_back(is_file ? file.string() : words[i]);
+  }
+}
+
+/// What is started, and the files that it needs: `program` or `command`, and `files`.
+void read_program(const YamlFields& fields, const std::filesystem::path& folder,
+                  const std::filesystem::path& bin_folder, Contestant& contestant) {
+  const auto command = fields.find("command");
+  if (command && fields.find("program")) command->fail("a contestant has a program or a command, not both");
+  if (command) {
+    read_command(*command, folder, contestant);
+  } else {
+    contestant.program = find_program(fields.need("program"), folder, bin_folder);
+    contestant.command = {contestant.program.string()};
+  }
+  if (const auto files = fields.find("files")) {
+    for (const std::string& file : read_texts(*files))
+      contestant.files.push_back(std::filesystem::absolute(folder / file).lexically_normal());
+  }
+}
+
 /// Descriptions directly in `root` or one folder below it.
 std::vector<std::filesystem::path> find_descriptions(const std::filesystem::path& root) {
   std::vector<std::filesystem::path> found;
@@ -206,8 +256,13 @@ std::string Contestant::unavailable() const {
   if (std::filesystem::exists(program, error)) {
     const bool runs =
         std::filesystem::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
-    return runs ? "" : "its program " + program.filename().string() + " is not executable";
+    if (!runs) return "its program " + program.filename().string() + " is not executable";
+    for (const std::filesystem::path& file : files) {
+      if (!std::filesystem::is_regular_file(file, error)) return "its file " + file.string() + " is missing";
+    }
+    return "";
   }
+  if (program.is_relative()) return "its program " + program.string() + " is not in PATH";
   std::string why = "its program " + program.filename().string() + " was not built";
   if (!packages.empty()) why += " (needs " + joined(packages) + ")";
   return why;
@@ -242,12 +297,15 @@ std::optional<MethodEntry> Registry::find(const std::string& method) const {
 std::vector<Contestant> read_description(const std::filesystem::path& description,
                                          const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
-  const YamlFields fields = root.fields({"schema", "program", "packages", "licence", "option_sets",
-                                         "contests", "contest", "source", "options", "methods"});
+  const YamlFields fields =
+      root.fields({"schema", "program", "command", "files", "packages", "licence", "option_sets", "contests",
+                   "contest", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant shared;
-  shared.folder = description.parent_path().filename().string();
-  shared.program = find_program(fields.need("program"), description.parent_path(), bin_folder);
+  const std::filesystem::path folder =
+      std::filesystem::absolute(description).lexically_normal().parent_path();
+  shared.folder = folder.filename().string();
+  read_program(fields, folder, bin_folder, shared);
   if (const auto packages = fields.find("packages")) shared.packages = read_texts(*packages);
   shared.licence = fields.need("licence").text();
   OptionSets sets;
@@ -266,7 +324,7 @@ std::vector<Contestant> read_description(const std::filesystem::path& descriptio
   return all;
 }
 
-Registry load_registry() {
+Registry load_registry(const std::vector<std::filesystem::path>& more) {
   std::vector<std::filesystem::path> roots{std::filesystem::path(source_folder()) / "reference"};
   if (const char* extra = std::getenv("PALPATE_CONTESTANTS")) {
     std::istringstream list(extra);
@@ -278,14 +336,25 @@ Registry load_registry() {
       roots.emplace_back(folder);
     }
   }
+  roots.insert(roots.end(), more.begin(), more.end());
   std::vector<Contestant> contestants;
+  std::set<std::filesystem::path> seen;
   for (const auto& root : roots) {
     for (const auto& description : find_descriptions(root)) {
+      if (!seen.insert(std::filesystem::weakly_canonical(description)).second) continue;
       for (Contestant& each : read_description(description, program_folder()))
         contestants.push_back(std::move(each));
     }
   }
   return Registry(std::move(contestants));
+}
+
+std::string hash_contestant(const Contestant& contestant) {
+  std::string all = hash_file(contestant.program);
+  if (contestant.files.empty()) return all;
+  for (const std::filesystem::path& file : contestant.files)
+    all += "\n" + file.filename().string() + " " + hash_file(file);
+  return hash_bytes(all);
 }
 
 json parse_option(const OptionSpec& option, const std::string& text, const std::string& where) {

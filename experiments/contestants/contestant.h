@@ -32,7 +32,9 @@ struct MethodSpec {
 struct Contestant {
   std::string folder;  ///< its name, "tetfusion"
   std::string contest;
-  std::filesystem::path program;  ///< beside its description, or in the build's bin folder
+  std::filesystem::path program;     ///< beside its description, in the build's bin folder, or anywhere
+  std::vector<std::string> command;  ///< what is started: the program, and the words behind it
+  std::vector<std::filesystem::path> files;  ///< that the program needs: scripts among the words, `files`
   std::vector<std::string> packages;
   std::string licence;
   std::string source;
@@ -68,10 +70,15 @@ class Registry {
 std::vector<Contestant> read_description(const std::filesystem::path& description,
                                          const std::filesystem::path& bin_folder);
 
-/// Reads every description below reference/ and below the folders that the environment variable
-/// PALPATE_CONTESTANTS adds (separated by colons; each holds one folder a contestant).
+/// Reads every description below reference/, below the folders that the environment variable
+/// PALPATE_CONTESTANTS adds (separated by colons) and below those in `more`: each is the folder of a
+/// contestant, or holds one folder a contestant. One that is found twice counts once.
 /// Throws: InputError, also if two contestants offer a method of the same name.
-Registry load_registry();
+Registry load_registry(const std::vector<std::filesystem::path>& more = {});
+
+/// The hash of all that makes the contestant: of its program, or of that and its files together. What the
+/// program reads beside them is not known. Throws: InputError if one of them cannot be read.
+std::string hash_contestant(const Contestant& contestant);
 
 /// Reads an option's value as its type from text, as in `--set name=value` and in YAML.
 /// Throws: InputError that starts with `where` and names the choices or the bounds.

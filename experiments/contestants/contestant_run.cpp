@@ -4,6 +4,8 @@
 #include <cmath>
 #include <fstream>
 #include <set>
+#include <sstream>
+#include <string_view>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -23,20 +25,37 @@ using nlohmann::json;
 constexpr std::size_t kLargestAnswer = 16U << 20U;
 constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
 constexpr std::size_t kMostTuned = 16;
+constexpr std::size_t kKeptError = 4096;  // bytes of standard error that a record holds
 constexpr double kClockStepSeconds =
     1e-6;                              // both times come from the steady clock, which counts in nanoseconds
 constexpr double kStartSeconds = 0.1;  // starting a process takes no longer
 constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a kernel time gets a note
 
-/// Reads at most `bytes` of a file; empty if it is missing.
-std::string read_start(const std::filesystem::path& path, std::size_t bytes) {
+/// The last `bytes` of a file as valid UTF-8, without the rest of a character that was cut; what is no UTF-8
+/// becomes U+FFFD. Empty if the file is missing.
+std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return "";
   std::ifstream file(path, std::ios::binary);
-  std::string text(std::min<std::size_t>(bytes, std::filesystem::file_size(path, error)), '\0');
+  const std::size_t size = std::filesystem::file_size(path, error);
+  if (error) return "";
+  const std::size_t start = size > bytes ? size - bytes : 0;
+  file.seekg(static_cast<std::streamoff>(start));
+  std::string text(size - start, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  return text;
+  const auto is_rest = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  if (start > 0)
+    text.erase(0,
+               static_cast<std::size_t>(std::find_if_not(text.begin(), text.end(), is_rest) - text.begin()));
+  std::string valid =
+      json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+  while (valid.size() > bytes) {  // U+FFFD is longer than what it stands for
+    valid.erase(0, valid.size() - bytes);
+    valid.erase(
+        0, static_cast<std::size_t>(std::find_if_not(valid.begin(), valid.end(), is_rest) - valid.begin()));
+  }
+  return valid;
 }
 
 /// Text from a contestant as one printable line of at most 300 characters.
@@ -48,6 +67,32 @@ std::string one_line(const std::string& text) {
     if (line.size() == 300) break;
   }
   return line;
+}
+
+/// The last three lines of `text` that say something, as one printable line of at most 300 characters: where
+/// a Python adapter raised what, what a C++ one threw.
+std::string last_lines(const std::string& text) {
+  constexpr std::size_t kLines = 3;
+  constexpr std::size_t kLongest = 300;
+  std::vector<std::string> lines;
+  std::istringstream all(text);
+  for (std::string line; std::getline(all, line);) {
+    line.erase(0, line.find_first_not_of(" \t\r"));
+    while (!line.empty() && std::string_view(" \t\r").find(line.back()) != std::string_view::npos)
+      line.pop_back();
+    const bool says_something = line.find_first_not_of(" \t^~") != std::string::npos;  // not Python's marks
+    if (says_something) lines.push_back(one_line(line));
+  }
+  std::string joint;
+  for (std::size_t i = lines.size() > kLines ? lines.size() - kLines : 0; i < lines.size(); ++i)
+    joint += (joint.empty() ? "" : " | ") + lines[i];
+  return joint.size() > kLongest ? "..." + joint.substr(joint.size() - (kLongest - 3)) : joint;
+}
+
+/// Whether what it wrote says that it ran out of memory.
+bool ran_out_of_memory(const std::string& standard_error) {
+  const std::string last = last_lines(standard_error);
+  return last.find("bad_alloc") != std::string::npos || last.find("MemoryError") != std::string::npos;
 }
 
 reference::ContestFiles files_of(const ContestantTask& task) {
@@ -76,6 +121,12 @@ ContestantAnswer failed(ContestantAnswer answer, const char* outcome, const std:
   answer.outcome = outcome;
   answer.message = message;
   return answer;
+}
+
+/// An answer that is none, with the last lines of standard error behind what is wrong with it.
+ContestantAnswer bad_answer(ContestantAnswer answer, const std::string& wrong) {
+  const std::string said = last_lines(answer.standard_error);
+  return failed(std::move(answer), "bad_answer", wrong + (said.empty() ? "" : "; it wrote: " + said));
 }
 
 /// What is wrong with the parameters that a search found: they are numbers by name, and those that were
@@ -144,22 +195,21 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
                              const ProcessResult& process, const std::filesystem::path& response_file) {
   std::error_code error;
   if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
-    return failed(std::move(answer), "bad_answer", "its answer is larger than 16 MiB");
+    return bad_answer(std::move(answer), "its answer is larger than 16 MiB");
   }
   json response;
   try {
     const std::string text = reference::read_text_file(response_file, kLargestAnswer);
     response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
   } catch (const InputError& wrong) {
-    return failed(std::move(answer), "bad_answer", one_line(wrong.what()));
+    return bad_answer(std::move(answer), one_line(wrong.what()));
   }
   const std::string wrong = form_error(response);
-  if (!wrong.empty()) return failed(std::move(answer), "bad_answer", wrong);
+  if (!wrong.empty()) return bad_answer(std::move(answer), wrong);
   const std::string status = response.at("status").get<std::string>();
   const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
   if (process.exit_code != expected) {
-    return failed(std::move(answer), "bad_answer",
-                  "it answered \"" + status + "\" and left with " + process.message);
+    return bad_answer(std::move(answer), "it answered \"" + status + "\" and left with " + process.message);
   }
   if (status != "ok") {
     const std::string message = one_line(response.at("message").get<std::string>());
@@ -167,16 +217,15 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
     return failed(std::move(answer), memory ? "out_of_memory" : status.c_str(), message);
   }
   const std::string bad_tuned = tuned_error(response, task.tuned);
-  if (!bad_tuned.empty()) return failed(std::move(answer), "bad_answer", bad_tuned);
+  if (!bad_tuned.empty()) return bad_answer(std::move(answer), bad_tuned);
   const double kernel_s = response.at("kernel_s").get<double>();
   if (kernel_s > process.wall_s + kClockStepSeconds) {
-    return failed(std::move(answer), "bad_answer",
-                  "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
-                      short_number(process.wall_s) + " s of its process");
+    return bad_answer(std::move(answer), "its kernel time of " + short_number(kernel_s) + " s exceeds the " +
+                                             short_number(process.wall_s) + " s of its process");
   }
   answer.kernel_s = kernel_s;
   const std::string bad_output = output_error(task, response.at("report"), answer.output);
-  if (!bad_output.empty()) return failed(std::move(answer), "bad_answer", bad_output);
+  if (!bad_output.empty()) return bad_answer(std::move(answer), bad_output);
   answer.report = response.at("report");
   answer.tuned = response.value("tuned", json::object());
   answer.searched = !answer.tuned.empty() && task.tuned.empty();
@@ -223,7 +272,8 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   write_file_atomically(request_file, build_request(task, mesh_in, answer.output).dump(2) + "\n");
 
   ProcessSpec spec;
-  spec.arguments = {contestant.program.string(), request_file.string(), response_file.string()};
+  spec.arguments = contestant.command;
+  spec.arguments.insert(spec.arguments.end(), {request_file.string(), response_file.string()});
   spec.timeout_s = task.timeout_s;
   spec.memory_bytes = task.memory_mib << 20U;
   spec.standard_error = error_file;
@@ -237,8 +287,10 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
     answer.peak_rss_bytes = process.peak_rss_bytes;
   }
 
-  const std::string complaint = read_start(error_file, 4096);
-  const std::string said = complaint.empty() ? "" : ": " + one_line(complaint);
+  answer.standard_error = read_end(error_file, kKeptError);
+  const std::string last = last_lines(answer.standard_error);
+  const std::string said = last.empty() ? "" : ": " + last;
+  const bool memory = ran_out_of_memory(answer.standard_error);
   std::error_code error;
   switch (process.end) {
     case ProcessEnd::kInterrupted:
@@ -247,15 +299,14 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
       return failed(std::move(answer), "unavailable", process.message);
     case ProcessEnd::kTimedOut:
       return failed(std::move(answer), "timed_out", process.message);
-    case ProcessEnd::kSignalled: {
-      const bool memory = complaint.find("bad_alloc") != std::string::npos;
+    case ProcessEnd::kSignalled:
       return failed(std::move(answer), memory ? "out_of_memory" : "crashed", process.message + said);
-    }
     case ProcessEnd::kExited:
       break;
   }
   if (!std::filesystem::exists(response_file, error)) {
-    return failed(std::move(answer), "crashed", process.message + " without an answer" + said);
+    return failed(std::move(answer), memory ? "out_of_memory" : "crashed",
+                  process.message + " without an answer" + said);
   }
   return read_answer(task, std::move(answer), process, response_file);
 }

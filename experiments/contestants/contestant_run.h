@@ -45,6 +45,7 @@ struct ContestantAnswer {
   nlohmann::json tuned = nlohmann::json::object();  ///< name -> number, the parameters that a search found
   bool searched = false;  ///< whether this run searched for them: wall_s and memory then hold the search too
   std::vector<std::string> notes;
+  std::string standard_error;  ///< the end of what it wrote there, at most 4 KiB of valid UTF-8
   /// Mesh, displacement or history (reference/door/contest_files.h), there only if "ok" and, where the
   /// contest's files ask for one, with the report's outcome that comes with it.
   std::filesystem::path output;
@@ -53,7 +54,8 @@ struct ContestantAnswer {
 /// Runs it to its end. Never throws for what the contestant does; everything that it says is checked: exit
 /// code against status, keys and types of the answer, a kernel time above zero and within the process's.
 /// The contestant gets a copy of the mesh; one that changes a file that it was given ("bad_answer", which
-/// names the file) does not change it for those after it.
+/// names the file) does not change it for those after it. The message of one that crashed or gave a bad
+/// answer ends with the last lines that it wrote to standard error.
 ContestantAnswer run_contestant(const ContestantTask& task);
 
 }  // namespace palpate::experiments

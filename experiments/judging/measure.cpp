@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <string_view>
 
 namespace palpate::experiments {
 namespace {
@@ -269,6 +270,21 @@ const Measure* find_measure(const std::string& name) {
     if (name == measure.name) return &measure;
   }
   return nullptr;
+}
+
+bool is_measured_anew(const Measure& measure) {
+  const std::string_view key = measure.key;
+  for (const char* start :
+       {"/kernel_s", "/wall_s", "/user_s", "/peak_rss_bytes", "/report/identify_s", "/report/solve_s",
+        "/report/product_s", "/report/answer_s", "/report/step_wall_s", "/report/simulated_second_s",
+        "/solved_on/simplify_s", "/reported/tick", "/reported/real_time_factor"}) {
+    if (key.starts_with(start)) return true;
+  }
+  return false;
+}
+
+bool is_clock_time(const Measure& measure) {
+  return is_measured_anew(measure) && std::string_view(measure.unit) == "s";
 }
 
 std::optional<double> figure_of(const nlohmann::json& record, const Measure& measure) {

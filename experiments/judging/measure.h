@@ -27,6 +27,12 @@ std::vector<std::string> measure_names();
 /// The measure of that name, or nothing.
 const Measure* find_measure(const std::string& name);
 
+/// Whether a figure comes from a clock or the system, and is another one in every run: times, memory, ticks.
+bool is_measured_anew(const Measure& measure);
+
+/// Whether it is a time of a clock, or made of nothing but such.
+bool is_clock_time(const Measure& measure);
+
 /// The figure in a record; nothing if it is absent, null or no number. true counts 1, false 0.
 std::optional<double> figure_of(const nlohmann::json& record, const Measure& measure);
 

@@ -7,12 +7,6 @@
 namespace palpate::experiments {
 namespace {
 
-/// Measures that a clock gives, so that they differ from repeat to repeat.
-const std::vector<std::string> kClockTimes{
-    "kernel_s",           "wall_s",     "user_s",     "identify_s",   "solve_s",      "product_s",
-    "answer_s",           "tick_p50_s", "tick_p99_s", "tick_p99_9_s", "tick_worst_s", "step_wall_s",
-    "simulated_second_s", "simplify_s"};
-
 /// At 9 repeats the 95% interval of a median (report/shared/intervals.py) leaves the least and the greatest
 /// out.
 constexpr int kLeastTimedRepeats = 9;
@@ -43,7 +37,8 @@ void add_once(const YamlValue& at, const char* what, std::string name, std::vect
 }
 
 bool is_clock_time(const std::string& measure) {
-  return std::find(kClockTimes.begin(), kClockTimes.end(), measure) != kClockTimes.end();
+  const Measure* known = find_measure(measure);
+  return known != nullptr && is_clock_time(*known);
 }
 
 void require_repeats(const YamlValue& at, const RunSettings& run) {

@@ -148,6 +148,7 @@ json start_record(const RepeatFacts& facts, const json& subject, const Contestan
   record["outcome"] = answer.outcome;
   record["message"] = answer.message;
   record["finished_at"] = utc_now();
+  if (!answer.standard_error.empty()) record["stderr"] = answer.standard_error;
   if (answer.outcome != "ok") return record;
   record["report"] = answer.report;
   record["tuned"] = answer.tuned;
@@ -181,6 +182,7 @@ void judge_answer(const OutputJudge& judge, const RepeatFacts& facts, const Cont
       record["message"] = std::string("its ") + judge.what + " cannot be read: " + message;
     }
   }
+  if (record.at("outcome") == "accepted") record.erase("stderr");
   add_null_reasons(record);
 }
 

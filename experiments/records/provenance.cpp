@@ -81,13 +81,17 @@ json library_versions() {
   return versions;
 }
 
+/// Programs by their names; those from elsewhere, and the files that they need, with the folders of their
+/// contestants in front.
 json program_hashes(const Plan& plan, const Registry& registry) {
   json hashes = json::object();
   hashes["palpate"] = hash_file("/proc/self/exe");
   std::map<std::filesystem::path, std::string> programs;  // with the folders of their contestants
   const auto add = [&](const std::string& method) {
     const Contestant& entry = *registry.find(method)->contestant;
-    if (entry.unavailable().empty()) programs[entry.program] = entry.folder;
+    if (!entry.unavailable().empty()) return;
+    programs[entry.program] = entry.folder;
+    for (const std::filesystem::path& file : entry.files) programs[file] = entry.folder;
   };
   for (const PlanContestant& contestant : plan.contestants) add(contestant.method);
   for (const PlanContestant& simplifier : plan.simplifiers) {
@@ -96,7 +100,9 @@ json program_hashes(const Plan& plan, const Registry& registry) {
   if (plan.reference) add(plan.reference->method);
   for (const auto& [program, folder] : programs) {
     const std::string name = program.filename().string();
-    hashes[program.parent_path() == program_folder() ? name : folder + "/" + name] = hash_file(program);
+    std::string key = program.parent_path() == program_folder() ? name : folder + "/" + name;
+    while (hashes.contains(key)) key += "+";  // another folder of that name
+    hashes[key] = hash_file(program);
   }
   return hashes;
 }

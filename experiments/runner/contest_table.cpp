@@ -32,8 +32,9 @@ const std::vector<const ContestKind*>& list_contests() {
 }
 
 const std::vector<std::string>& keys_of_every_plan() {
-  static const std::vector<std::string> keys{"schema", "question", "contest", "contestants",
-                                             "sweep",  "run",      "measure", "accept"};
+  static const std::vector<std::string> keys{
+      "schema", "question", "contest", "contestants", "contestant_folders",
+      "sweep",  "run",      "measure", "accept"};
   return keys;
 }
 

@@ -98,6 +98,24 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> read_contestant_folders(const std::filesystem::path& path) {
+  std::vector<std::filesystem::path> folders;
+  const YamlValue root = read_yaml(path);
+  if (!root.is_map()) return folders;
+  for (const auto& [key, value] : root.entries()) {
+    if (key != "contestant_folders") continue;
+    for (const YamlValue& item : value.items()) {
+      const std::filesystem::path folder =
+          std::filesystem::absolute(path.parent_path() / item.text()).lexically_normal();
+      std::error_code error;
+      if (!std::filesystem::is_directory(folder, error)) item.fail("no folder " + folder.string());
+      folders.push_back(folder);
+    }
+    if (folders.empty()) value.fail_expected("at least one folder");
+  }
+  return folders;
+}
+
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
   const YamlFields fields = root.fields(list_plan_keys());

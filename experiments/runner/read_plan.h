@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "experiments/plan_reader/plan.h"
 
@@ -12,5 +13,11 @@ namespace palpate::experiments {
 /// Throws: InputError "file:line: ..." for unknown keys and names (with the nearest), wrong types, impossible
 ///         stops, labels twice, circles of tets_of, missing mesh files.
 Plan read_plan(const std::filesystem::path& path, const Registry& registry);
+
+/// The folders of contestants that a plan names beside those of the project (`contestant_folders`), absolute;
+/// none for a file that is no plan: whatever else is wrong with it, read_plan says.
+///
+/// Throws: InputError "file:line: ..." if the file cannot be read, or a folder is none.
+std::vector<std::filesystem::path> read_contestant_folders(const std::filesystem::path& path);
 
 }  // namespace palpate::experiments

@@ -23,7 +23,7 @@ json key_of(const fs::path& plan_file, const TrainingPlan& plan, const TrainingS
   for (const char* method : {"fem.p2", "fem.p1"}) {
     const auto entry = setting.registry.find(method);
     if (entry && entry->contestant->unavailable().empty())
-      key["programs"][method] = hash_file(entry->contestant->program);
+      key["programs"][method] = hash_contestant(*entry->contestant);
   }
   fs::create_directories(setting.scratch);
   const fs::path mesh = setting.scratch / "training.mesh";

@@ -58,6 +58,11 @@ run quality "a b" ''
 expect "arguments are handed over as they are" test "$out" = '[quality][a b][]'
 expect "the exit code is the program's" test "$code" = 1
 
+rm -rf "$repo/build"
+run gate results
+expect "a gate builds the program alone" test "$out" = '[gate][results]' -a -e "$repo/build/release/.built-for-files" -a ! -e "$repo/build/release/.built-for-run"
+run quality
+
 run quality
 expect "nothing is said or built when all is up to date" test ! -s "$work/err"
 

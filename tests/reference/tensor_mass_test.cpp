@@ -12,6 +12,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/files/places.h"
 #include "reference/closed_form/known_cases.h"
 #include "reference/door/deform_problem.h"
 #include "reference/tensor_mass/relaxation.h"
@@ -191,7 +192,8 @@ class TensorMassProgram : public ::testing::Test {
     return run_contestant(task);
   }
 
-  experiments::Registry registry_ = experiments::load_registry();
+  experiments::Registry registry_ =
+      experiments::load_registry({std::filesystem::path(experiments::source_folder()) / "docs/examples"});
   test::ScratchFolder scratch_;
 };
 
@@ -234,6 +236,24 @@ TEST_F(TensorMassProgram, AgreesWithLinearFiniteElements) {
   for (std::size_t v = 0; v < a.size(); ++v) ASSERT_LT(length(a[v] - b[v]), 1e-9 * largest(a)) << v;
   const double energy = elements.report.at("energy_j").get<double>();
   EXPECT_NEAR(tensors.report.at("energy_j").get<double>(), energy, 1e-9 * energy);
+}
+
+/// The simulator that docs/your_own_contestant.md walks through has the same elements, assembled and solved
+/// densely.
+TEST_F(TensorMassProgram, AgreesWithTheExampleOfASimulator) {
+  const TetMesh mesh = build_kuhn_cube(3, 0.25, 6);
+  const BoundaryProblem problem = pulled_cube(mesh);
+  const ContestantAnswer tensors = ask("tensor_mass", mesh, problem, {{"rtol", 1e-13}});
+  const ContestantAnswer dense = ask("mine.linear", mesh, problem, nlohmann::json::object());
+  ASSERT_EQ(tensors.outcome, "ok") << tensors.message;
+  ASSERT_EQ(dense.outcome, "ok") << dense.message;
+  const std::size_t edges = build_edges(mesh).size();
+  const std::vector<Vec3> a = read_displacement(tensors.output, mesh.points.size(), edges);
+  const std::vector<Vec3> b = read_displacement(dense.output, mesh.points.size(), edges);
+  for (std::size_t v = 0; v < a.size(); ++v) ASSERT_LT(length(a[v] - b[v]), 1e-9 * largest(a)) << v;
+  const double energy = tensors.report.at("energy_j").get<double>();
+  EXPECT_NEAR(dense.report.at("energy_j").get<double>(), energy, 1e-9 * energy);
+  EXPECT_LT(dense.report.at("residual_relative").get<double>(), 1e-9);
 }
 
 TEST_F(TensorMassProgram, SaysWhatIsWrong) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 
 #include "core/base/error.h"
 #include "experiments/files/places.h"
@@ -89,6 +90,37 @@ TEST(Schema, DescriptionsOfTheProject) {
   EXPECT_EQ(validate("contestant.schema.json", descriptions), "");
   descriptions.back()["methods"][0].erase("stops");
   EXPECT_NE(validate("contestant.schema.json", descriptions), "");
+}
+
+TEST(Schema, DescriptionsHaveAProgramOrACommand) {
+  json own = read_yaml(fs::path(test::test_folder()) / "contestant/contestant.yaml").json();
+  own.erase("program");
+  EXPECT_NE(validate("contestant.schema.json", json::array({own})), "");
+  own["command"] = {"python3", "adapter.py"};
+  own["files"] = {"weights.txt"};
+  EXPECT_EQ(validate("contestant.schema.json", json::array({own})), "");
+  own["program"] = "p";
+  EXPECT_NE(validate("contestant.schema.json", json::array({own})), "");
+}
+
+TEST(Schema, AcceptedFiguresOfTheProject) {
+  json files = json::array();
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(experiments::source_folder()) / "results/accepted"))
+    files.push_back(json::parse(test::bytes_of(entry.path())));
+  ASSERT_GT(files.size(), 0U);
+  files.push_back(json::parse(
+      test::bytes_of(fs::path(experiments::source_folder()) / "docs/examples/hosted_ci/accepted.json")));
+  EXPECT_EQ(validate("accepted.schema.json", files), "");
+  const auto refuses = [&](const std::function<void(json&)>& spoil) {
+    json broken = files.back();
+    spoil(broken);
+    return !validate("accepted.schema.json", json::array({broken})).empty();
+  };
+  EXPECT_TRUE(refuses([](json& file) { file["figures"][0].erase("kind"); }));
+  EXPECT_TRUE(refuses([](json& file) { file["figures"][0]["kind"] = "time"; }));
+  EXPECT_TRUE(refuses([](json& file) { file["figures"][0]["colour"] = 1; }));
+  EXPECT_TRUE(refuses([](json& file) { file["schema"] = "palpate/accepted/1"; })) << "it has no kinds";
 }
 
 TEST(Schema, ScenesOfTheProject) {

@@ -16,10 +16,4 @@ namespace palpate::experiments {
 std::vector<std::string> find_run_problems(const std::filesystem::path& folder,
                                            const std::vector<nlohmann::json>& records);
 
-/// Accepted figures (palpate/accepted/1) for a run that has none yet: of every accepted case and input the
-/// scalar measures that its plan names under `measure` and `accept`, without times and memory, with
-/// tolerances of 0 for their author to widen.
-nlohmann::ordered_json propose_accepted(const std::filesystem::path& folder,
-                                        const std::vector<nlohmann::json>& records, const std::string& plan);
-
 }  // namespace palpate::experiments

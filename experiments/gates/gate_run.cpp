@@ -1,12 +1,10 @@
-#include "experiments/runner/gate_run.h"
+#include "experiments/gates/gate_run.h"
 
-#include <algorithm>
 #include <map>
 #include <set>
 
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/judging/measure.h"
 #include "experiments/records/run_folder.h"
 #include "reference/door/json_file.h"
 
@@ -15,7 +13,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-using nlohmann::ordered_json;
 
 /// The provenance of a run; null, and a problem, if there is none that can be read.
 json read_provenance(const RunPaths& paths, std::vector<std::string>& problems) {
@@ -108,33 +105,6 @@ void check_outcomes(const std::vector<json>& records, std::vector<std::string>& 
   }
 }
 
-/// Whether a figure comes from a clock or the system, and is another one in every run.
-bool is_measured_time(const Measure& measure) {
-  const std::string key = measure.key;
-  for (const char* start :
-       {"/kernel_s", "/wall_s", "/user_s", "/peak_rss_bytes", "/report/identify_s", "/report/solve_s",
-        "/report/product_s", "/report/answer_s", "/report/step_wall_s", "/report/simulated_second_s",
-        "/solved_on/simplify_s", "/reported/tick", "/reported/real_time_factor"}) {
-    if (key.rfind(start, 0) == 0) return true;
-  }
-  return false;
-}
-
-std::vector<const Measure*> measures_of(const json& plan) {
-  std::vector<const Measure*> measures;
-  const auto add = [&](const std::string& name) {
-    const Measure* measure = find_measure(name);
-    if (measure == nullptr || !measure->scalar || is_measured_time(*measure)) return;
-    if (std::find(measures.begin(), measures.end(), measure) == measures.end()) measures.push_back(measure);
-  };
-  for (const json& name : plan.value("measure", json::array())) {
-    if (name.is_string()) add(name.get<std::string>());
-  }
-  const json accept = plan.value("accept", json::object());
-  for (const auto& [name, bound] : accept.items()) add(name);
-  return measures;
-}
-
 }  // namespace
 
 std::vector<std::string> find_run_problems(const fs::path& folder, const std::vector<json>& records) {
@@ -145,31 +115,6 @@ std::vector<std::string> find_run_problems(const fs::path& folder, const std::ve
   if (provenance.is_object()) check_cases(provenance, records, problems);
   check_outcomes(records, problems);
   return problems;
-}
-
-ordered_json propose_accepted(const fs::path& folder, const std::vector<json>& records,
-                              const std::string& plan) {
-  const json provenance = reference::read_json_file(RunPaths{folder}.provenance());
-  const auto measures = measures_of(provenance.value("plan_data", json::object()));
-  ordered_json figures = ordered_json::array();
-  std::set<std::string> done;
-  for (const json& record : records) {
-    const auto id = record.at("case").get<std::string>();
-    if (record.at("outcome") != "accepted" || !done.insert(id).second) continue;
-    for (const Measure* measure : measures) {
-      if (!figure_of(record, *measure)) continue;
-      figures.push_back({{"case", id},
-                         {"measure", measure->name},
-                         {"value", nullptr},
-                         {"lower", 0},
-                         {"upper", 0},
-                         {"unit", measure->unit}});
-    }
-  }
-  if (figures.empty())
-    throw InputError(folder.string(), 0, "a plan whose \"measure\" or \"accept\" names figures to hold",
-                     "none");
-  return {{"schema", "palpate/accepted/1"}, {"plan", plan}, {"figures", std::move(figures)}};
 }
 
 }  // namespace palpate::experiments

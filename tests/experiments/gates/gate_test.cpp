@@ -1,9 +1,10 @@
-#include "experiments/runner/gate.h"
+#include "experiments/gates/gate.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/error.h"
+#include "experiments/gates/accept.h"
 #include "experiments/records/record_file.h"
 #include "tests/support/scratch_folder.h"
 
@@ -89,11 +90,14 @@ std::string gate_error(const std::string& accepted) {
 }
 
 TEST(Gate, FilesThatAreNoAcceptedFigures) {
-  EXPECT_THAT(gate_error("[]"), HasSubstr("palpate/accepted/1"));
+  EXPECT_THAT(gate_error("[]"),
+              HasSubstr("expected accepted figures (palpate/accepted/2 or 1), found something else"));
   EXPECT_THAT(gate_error("{"), HasSubstr("p.json: expected JSON"));
   EXPECT_THAT(gate_error(std::string(200'000, '[')), HasSubstr("p.json: expected at most 64 levels"));
-  EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":[]})"),
-              HasSubstr("not empty"));
+  EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":{}})"),
+              HasSubstr("a list \"figures\""));
+  EXPECT_THAT(gate_error(R"({"schema":"palpate/accepted/1","plan":"p","figures":[],"figurs":[]})"),
+              HasSubstr("unknown key \"figurs\"; did you mean \"figures\"?"));
   EXPECT_THAT(gate_error(accepted_text(1.0, -1.0, 1.0)), HasSubstr("figure 1: lower: expected a tolerance"));
   EXPECT_THAT(gate_error(accepted_text("1", 1.0, 1.0)), HasSubstr("figure 1: value"));
   EXPECT_THAT(gate_error(accepted_text(1.0, 1.0, 1.0, "a", "kernel")),
@@ -112,20 +116,43 @@ TEST(Gate, UpdateTakesValuesAndKeepsTolerances) {
   const test::ScratchFolder folder;
   const auto file = folder.add("p.json", accepted_text(nullptr, 0.5, 0.25));
   const auto changes = update_accepted(hold_against(kRecords, "p", file), file);
-  EXPECT_THAT(changes, testing::ElementsAre("kidney/a kernel_s: none -> 2 s"));
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].text(), "kidney/a kernel_s: none -> 2 s");
   const GateResult after = hold_against(kRecords, "p", file);
   EXPECT_TRUE(after.holds());
-  EXPECT_DOUBLE_EQ(*after.lines[0].accepted, 2.0);
-  EXPECT_DOUBLE_EQ(after.lines[0].lower, 0.5);
-  EXPECT_DOUBLE_EQ(after.lines[0].upper, 0.25);
+  EXPECT_DOUBLE_EQ(*after.lines[0].figure.value, 2.0);
+  EXPECT_DOUBLE_EQ(after.lines[0].figure.lower, 0.5);
+  EXPECT_DOUBLE_EQ(after.lines[0].figure.upper, 0.25);
   EXPECT_TRUE(update_accepted(after, file).empty());
+  EXPECT_EQ(json::parse(test::bytes_of(file)).at("schema"), "palpate/accepted/1") << "it stays what it was";
+}
+
+TEST(Gate, UpdateShowsTheChangeInPercent) {
+  const test::ScratchFolder folder;
+  const auto file = folder.add("p.json", accepted_text(1.6, 0.5, 0.25));
+  const auto changes = update_accepted(hold_against(kRecords, "p", file), file);
+  ASSERT_EQ(changes.size(), 1U);
+  EXPECT_EQ(changes[0].text(), "kidney/a kernel_s: 1.6 -> 2 s (+25%)");
+}
+
+TEST(Gate, NothingToCompareFails) {
+  const test::ScratchFolder folder;
+  const auto empty = folder.add("p.json", R"({"schema":"palpate/accepted/1","plan":"p","figures":[]})");
+  const GateResult none = hold_against(kRecords, "p", empty);
+  EXPECT_FALSE(none.holds());
+  EXPECT_THAT(none.problems, testing::ElementsAre(HasSubstr("nothing to compare")));
+  const auto strange = folder.add("p.json", accepted_text(1.0, 1.0, 1.0, "liver/a"));
+  EXPECT_THAT(hold_against(kRecords, "p", strange).problems,
+              testing::ElementsAre("nothing to compare: the run has none of the 1 accepted figures"));
+  const auto known = folder.add("p.json", accepted_text(1.0, 1.0, 1.0));
+  EXPECT_TRUE(hold_against(kRecords, "p", known).problems.empty());
 }
 
 TEST(Gate, UpdateLeavesFiguresWithoutAMeasuredValue) {
   const test::ScratchFolder folder;
   const auto file = folder.add("p.json", accepted_text(7.0, 0.5, 0.25, "kidney/gone"));
   EXPECT_TRUE(update_accepted(hold_against(kRecords, "p", file), file).empty());
-  EXPECT_DOUBLE_EQ(*hold_against(kRecords, "p", file).lines[0].accepted, 7.0);
+  EXPECT_DOUBLE_EQ(*hold_against(kRecords, "p", file).lines[0].figure.value, 7.0);
 }
 
 TEST(Gate, MedianOfAnEvenNumber) {

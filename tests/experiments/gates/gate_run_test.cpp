@@ -1,4 +1,4 @@
-#include "experiments/runner/gate_run.h"
+#include "experiments/gates/gate_run.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,8 +7,9 @@
 #include <filesystem>
 
 #include "core/base/error.h"
+#include "experiments/gates/accept.h"
+#include "experiments/gates/gate.h"
 #include "experiments/records/record_file.h"
-#include "experiments/runner/gate.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -31,6 +32,9 @@ class GateRun : public testing::Test {
   }
   std::filesystem::path folder() const { return fixture_.folder() / "run"; }
   std::vector<json> records() const { return read_records(folder() / "records.jsonl"); }
+  nlohmann::ordered_json propose(const std::string& plan, const std::vector<FigureKind>& kinds) const {
+    return propose_accepted(folder(), records(), plan, kinds);
+  }
   std::vector<std::string> problems() const { return find_run_problems(folder(), records()); }
   void keep_lines(std::size_t count) const {
     std::string text;
@@ -101,32 +105,90 @@ TEST_F(GateRun, RecordsOfStrangersAreNamed) {
 
 TEST_F(GateRun, TheFirstAcceptedFiguresAreThePlansWithoutTimes) {
   run();
-  const auto file = fixture_.folder().add("plan.json", propose_accepted(folder(), records(), "plan").dump());
-  const auto changes = update_accepted(hold_against(records(), "plan", file), file);
-  EXPECT_THAT(changes,
-              ElementsAre("cube/input tets_out: none -> 384 1", "cube/input inverted_tets: none -> 0 1",
-                          "cube/a tets_out: none -> 384 1", "cube/a inverted_tets: none -> 0 1",
-                          "cube/b tets_out: none -> 384 1", "cube/b inverted_tets: none -> 0 1"));
+  const auto file = fixture_.folder().add("plan.json", propose("plan", default_kinds()).dump());
+  std::vector<std::string> texts;
+  for (const AcceptedChange& change : update_accepted(hold_against(records(), "plan", file), file))
+    texts.push_back(change.text());
+  const std::string hash = records().back().at("output_hash").get<std::string>();
+  EXPECT_THAT(texts, ElementsAre("cube/input tets_out: none -> 384", "cube/input inverted_tets: none -> 0",
+                                 "cube/a outcome: none -> accepted", "cube/a tets_out: none -> 384",
+                                 "cube/a inverted_tets: none -> 0", "cube/a hash: none -> " + hash,
+                                 "cube/b outcome: none -> accepted", "cube/b tets_out: none -> 384",
+                                 "cube/b inverted_tets: none -> 0", "cube/b hash: none -> " + hash));
   EXPECT_TRUE(hold_against(records(), "plan", file).holds());
+  const json kinds = propose("plan", {FigureKind::kValidity});
+  EXPECT_EQ(kinds.at("figures").size(), 5U);
+  EXPECT_THROW(propose("plan", {FigureKind::kComparison}), InputError);
+  EXPECT_THROW(propose("plan", {FigureKind::kStability}), InputError) << "the plan names none";
+}
+
+TEST_F(GateRun, AHashIsProposedOnlyWhereRepeatsShowThatItHolds) {
+  fixture_.run(fixture_.add_plan("[test.copy]", "run: {repeats: 1}\nmeasure: [tets_out]\n"));
+  const std::string text = propose("plan", default_kinds()).dump();
+  EXPECT_THAT(text, testing::Not(HasSubstr("\"hash\"")));
 }
 
 TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
   run();
   const std::string accepted = (fixture_.folder() / "accepted.json").string();
   const std::vector<std::string> gate{"gate", folder().string(), "--accepted", accepted};
-  EXPECT_EQ(test::run_program(gate).exit_code, 2) << "nothing is accepted yet";
+  const test::ProgramResult nothing = test::run_program(gate);
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_THAT(nothing.out,
+              HasSubstr("FAILS: nothing to compare: there are no accepted figures at " + accepted));
   std::vector<std::string> update = gate;
   update.emplace_back("--update");
   const test::ProgramResult first = test::run_program(update);
   EXPECT_EQ(first.exit_code, 0) << first.error;
   EXPECT_THAT(first.error, HasSubstr("its tolerances are 0"));
-  EXPECT_EQ(test::run_program(gate).exit_code, 0);
+  const test::ProgramResult again = test::run_program(gate);
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(again.out, "holds: 10 of 10 figures hold: 3 of accuracy, 5 of validity, 2 of hash\n");
   const std::string before = test::bytes_of(accepted);
   keep_lines(3);
   const test::ProgramResult torn = test::run_program(update);
   EXPECT_EQ(torn.exit_code, 1) << torn.error;
   EXPECT_THAT(torn.out, HasSubstr("cube/a: 1 of its 2 repeats are missing"));
   EXPECT_EQ(test::bytes_of(accepted), before) << "what is not whole accepts nothing";
+}
+
+TEST_F(GateRun, TheCommandSaysWhatFellShortFirstAndWritesBothSummaries) {
+  run();
+  const auto figure = [](const char* measure, double value, double tolerance) {
+    return json{{"kind", "accuracy"}, {"case", "cube/a"},   {"measure", measure}, {"value", value},
+                {"lower", tolerance}, {"upper", tolerance}, {"unit", "1"}};
+  };
+  const auto accepted = fixture_.folder().add(
+      "accepted.json",
+      json{{"schema", "palpate/accepted/2"},
+           {"plan", "plan"},
+           {"figures", {figure("tets_out", 383, 0.5), figure("tets", 384, 0), figure("vertices", 100, 5)}}}
+          .dump());
+  const auto junit = fixture_.folder() / "junit.xml";
+  const auto markdown = fixture_.folder() / "summary.md";
+  const test::ProgramResult said =
+      test::run_program({"gate", folder().string(), "--accepted", accepted.string(), "--junit",
+                         junit.string(), "--markdown", markdown.string()});
+  EXPECT_EQ(said.exit_code, 1);
+  const std::size_t first = said.out.find("vertices");
+  EXPECT_LT(first, said.out.find("tets_out")) << "farther outside";
+  EXPECT_THAT(said.out, HasSubstr("above the upper bound by 20 (20%), 4 times the tolerance"));
+  EXPECT_THAT(said.out, HasSubstr("FAILS: 1 of 3 figures hold: 1 of 3 of accuracy\n"));
+  EXPECT_THAT(said.out, testing::Not(HasSubstr("cube/a tets ")));
+  EXPECT_THAT(test::bytes_of(junit), HasSubstr("tests=\"3\" failures=\"2\""));
+  EXPECT_THAT(test::bytes_of(markdown), HasSubstr("## palpate gate fails: plan"));
+  EXPECT_THAT(
+      test::run_program({"gate", folder().string(), "--accepted", accepted.string(), "--kinds", "hash"})
+          .error,
+      HasSubstr("--kinds belongs to --update"));
+}
+
+TEST_F(GateRun, ARunWithoutRecordsHasNothingToCompare) {
+  run();
+  keep_lines(0);
+  const test::ProgramResult empty = test::run_program({"gate", folder().string()});
+  EXPECT_EQ(empty.exit_code, 1) << empty.error;
+  EXPECT_THAT(empty.out, HasSubstr("nothing to compare: the run has no records"));
 }
 
 }  // namespace
