@@ -2,10 +2,16 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "experiments/plan_reader/plan.h"
 
 namespace palpate::experiments {
+
+/// The file of a plan that is given by its path, or by its bare name: `NAME` or `NAME.yaml` in the current
+/// directory if there is one, otherwise in experiments/plans.
+/// Throws: InputError for a name that is in neither (with the nearest), or a path without a file.
+std::filesystem::path find_plan(const std::string& name);
 
 /// Reads and checks a plan (palpate/plan/1): everything that can be checked without running anything.
 ///
