@@ -79,7 +79,7 @@ def table_lines(result):
         if len(name) <= room:
             yield line(name, row)
         else:
-            yield name
+            yield from wrapped(name, "")
             yield line("", row)
 
 

@@ -51,6 +51,14 @@ json yaml_files(const fs::path& folder, const std::string& name_end) {
   return all;
 }
 
+/// The first judgement that has this figure: rounds are run in a random order.
+json& judgement_with(json& records, const std::string& figure) {
+  for (json& record : records) {
+    if (record.at("judge").is_object() && record.at("judge").contains(figure)) return record["judge"];
+  }
+  throw InputError("no record has " + figure);
+}
+
 TEST(Schema, PlansOfTheProject) {
   const json plans = yaml_files(fs::path(experiments::source_folder()) / "experiments/plans", ".yaml");
   ASSERT_GT(plans.size(), 0U);
@@ -116,7 +124,7 @@ TEST(Schema, RecordsOfAContestOfDisplacements) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 7U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  records[1]["judge"]["displacement_l2"] = -1.0;
+  judgement_with(records, "displacement_l2")["displacement_l2"] = -1.0;
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
@@ -147,7 +155,7 @@ TEST(Schema, RecordsOfTheEngine) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 4U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  records[3]["judge"]["tick_p50_s"] = "fast";
+  judgement_with(records, "tick_p50_s")["tick_p50_s"] = "fast";
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
@@ -172,7 +180,7 @@ TEST(Schema, RecordsOfAContestOfMotions) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 3U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  records[1]["judge"]["probe_l2"] = -1.0;
+  judgement_with(records, "probe_l2")["probe_l2"] = -1.0;
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
