@@ -76,13 +76,14 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("compare", "Hold two runs against each other, case by case");
   command
       ->add_option("A", arguments->run_a,
-                   "Run folder, the folder of a plan's runs (the newest counts), or a JSON file of\n"
-                   "Google Benchmark with repetitions")
+                   "Run folder, the folder of a plan's runs (the newest counts), or a\n"
+                   "JSON file of Google Benchmark with repetitions")
       ->required();
   command->add_option("B", arguments->run_b, "What it is compared with")->required();
   command
       ->add_option("--measure", arguments->measures,
-                   "What is compared (default: kernel_s and wall_s; real_time and cpu_time); repeatable")
+                   "What is compared (default: kernel_s and wall_s, or real_time and\n"
+                   "cpu_time); repeatable")
       ->allow_extra_args(false)
       ->type_name("M");
   command->add_flag("--json", arguments->as_json, "Print the comparison as JSON");

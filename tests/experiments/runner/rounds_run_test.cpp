@@ -128,12 +128,13 @@ TEST(Rounds, AChoiceOfCasesIsStatedAndCompleted) {
 
 TEST(Rounds, RepeatsUntilTheIntervalIsNarrowOrTheLimit) {
   const test::ExperimentFixture fixture;
-  // Any six times are within a factor of 1000; none are within 1e-6 of each other as long as clocks tick.
+  // Any six times are within a factor of 1000; no two of varying_time are within 1e-6 of each other.
   for (const auto& [width, expected, reason] :
        {std::tuple{"1000", 7U, "narrow"}, std::tuple{"0.000001", 9U, "limit"}}) {
     const auto folder = fixture.folder() / reason;
     const auto plan = fixture.add_plan(
-        "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: crash, set: {behave: crash}}\n"
+        "\n  - {method: test.copy, label: a, set: {behave: varying_time}}\n  - {method: test.copy, label: "
+        "crash, set: {behave: crash}}\n"
         "  - {method: test.copy, label: seeded, seeds: [4]}",
         std::string("run: {repeats: 6, warmup: 1, seed_repeats: 1, until_width: ") + width +
             ", most_repeats: 8}\n",
@@ -157,7 +158,7 @@ TEST(Rounds, RepeatsUntilTheIntervalIsNarrowOrTheLimit) {
 TEST(Rounds, ARunThatIsBrokenOffIsNotWholeAndGoesOn) {
   const test::ExperimentFixture fixture;
   const auto folder = fixture.folder() / "run";
-  const auto plan = fixture.add_plan("[{method: test.copy, label: a}]",
+  const auto plan = fixture.add_plan("[{method: test.copy, label: a, set: {behave: varying_time}}]",
                                      "run: {repeats: 3, until_width: 0.000001, most_repeats: 8}\n");
   run_quietly(fixture, plan, folder);
   std::string kept;  // as if it had been killed after its fourth repeat
