@@ -122,8 +122,7 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
 std::filesystem::path find_plan(const std::string& name) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (fs::is_regular_file(name, error)) return name;
-  if (fs::path(name).has_parent_path()) throw InputError(name, 0, "a plan", "no such file");
+  if (fs::is_regular_file(name, error) || fs::path(name).has_parent_path()) return name;
   const bool has_ending = fs::path(name).extension() == ".yaml";
   const std::string file = has_ending ? name : name + ".yaml";
   if (fs::is_regular_file(file, error)) return file;
