@@ -7,7 +7,6 @@
 #include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/files/places.h"
-#include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/runner/gate.h"
 #include "experiments/runner/gate_run.h"
@@ -66,7 +65,7 @@ json describe_gate(const GateResult& result) {
 
 int gate(const GateArguments& arguments) {
   const fs::path folder = find_run(arguments.run);
-  const auto records = read_records(folder / "records.jsonl");
+  const auto records = read_run_records(folder);
   const std::string plan = plan_of(records, folder);
   const fs::path accepted = arguments.accepted.empty()
                                 ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "experiments/records/record_file.h"
+#include "experiments/records/run_folder.h"
 #include "experiments/runner/gate.h"
 #include "tests/support/experiment_fixture.h"
 
@@ -30,7 +31,7 @@ class GateRun : public testing::Test {
     fixture_.run(plan);
   }
   std::filesystem::path folder() const { return fixture_.folder() / "run"; }
-  std::vector<json> records() const { return read_records(folder() / "records.jsonl"); }
+  std::vector<json> records() const { return read_run_records(folder()); }
   std::vector<std::string> problems() const { return find_run_problems(folder(), records()); }
   void keep_lines(std::size_t count) const {
     std::string text;
