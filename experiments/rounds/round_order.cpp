@@ -24,9 +24,9 @@ void place_case(const std::vector<Case>& cases, std::size_t index, std::vector<b
 std::vector<std::size_t> order_round(const std::vector<Case>& cases, std::uint64_t seed, int repeat) {
   std::vector<std::size_t> drawn(cases.size());
   std::iota(drawn.begin(), drawn.end(), std::size_t{0});
-  // Seeds next to each other, and repeats, must not share a stretch of one sequence.
-  SplitMix64 of_seed(seed);
-  SplitMix64 random(of_seed.next() ^ SplitMix64(static_cast<std::uint64_t>(repeat)).next());
+  // Neither seeds next to each other nor repeats may share a sequence, or a stretch of one.
+  SplitMix64 of_round(SplitMix64(seed).next() + static_cast<std::uint64_t>(repeat));
+  SplitMix64 random(of_round.next());
   shuffle(std::span<std::size_t>(drawn), random);
   std::vector<std::size_t> order;
   order.reserve(cases.size());

@@ -51,12 +51,12 @@ json yaml_files(const fs::path& folder, const std::string& name_end) {
   return all;
 }
 
-/// The first judgement that has this figure: rounds are run in a random order.
-json& judgement_with(json& records, const std::string& figure) {
+/// The first judgement of a label: rounds are run in a random order.
+json& judgement_of(json& records, const std::string& label) {
   for (json& record : records) {
-    if (record.at("judge").is_object() && record.at("judge").contains(figure)) return record["judge"];
+    if (record.at("label") == label && record.at("judge").is_object()) return record["judge"];
   }
-  throw InputError("no record has " + figure);
+  throw InputError("nothing of " + label + " was judged");
 }
 
 TEST(Schema, PlansOfTheProject) {
@@ -124,7 +124,7 @@ TEST(Schema, RecordsOfAContestOfDisplacements) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 7U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  judgement_with(records, "displacement_l2")["displacement_l2"] = -1.0;
+  judgement_of(records, "test.field")["displacement_l2"] = -1.0;
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
@@ -155,7 +155,7 @@ TEST(Schema, RecordsOfTheEngine) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 4U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  judgement_with(records, "tick_p50_s")["tick_p50_s"] = "fast";
+  judgement_of(records, "engine.ticks")["tick_p50_s"] = "fast";
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
@@ -180,7 +180,7 @@ TEST(Schema, RecordsOfAContestOfMotions) {
   json records = read_records(folder / "records.jsonl");
   ASSERT_EQ(records.size(), 3U);
   EXPECT_EQ(validate("record.schema.json", records), "");
-  judgement_with(records, "probe_l2")["probe_l2"] = -1.0;
+  judgement_of(records, "test.ringing")["probe_l2"] = -1.0;
   EXPECT_NE(validate("record.schema.json", records), "");
 }
 
