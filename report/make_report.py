@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from deform import convergence, cost, deform, deform_tables, frontier, targets
 from engine import engine
 from motion import motion, stages
-from shared import equal_count, records, tables
+from shared import equal_count, load, records, tables
 from simplify import comparisons, contest, scaling, verdict
 from stability import stability
 from verify import verification
@@ -203,6 +203,7 @@ def make_report(folder, with_charts):
     run = records.read_run(folder)
     report, draw = choose_report(run)
     found, failed = report(run)
+    run.notes += load.run_notes(run)
     said = len(run.notes)
     for note in run.notes:
         print(f"\nnote: {note}")

@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
-#include "experiments/commands/commands_export.h"
 #include "experiments/commands/usage.h"
 #include "experiments/records/provenance.h"
 #include "experiments/text/terminal.h"
@@ -34,6 +33,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_fit_command(app, exit_code);
   add_gate_command(app, exit_code);
   add_history_command(app, exit_code);
+  add_compare_command(app, exit_code);
   add_list_command(app, exit_code);
   add_make_command(app, exit_code);
   add_mesh_command(app, exit_code);

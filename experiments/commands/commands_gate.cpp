@@ -70,7 +70,7 @@ std::vector<FigureKind> read_kinds(const GateArguments& arguments) {
 GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
                     std::vector<AcceptedChange>& changes) {
   const std::vector<FigureKind> kinds = read_kinds(arguments);
-  const auto records = read_records(folder / "records.jsonl");
+  const auto records = read_run_records(folder);
   const std::string plan = plan_of(records, folder);
   const fs::path accepted = arguments.accepted.empty()
                                 ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")

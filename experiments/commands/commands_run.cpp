@@ -18,8 +18,10 @@
 #include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/processes/process.h"
+#include "experiments/processes/report_script.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/rounds/case_choice.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
@@ -35,6 +37,7 @@ struct RunArguments {
   std::string plan;
   std::string out;
   std::string case_id;
+  std::vector<std::string> only;
   bool resume = false;
   bool list_cases = false;
   bool no_report = false;
@@ -50,17 +53,9 @@ fs::path choose_folder(const RunArguments& arguments, const Plan& plan) {
 /// Runs the report over a finished run and prints what it says. Returns kDone, kNotAccepted if something that
 /// the plan requires does not hold, or kCouldNotRun.
 int make_report(const fs::path& folder) {
-  const fs::path script = fs::path(source_folder()) / "report" / "make_report.py";
-  if (!fs::exists(script)) {
-    print_note("the report is missing: " + script.string());
-    return kCouldNotRun;
-  }
-  ProcessSpec spec;
-  spec.arguments = {"/usr/bin/python3", script.string(), folder.string()};
-  spec.timeout_s = 1800.0;
+  ProcessSpec spec = report_script("make_report.py", {folder.string()});
   spec.standard_output = folder / "report.txt";
   spec.standard_error = folder / "report_errors.txt";
-  spec.stop_flag = catch_stop_signals();
   const ProcessResult result = run_process(spec);
   std::cout << read_bytes(spec.standard_output).value_or("");
   if (result.end == ProcessEnd::kExited && (result.exit_code == kDone || result.exit_code == kNotAccepted)) {
@@ -68,9 +63,7 @@ int make_report(const fs::path& folder) {
     fs::remove(spec.standard_error, ignored);
     return result.exit_code;
   }
-  std::string last = read_bytes(spec.standard_error).value_or("");
-  while (!last.empty() && last.back() == '\n') last.pop_back();
-  print_note("the report failed (" + result.message + "): " + last.substr(last.rfind('\n') + 1));
+  print_note("the report failed (" + result.message + "): " + last_line(spec.standard_error));
   return kCouldNotRun;
 }
 
@@ -94,15 +87,13 @@ void print_outcomes(const RunResult& result) {
 }
 
 int run(const RunArguments& arguments) {
-  const Registry registry = load_registry(read_contestant_folders(arguments.plan));
-  const Plan plan = read_plan(arguments.plan, registry);
+  const fs::path file = find_plan(arguments.plan);
+  const Registry registry = load_registry(read_contestant_folders(file));
+  const Plan plan = read_plan(file, registry);
+  const auto cases = build_cases(plan, registry);
+  const auto chosen = choose_cases(plan, cases, {arguments.case_id, arguments.only});
   if (arguments.list_cases) {
-    const auto cases = build_cases(plan, registry);
-    if (arguments.case_id.empty()) {
-      for (const Case& c : cases) std::cout << c.id << '\n';
-    } else {
-      for (const std::size_t i : select_cases(cases, arguments.case_id)) std::cout << cases[i].id << '\n';
-    }
+    for (const std::size_t i : chosen) std::cout << cases[i].id << '\n';
     return kDone;
   }
   require_available(plan, registry);
@@ -112,6 +103,7 @@ int run(const RunArguments& arguments) {
   options.folder = choose_folder(arguments, plan);
   options.resume = arguments.resume;
   options.case_id = arguments.case_id;
+  options.only = arguments.only;
   if (arguments.threads > 0) options.threads = arguments.threads;
   Progress progress;
   const RunResult result = run_plan(plan, registry, options, progress);
@@ -126,6 +118,9 @@ int run(const RunArguments& arguments) {
   const int reported = arguments.no_report ? kDone : make_report(options.folder);
   progress.say("done");
   print_outcomes(result);
+  if (chosen.size() < cases.size())
+    std::cout << chosen.size() << " of the plan's " << cases.size()
+              << " cases; --resume without --only and --case runs the rest\n";
   std::cout << "Run: " << options.folder.string() << '\n';
   if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
   return result.required_rejected ? kNotAccepted : reported;
@@ -163,8 +158,9 @@ void check_scene(const std::string& file, const Registry& registry) {
 int check(const std::vector<std::string>& files) {
   const Registry registry = load_registry();
   int code = kDone;
-  for (const std::string& file : files) {
+  for (const std::string& given : files) {
     try {
+      const std::string file = find_plan(given).string();  // a scene is given by its path
       if (is_scene(file)) {
         check_scene(file, registry);
         continue;
@@ -173,9 +169,12 @@ int check(const std::vector<std::string>& files) {
       const Plan plan = read_plan(file, known);
       const std::vector<Case> cases = build_cases(plan, known);
       int runs = 0;
+      int most = 0;
       for (const Case& c : cases) runs += plan.run.warmup + repeats_of(plan.run, c);
-      std::cout << file << ": good, " << cases.size() << " cases, " << runs << " runs\n";
-      for (const std::string& note : plan.notes) std::cout << file << ": note: " << note << '\n';
+      for (const Case& c : cases) most += plan.run.warmup + most_repeats_of(plan.run, c);
+      std::cout << given << ": good, " << cases.size() << " cases, " << runs
+                << (most > runs ? " to " + std::to_string(most) : "") << " runs\n";
+      for (const std::string& note : plan.notes) std::cout << given << ": note: " << note << '\n';
     } catch (const InputError& error) {
       print_note(error.what());
       code = kBadInput;
@@ -226,13 +225,21 @@ int test(bool full, const std::vector<std::string>& extra) {
 void add_run_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Run a plan: contestants, judge, records, report");
-  command->add_option("PLAN", arguments->plan, "Plan file (.yaml)")->required();
+  command
+      ->add_option("PLAN", arguments->plan, "Plan file (.yaml), or the bare name of one in experiments/plans")
+      ->required();
   command->add_option("--out", arguments->out, "Run folder (default: results/<plan>/<time>-<commit>)")
       ->type_name("DIR");
   command
       ->add_option("--case", arguments->case_id,
                    "Only this case, or those that start so (kidney/hierarchical)")
       ->type_name("ID");
+  command
+      ->add_option("--only", arguments->only,
+                   "Only cases of this mesh, scene, label or tag, or whose id fits a pattern\n"
+                   "('kidney/*=0.5'); repeatable: what any of them fits")
+      ->allow_extra_args(false)
+      ->type_name("PATTERN");
   command->add_flag("--resume", arguments->resume,
                     "Go on with the run in --out (default: the plan's newest)");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
@@ -250,7 +257,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
 void add_check_command(CLI::App& app, int& exit_code) {
   auto files = std::make_shared<std::vector<std::string>>();
   CLI::App* command = app.add_subcommand("check", "Validate plans and scenes, run nothing");
-  command->add_option("FILE", *files, "Plan and scene files")->required();
+  command->add_option("FILE", *files, "Plan and scene files; plans by their bare names too")->required();
   command->callback([files, &exit_code] { exit_code = check(*files); });
 }
 

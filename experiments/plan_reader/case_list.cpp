@@ -205,16 +205,12 @@ int repeats_of(const RunSettings& run, const Case& c) {
   return c.seed && run.seed_repeats > 0 ? run.seed_repeats : run.repeats;
 }
 
-std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std::string& id) {
-  std::vector<bool> wanted(cases.size(), false);
-  std::vector<std::string> ids;
-  bool found = false;
-  for (std::size_t i = 0; i < cases.size(); ++i) {
-    ids.push_back(cases[i].id);
-    wanted[i] = cases[i].id == id || cases[i].id.rfind(id + "/", 0) == 0;
-    found = found || wanted[i];
-  }
-  if (!found) throw InputError("--case: there is no case \"" + id + "\"" + nearest_hint(id, ids));
+int most_repeats_of(const RunSettings& run, const Case& c) {
+  const bool has_own = c.seed && run.seed_repeats > 0;
+  return run.until_width && !has_own ? run.most_repeats : repeats_of(run, c);
+}
+
+std::vector<std::size_t> with_needed_cases(const std::vector<Case>& cases, std::vector<bool> wanted) {
   for (std::size_t i = cases.size(); i-- > 0;) {
     for (const auto& needed : {cases[i].tets_of, cases[i].coarser}) {
       if (wanted[i] && needed) wanted[*needed] = true;
@@ -225,6 +221,19 @@ std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std:
     if (wanted[i]) selected.push_back(i);
   }
   return selected;
+}
+
+std::vector<std::size_t> select_cases(const std::vector<Case>& cases, const std::string& id) {
+  std::vector<bool> wanted(cases.size(), false);
+  std::vector<std::string> ids;
+  bool found = false;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    ids.push_back(cases[i].id);
+    wanted[i] = cases[i].id == id || cases[i].id.rfind(id + "/", 0) == 0;
+    found = found || wanted[i];
+  }
+  if (!found) throw InputError("--case: there is no case \"" + id + "\"" + nearest_hint(id, ids));
+  return with_needed_cases(cases, std::move(wanted));
 }
 
 }  // namespace palpate::experiments

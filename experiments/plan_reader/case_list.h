@@ -36,6 +36,13 @@ std::vector<Case> cross_cases(const Plan& plan, const Registry& registry);
 /// Measured repeats of a case: those of the plan, or, where it is one of several seeds, its `seed_repeats`.
 int repeats_of(const RunSettings& run, const Case& c);
 
+/// The most measured repeats of a case: `most_repeats` where the plan asks for a width of intervals, but for
+/// one of several seeds that have a number of their own; otherwise repeats_of.
+int most_repeats_of(const RunSettings& run, const Case& c);
+
+/// The indices of the cases that are wanted and of those that they need, in order.
+std::vector<std::size_t> with_needed_cases(const std::vector<Case>& cases, std::vector<bool> wanted);
+
 /// The indices of the cases that `id` names, themselves or by a leading part ("kidney",
 /// "kidney/hierarchical_87"), with the cases that they need, in order.
 /// Throws: InputError if there is none, with the nearest.

@@ -21,13 +21,15 @@ namespace palpate::experiments {
 struct PlanMesh {
   std::string name;
   std::optional<ShapeRequest> shape;
-  std::filesystem::path file;  ///< when there is no shape; resolved against the plan's folder
+  std::filesystem::path file;     ///< when there is no shape; resolved against the plan's folder
+  std::vector<std::string> tags;  ///< words by which a run may choose its cases
 };
 
 /// A scene of a plan, read and checked.
 struct PlanScene {
   std::string name;
   Scene scene;
+  std::vector<std::string> tags;  ///< as those of a mesh
 };
 
 /// The reference that a contest of displacements is judged by: a method with quadratic elements and an
@@ -52,6 +54,7 @@ struct PlanContestant {
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).
   std::map<std::string, std::vector<nlohmann::json>> at;
+  std::vector<std::string> tags;    ///< words by which a run may choose its cases
   bool required = true;             ///< false: its outcome does not decide the exit code
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.
@@ -63,6 +66,11 @@ struct RunSettings {
   int repeats = 1;
   int seed_repeats = 0;  ///< of a case that is one of several seeds; 0: as many as of any other
   int warmup = 0;
+  /// Repeats go on until the 95% interval of a case's median kernel time is at most this wide, as a share of
+  /// the median ...
+  std::optional<double> until_width;
+  int most_repeats = 0;         ///< ... or there are so many of them
+  std::int64_t order_seed = 1;  ///< of the random order of the cases in each round
   int threads = 1;
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 4096;

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/judging/kept_regions.h"
+#include "experiments/plan_reader/plan_report.h"
 #include "experiments/spring_training/training_plan.h"
 #include "experiments/text/nearest_name.h"
 
@@ -106,14 +107,15 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     entry.contestant.label = name;
     return entry;
   }
-  const YamlFields fields = value.fields(
-      {"method", "label", "stop", "set", "train", "keep", "seeds", "required", "scenes", "at", "own_limit"});
+  const YamlFields fields = value.fields({"method", "label", "tags", "stop", "set", "train", "keep", "seeds",
+                                          "required", "scenes", "at", "own_limit"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
   contestant.method = method.text();
   const auto label = fields.find("label");
   contestant.label = label ? label->identifier() : contestant.method;
+  contestant.tags = read_tags(fields);
   if (entry.stop_at && contest != "simplify")
     entry.stop_at->fail("stops belong to the contest simplify, not to " + contest);
   if (entry.stop_at) contestant.stop = read_stop(*entry.stop_at);

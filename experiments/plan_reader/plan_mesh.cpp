@@ -2,15 +2,17 @@
 
 #include <set>
 
+#include "experiments/plan_reader/plan_report.h"
 #include "experiments/scene_reader/shape_fields.h"
 
 namespace palpate::experiments {
 namespace {
 
 PlanMesh read_mesh_entry(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields = value.fields(with_shape_keys({"name", "make", "file"}));
+  const YamlFields fields = value.fields(with_shape_keys({"name", "make", "file", "tags"}));
   PlanMesh mesh;
   mesh.name = fields.need("name").identifier();
+  mesh.tags = read_tags(fields);
   const auto make = fields.find("make");
   const auto file = fields.find("file");
   if (make.has_value() == file.has_value()) value.fail("a mesh needs one of \"make\" and \"file\"");

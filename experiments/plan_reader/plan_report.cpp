@@ -36,6 +36,15 @@ void add_once(const YamlValue& at, const char* what, std::string name, std::vect
   names.push_back(std::move(name));
 }
 
+std::vector<std::string> read_tags(const YamlFields& fields) {
+  std::vector<std::string> tags;
+  const auto value = fields.find("tags");
+  if (!value) return tags;
+  for (const YamlValue& item : value->items()) add_once(item, "tag", item.identifier(), tags);
+  if (tags.empty()) value->fail_expected("at least one tag");
+  return tags;
+}
+
 bool is_clock_time(const std::string& measure) {
   const Measure* known = find_measure(measure);
   return known != nullptr && is_clock_time(*known);

@@ -1,4 +1,4 @@
-// What a plan asks of its report: measures, bounds, charts, repeats enough for its times.
+// What a plan asks of its report: measures, bounds, charts, tags, repeats enough for its times.
 #pragma once
 
 #include <string>
@@ -22,6 +22,10 @@ std::string known_label(const YamlValue& value, const std::vector<PlanContestant
 
 /// Appends a name. Throws: InputError if it is there already.
 void add_once(const YamlValue& at, const char* what, std::string name, std::vector<std::string>& names);
+
+/// The tags of a contestant, a mesh or a scene: the words below its key "tags"; none without that key.
+/// Throws: InputError with file and line for one that is no identifier, or there twice.
+std::vector<std::string> read_tags(const YamlFields& fields);
 
 /// Whether a clock gives the measure, so that it differs from repeat to repeat.
 bool is_clock_time(const std::string& measure);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "experiments/plan_reader/plan_report.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
@@ -24,10 +25,11 @@ PlanScene read_plan_scene(const YamlValue& item, const std::filesystem::path& fo
     scene.name = item.identifier();
     scene.scene = read_scene(find_scene(item));
   } else {
-    const YamlFields fields = item.fields({"name", "file"});
+    const YamlFields fields = item.fields({"name", "file", "tags"});
     scene.name = fields.need("name").identifier();
-    const YamlValue file = fields.need("file");
-    scene.scene = read_scene(folder / file.text());
+    scene.tags = read_tags(fields);
+    const auto file = fields.find("file");
+    scene.scene = read_scene(file ? folder / file->text() : find_scene(fields.need("name")));
   }
   if (scene.scene.is_dynamic && kind == SceneKind::kStatic)
     item.fail("the scene " + scene.name + " is dynamic; the contest " + contest + " takes static ones");

@@ -17,11 +17,13 @@
 #include "experiments/files/places.h"
 #include "experiments/judging/measure.h"
 #include "experiments/processes/process.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+using reference::or_null;
 
 /// What a program prints, empty if it cannot be run or fails.
 std::string output_of(const std::vector<std::string>& arguments) {
@@ -202,6 +204,9 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"threads", threads},
           {"repeats", plan.run.repeats},
           {"warmup", plan.run.warmup},
+          {"until_width", or_null(plan.run.until_width)},
+          {"most_repeats", plan.run.until_width ? json(plan.run.most_repeats) : json()},
+          {"order_seed", plan.run.order_seed},
           {"timeout_s", plan.run.timeout_s},
           {"memory_mib", plan.run.memory_mib},
           {"measures", compared_measures(plan)},

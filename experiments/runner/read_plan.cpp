@@ -1,16 +1,35 @@
 #include "experiments/runner/read_plan.h"
 
 #include <algorithm>
+#include <set>
 
+#include "core/base/error.h"
+#include "experiments/files/places.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/runner/contest_table.h"
+#include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 namespace {
 
+constexpr std::int64_t kLargestOrderSeed = std::int64_t{1} << 40;
+
+/// until_width and most_repeats: one is nothing without the other.
+void read_width(const YamlFields& fields, RunSettings& run) {
+  const auto width = fields.find("until_width");
+  const auto most = fields.find("most_repeats");
+  if (most && !width)
+    most->fail("\"most_repeats\" needs \"until_width\": repeats are asked for by \"repeats\"");
+  if (!width) return;
+  if (!most) width->fail("\"until_width\" needs \"most_repeats\": an interval may never get so narrow");
+  run.until_width = width->number(1e-6, 1e3);
+  run.most_repeats = static_cast<int>(most->integer(run.repeats, 10'000));
+}
+
 RunSettings read_run(const YamlValue& value) {
-  const YamlFields fields = value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s",
-                                          "memory_mib", "judge_timeout_s", "judge_memory_mib"});
+  const YamlFields fields =
+      value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s", "memory_mib",
+                    "judge_timeout_s", "judge_memory_mib", "until_width", "most_repeats", "order_seed"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("seed_repeats")) run.seed_repeats = static_cast<int>(v->integer(1, 10'000));
@@ -24,6 +43,8 @@ RunSettings read_run(const YamlValue& value) {
   if (const auto v = fields.find("judge_memory_mib")) {
     run.judge_memory_mib = static_cast<std::uint64_t>(v->integer(1, 1 << 24));
   }
+  if (const auto v = fields.find("order_seed")) run.order_seed = v->integer(0, kLargestOrderSeed);
+  read_width(fields, run);
   return run;
 }
 
@@ -114,6 +135,24 @@ std::vector<std::filesystem::path> read_contestant_folders(const std::filesystem
     if (folders.empty()) value.fail_expected("at least one folder");
   }
   return folders;
+}
+
+std::filesystem::path find_plan(const std::string& name) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_regular_file(name, error) || fs::path(name).has_parent_path()) return name;
+  const bool has_ending = fs::path(name).extension() == ".yaml";
+  const std::string file = has_ending ? name : name + ".yaml";
+  if (fs::is_regular_file(file, error)) return file;
+  const fs::path plans = fs::path(source_folder()) / "experiments" / "plans";
+  if (fs::is_regular_file(plans / file, error)) return plans / file;
+  std::set<std::string> known;
+  for (const auto& entry : fs::directory_iterator(plans, error)) {
+    if (entry.path().extension() == ".yaml") known.insert(entry.path().stem().string());
+  }
+  const std::vector<std::string> names(known.begin(), known.end());
+  throw InputError("no plan is called \"" + name + "\", here or in experiments/plans" +
+                   nearest_hint(fs::path(file).stem().string(), names));
 }
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {

@@ -2,11 +2,17 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "experiments/plan_reader/plan.h"
 
 namespace palpate::experiments {
+
+/// The file of a plan that is given by its path, or by its bare name: `NAME` or `NAME.yaml` in the current
+/// directory if there is one, otherwise in experiments/plans.
+/// A path is returned as it is. Throws: InputError for a name that is in neither (with the nearest).
+std::filesystem::path find_plan(const std::string& name);
 
 /// Reads and checks a plan (palpate/plan/1): everything that can be checked without running anything.
 ///

@@ -2,40 +2,30 @@
 
 #include <algorithm>
 #include <memory>
-#include <numeric>
 #include <set>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/rounds/case_choice.h"
+#include "experiments/rounds/case_state.h"
+#include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/spring_training/trained_springs.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-/// What earlier repeats of a case left.
-struct CaseState {
-  std::set<int> done;
-  std::vector<json> records;
-  double wall_s = -1.0;
-
-  bool is_closed() const {
-    return std::any_of(records.begin(), records.end(), [](const json& record) {
-      const json& outcome = record.at("outcome");
-      return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
-             outcome == "not_judged";
-    });
-  }
-};
+using reference::or_null;
 
 class Runner {
  public:
@@ -48,10 +38,8 @@ class Runner {
         folder_(options.folder, options.resume),
         cases_(build_cases(plan, registry)),
         states_(cases_.size()),
-        selected_(cases_.size()) {
+        selected_(choose_cases(plan, cases_, {options.case_id, options.only})) {
     contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
-    std::iota(selected_.begin(), selected_.end(), std::size_t{0});
-    if (!options.case_id.empty()) selected_ = select_cases(cases_, options.case_id);
   }
 
   RunResult run() {
@@ -61,18 +49,20 @@ class Runner {
     result_.interrupted = !train_springs();
     if (!result_.interrupted) record_inputs(records);
     if (!result_.interrupted) run_rounds(records);
+    state_repeats(plan_.run, cases_, states_, provenance_);
+    write_provenance();
     summarise();
     return result_;
   }
 
  private:
   const PlanContestant& contestant_of(const Case& c) const { return plan_.contestants[c.contestant]; }
-  /// Repeats of a case, with its warm-up.
-  int rounds_of(const Case& c) const { return plan_.run.warmup + repeats_of(plan_.run, c); }
+  RepeatBounds bounds_of(std::size_t index) const { return repeat_bounds(plan_.run, cases_[index]); }
+  /// The most rounds of any case, with its warm-up.
   int rounds() const {
     int most = 0;
-    for (const Case& c : cases_) most = std::max(most, rounds_of(c));
-    return most;
+    for (std::size_t i = 0; i < cases_.size(); ++i) most = std::max(most, bounds_of(i).most);
+    return plan_.run.warmup + most;
   }
 
   /// Plan, inputs and provenance: made, or taken up and compared.
@@ -96,18 +86,20 @@ class Runner {
     for (const std::size_t index : selected_) wanted.push_back(&cases_[index]);
     json known = then.value_or(now);
     known.update(contest_->prepare(wanted, then.value_or(json())));
-    known["cases"] = json::array();        // all of them: what is missing from the records can be told
-    known["repeats_of"] = json::object();  // cases that have another number of them
-    for (const Case& c : cases_) {
-      known["cases"].push_back(c.id);
-      const int own = repeats_of(plan_.run, c);
-      if (own != plan_.run.repeats) known["repeats_of"][c.id] = own;
-    }
+    known["cases"] = json::array();  // all of them: what is missing from the records can be told
+    for (const Case& c : cases_) known["cases"].push_back(c.id);
+    state_repeats(plan_.run, cases_, states_, known);
     if (!known.contains("sittings")) known["sittings"] = json::array();
     sitting_ = known["sittings"].size();
     known["sittings"].push_back(describe_sitting(now));
-    write_file_atomically(folder_.paths().provenance(), known.dump(2) + "\n");
+    const json chosen = describe_choice({options_.case_id, options_.only});
+    if (!chosen.is_null()) known["sittings"].back()["chosen"] = chosen;
     provenance_ = std::move(known);
+    write_provenance();
+  }
+
+  void write_provenance() const {
+    write_file_atomically(folder_.paths().provenance(), provenance_.dump(2) + "\n");
   }
 
   /// Trains what the plan's contestants take (`train`), or takes it from the cache; the provenance keeps the
@@ -136,7 +128,7 @@ class Runner {
     for (const auto& [who, springs] : trained)
       provenance_["trained"][plan_.contestants[who].label] = {{"springs_hash", hash_file(springs.springs)},
                                                               {"report", springs.report}};
-    write_file_atomically(folder_.paths().provenance(), provenance_.dump(2) + "\n");
+    write_provenance();
     return true;
   }
 
@@ -146,16 +138,9 @@ class Runner {
     for (json& record : read_records(folder_.paths().records())) {
       const std::string id = record.at("case").get<std::string>();
       const auto found = index.find(id);
-      if (found != index.end()) remember(found->second, std::move(record));
+      if (found != index.end()) states_[found->second].remember(std::move(record), bounds_of(found->second));
       recorded_inputs_.insert(id);
     }
-  }
-
-  void remember(std::size_t index, json record) {
-    CaseState& state = states_[index];
-    state.done.insert(record.at("repeat").get<int>());
-    if (record.value("wall_s", json()).is_number()) state.wall_s = record.at("wall_s").get<double>();
-    state.records.push_back(std::move(record));
   }
 
   void record_inputs(RecordFile& records) {
@@ -168,11 +153,11 @@ class Runner {
   }
 
   bool is_due(std::size_t index, int repeat) const {
-    return repeat < rounds_of(cases_[index]) && states_[index].done.count(repeat) == 0 &&
-           !states_[index].is_closed();
+    return states_[index].is_due(repeat, plan_.run.warmup, bounds_of(index));
   }
 
-  double seconds_left(int round, std::size_t place) const {
+  /// The time for the rest, at most: a case may end before it has the most repeats.
+  double seconds_left(int round, const std::vector<std::size_t>& rest) const {
     double known = 0.0;
     std::size_t count = 0;
     for (const CaseState& state : states_) {
@@ -183,9 +168,9 @@ class Runner {
     const double typical = count > 0 ? known / static_cast<double>(count) : 0.0;
     double left = 0.0;
     for (int r = round; r < rounds(); ++r) {
-      for (std::size_t i = r == round ? place : 0; i < selected_.size(); ++i) {
-        const CaseState& state = states_[selected_[i]];
-        if (is_due(selected_[i], r)) left += state.wall_s >= 0.0 ? state.wall_s : typical;
+      for (const std::size_t index : r == round ? rest : selected_) {
+        const CaseState& state = states_[index];
+        if (is_due(index, r)) left += state.wall_s >= 0.0 ? state.wall_s : typical;
       }
     }
     return left;
@@ -197,20 +182,30 @@ class Runner {
       for (const std::size_t index : selected_) due += is_due(index, repeat) ? 1 : 0;
     }
     progress_.start(due);
-    for (int repeat = 0; repeat < rounds(); ++repeat) {
-      for (std::size_t place = 0; place < selected_.size(); ++place) {
-        const std::size_t index = selected_[place];
-        if (!is_due(index, repeat)) continue;
-        if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
-        if (result_.interrupted) return;
-        progress_.show(cases_[index].id);
-        auto record = run_repeat(index, repeat);
-        if (!record) return;
-        records.append(*record);
-        ++result_.records_added;
-        remember(index, *std::move(record));
-        progress_.step(seconds_left(repeat, place + 1));
-      }
+    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat) run_round(repeat, records);
+  }
+
+  /// One repeat of every selected case that is due, in the order of its round.
+  void run_round(int repeat, RecordFile& records) {
+    const std::set<std::size_t> selected(selected_.begin(), selected_.end());
+    std::vector<std::size_t> order =
+        order_round(cases_, static_cast<std::uint64_t>(plan_.run.order_seed), repeat);
+    std::vector<std::size_t> position(cases_.size());  // among all cases, selected or not
+    for (std::size_t place = 0; place < order.size(); ++place) position[order[place]] = place;
+    std::erase_if(order, [&](std::size_t index) { return selected.count(index) == 0; });
+    for (auto at = order.begin(); at != order.end(); ++at) {
+      const std::size_t index = *at;
+      if (!is_due(index, repeat)) continue;
+      if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
+      if (result_.interrupted) return;
+      progress_.show(cases_[index].id);
+      auto record = run_repeat(index, repeat);
+      if (!record) return;
+      (*record)["position"] = position[index];
+      records.append(*record);
+      ++result_.records_added;
+      states_[index].remember(*std::move(record), bounds_of(index));
+      progress_.step(seconds_left(repeat, {at + 1, order.end()}));
     }
   }
 
@@ -241,6 +236,7 @@ class Runner {
     const auto stop = resolve_stop(c);
     ContestantTask task;
     ContestantAnswer answer;
+    MachineLoad load;
     answer.outcome = "error";
     if (!stop) {
       answer.message = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
@@ -258,7 +254,9 @@ class Runner {
       task.timeout_s = plan_.run.timeout_s;
       task.memory_mib = plan_.run.memory_mib;
       task.stop_flag = options_.stop_flag;
+      const LoadMeter meter;
       answer = run_contestant(task);
+      load = meter.read();
     }
     if (answer.outcome == "interrupted") {
       result_.interrupted = true;
@@ -273,9 +271,18 @@ class Runner {
       return std::nullopt;
     }
     record["sitting"] = sitting_;
+    add_load(load, answer, record);
     add_file_hashes(*registry_.find(contestant.method)->method, c, record);
     keep_output(c, repeat, answer, record);
     return record;
+  }
+
+  /// What the machine did meanwhile. Of a child that was killed nobody knows what it took.
+  static void add_load(const MachineLoad& load, const ContestantAnswer& answer, json& record) {
+    const bool is_known = answer.user_s.has_value();
+    record["load_1min"] = or_null(load.load_1min);
+    record["processor_s"] = is_known ? or_null(load.processor_s) : json();
+    record["others_s"] = is_known ? or_null(load.others_s) : json();
   }
 
   /// A changed file is another case, whatever its name.
@@ -343,29 +350,6 @@ class Runner {
 };
 
 }  // namespace
-
-void require_available(const Plan& plan, const Registry& registry) {
-  const auto need_method = [&](const std::string& label, const std::string& method) {
-    const std::string why = registry.find(method)->contestant->unavailable();
-    if (!why.empty()) throw UnavailableError(label + " (" + method + ") is unavailable: " + why);
-  };
-  for (const PlanContestant& contestant : plan.contestants) {
-    if (contestant.required) need_method(contestant.label, contestant.method);
-  }
-  for (const PlanContestant& simplifier : plan.simplifiers) {
-    if (simplifier.required && !simplifier.method.empty()) need_method(simplifier.label, simplifier.method);
-  }
-  if (plan.reference) need_method("the reference", plan.reference->method);
-  const auto shapes = list_shapes();
-  const auto need_shape = [&](const std::string& name, const std::optional<ShapeRequest>& request) {
-    for (const ShapeInfo& shape : shapes) {
-      if (request && request->name == shape.name && !shape.unavailable.empty())
-        throw UnavailableError("the mesh " + name + " is unavailable: " + shape.unavailable);
-    }
-  };
-  for (const PlanMesh& mesh : plan.meshes) need_shape(mesh.name, mesh.shape);
-  for (const PlanScene& scene : plan.scenes) need_shape("of " + scene.name, scene.scene.mesh.shape);
-}
 
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "experiments/contestants/contestant.h"
 #include "experiments/plan_reader/plan.h"
@@ -17,8 +18,9 @@ namespace palpate::experiments {
 struct RunOptions {
   std::filesystem::path folder;
   bool resume = false;
-  std::string case_id;         ///< empty: all
-  std::optional<int> threads;  ///< in place of the plan's
+  std::string case_id;            ///< empty: all
+  std::vector<std::string> only;  ///< words and patterns (rounds/case_choice.h); empty: all
+  std::optional<int> threads;     ///< in place of the plan's
   const volatile std::sig_atomic_t* stop_flag = nullptr;
 };
 
@@ -37,13 +39,15 @@ void require_available(const Plan& plan, const Registry& registry);
 
 /// Runs every repeat of every selected case that has no record yet.
 ///
-/// Order: repeat 0 of all cases, then repeat 1 of all cases, and so on, so that a drift of the machine meets
-/// all contestants alike. The first `warmup` repeats are recorded with warmup true. A case that timed out,
-/// refused its input or could not start is not repeated. The same output as an earlier repeat's is not judged
-/// again; another output is a violation, unless the method's description says that it is not deterministic:
-/// then it is judged. What a method's search found ("tuned") in one repeat is handed back to it in the next.
-/// Throws: InputError for the folder (in use, not writable, another plan or program than before);
-/// UnavailableError if a required
+/// Order: repeat 0 of all cases, then repeat 1 of all cases, and so on, each round in a random order that the
+/// plan's `order_seed` sets (order_round), so that a drift of the machine meets all contestants alike; each
+/// record says its position in its round. The first `warmup` repeats are recorded with warmup true. Where the
+/// plan has `until_width`, a case is repeated until the interval of its median kernel time is so narrow, or
+/// it has `most_repeats`. A case that timed out, refused its input or could not start is not repeated. The
+/// same output as an earlier repeat's is not judged again; another output is a violation, unless the method's
+/// description says that it is not deterministic: then it is judged. What a method's search found ("tuned")
+/// in one repeat is handed back to it in the next. Throws: InputError for the folder (in use, not writable,
+/// another plan or program than before); UnavailableError if a required
 ///         contestant or a shape is missing, before anything runs.
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options, Progress& progress);
 

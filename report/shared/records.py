@@ -23,7 +23,7 @@ class BadRun(Exception):
 
 @dataclass
 class Group:
-    """All records of one mesh, label and sweep point, in the order of the file."""
+    """All records of one mesh, label and sweep point, in the order of the plan's cases, round by round."""
 
     mesh: str
     label: str
@@ -181,6 +181,21 @@ def read_lines(path, notes):
     return found
 
 
+def in_planned_order(lines, provenance):
+    """Records round by round, each in the order of the plan's cases: rounds are run in a random order, which no table may show.
+    What is no case of the plan (inputs, references) comes first; without a list of cases the order stays."""
+    cases = provenance.get("cases")
+    if not isinstance(cases, list):
+        return lines
+    places = {case: place for place, case in enumerate(cases) if isinstance(case, str)}
+
+    def key(record):
+        repeat = record.get("repeat")
+        place = places.get(record.get("case"), -1)
+        return (repeat if place >= 0 and isinstance(repeat, int) else -1, place)
+    return sorted(lines, key=key)
+
+
 def mesh_name(record):
     mesh = record.get("mesh")
     name = mesh.get("name") if isinstance(mesh, dict) else mesh
@@ -208,7 +223,7 @@ def read_run(folder):
     if not isinstance(plan_data, dict):
         plan_data = {key: provenance[key] for key in PLAN_KEYS if key in provenance}
     groups, inputs, references = {}, {}, []
-    for record in lines:
+    for record in in_planned_order(lines, provenance):
         mesh = mesh_name(record)
         if record["label"] == INPUT_LABEL:
             inputs.setdefault(mesh, record)

@@ -8,6 +8,7 @@ import io
 import json
 import os
 
+from shared import load
 from shared.intervals import median_interval, percent
 from shared.records import BUCKETS, figure, histogram, median, present, quantile
 
@@ -98,18 +99,20 @@ def timing_of(group):
         seconds = figure(record, "kernel_s")
         if None not in (before, after, seconds) and seconds > 0:
             rates.append((before - after) / seconds)
+    loads = [load.load_of(record) for record in answers]
     units, over = timed_units(answers)
     interval = median_interval(units)
     return {"n": len(kernel), "kernel_median_s": median(units), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
             "kernel_q1_s": quantile(kernel, 0.25), "kernel_q3_s": quantile(kernel, 0.75), "kernel_median_low_s": interval and interval.low,
             "kernel_median_high_s": interval and interval.high, "interval_covers": interval and interval.coverage,
             "interval_kind": f"{interval.kind} {over}" if interval else "none: one value", "wall_median_s": median(wall), "peak_rss_max_bytes": max(memory, default=None),
-            "tets_removed_per_s": median(rates)}
+            "tets_removed_per_s": median(rates), "load_1min_max": max(present(one.load_1min for one in loads), default=None),
+            "others_share": load.share_of(loads)}
 
 
 TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kernel_q1_s", "kernel_q3_s",
                   "kernel_median_low_s", "kernel_median_high_s", "interval_covers", "interval_kind", "wall_median_s",
-                  "peak_rss_max_bytes", "tets_removed_per_s"]
+                  "peak_rss_max_bytes", "tets_removed_per_s", "load_1min_max", "others_share"]
 
 
 def timing_rows(run):

@@ -64,7 +64,7 @@ def as_number(value):
 
 
 def read_cases(run):
-    """The first record of each case, in the order of the file."""
+    """The first record of each case, in the order of the plan."""
     cases, seen = [], set()
     for group in run.groups:
         for record in group.records:

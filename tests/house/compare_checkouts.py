@@ -18,7 +18,7 @@ PLANS = ("ci", "ci_peers", "ci_deform", "ci_motion", "ci_stability", "ci_haptics
 VOLATILE = {
     "finished_at", "kernel_s", "wall_s", "user_s", "peak_rss_bytes", "identify_s", "solve_s", "assembly_s", "factor_s", "frequencies_s",
     "setup_s", "seconds", "stable_step_kernel_s", "real_time_factor", "tick_real_time_factor", "tick_mean_s", "tick_p50_s", "tick_p99_s", "tick_p99_9_s",
-    "tick_worst_s", "ticks_missed", "buckets", "bucket_ends_s", "from_cache",
+    "tick_worst_s", "ticks_missed", "buckets", "bucket_ends_s", "from_cache", "position", "load_1min", "processor_s", "others_s",
 }
 
 

@@ -115,6 +115,22 @@ expect "other commands take everything" test -x "$repo/build/release/bin/two_pro
 run run "$work/plan.yaml"
 expect "what has everything has the plan's" test ! -s "$work/err"
 
+# A plan by its bare name: the one here wins over the repository's; a name that no plan has builds the program alone, which says what is near.
+rm -rf "$repo/build"
+mkdir -p "$repo/experiments/plans" "$work/here"
+cp "$work/plan.yaml" "$repo/experiments/plans/small.yaml"
+cd "$work/here"
+run run --only 'a*' --out small2 small
+expect "a bare name is found among the plans" test -x "$repo/build/release/bin/one_program" -a ! -e "$repo/build/release/bin/two_program"
+expect "it is handed over as it was given" test "$out" = '[run][--only][a*][--out][small2][small]'
+printf 'contestants:\n  - two.fuse\n' >small.yaml
+run run small
+expect "a file here wins" test -x "$repo/build/release/bin/two_program"
+rm -rf "$repo/build"
+run run smal
+expect "an unknown name takes the program alone" test -x "$repo/build/release/bin/palpate" -a ! -e "$repo/build/release/bin/one_program"
+cd "$work"
+
 PALPATE_PRESET=fast run quality
 expect "an unknown preset is bad usage" test "$code" = 2
 echo "the launcher does what it says"

@@ -10,6 +10,7 @@
 #include "experiments/gates/accept.h"
 #include "experiments/gates/gate.h"
 #include "experiments/records/record_file.h"
+#include "experiments/records/run_folder.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -31,7 +32,7 @@ class GateRun : public testing::Test {
     fixture_.run(plan);
   }
   std::filesystem::path folder() const { return fixture_.folder() / "run"; }
-  std::vector<json> records() const { return read_records(folder() / "records.jsonl"); }
+  std::vector<json> records() const { return read_run_records(folder()); }
   nlohmann::ordered_json propose(const std::string& plan, const std::vector<FigureKind>& kinds) const {
     return propose_accepted(folder(), records(), plan, kinds);
   }

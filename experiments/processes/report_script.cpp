@@ -1,0 +1,27 @@
+#include "experiments/processes/report_script.h"
+
+#include "core/base/error.h"
+#include "experiments/files/file_bytes.h"
+#include "experiments/files/places.h"
+#include "experiments/processes/stop_signals.h"
+
+namespace palpate::experiments {
+
+ProcessSpec report_script(const std::string& name, const std::vector<std::string>& arguments) {
+  const std::filesystem::path script = std::filesystem::path(source_folder()) / "report" / name;
+  if (!std::filesystem::exists(script)) throw UnavailableError("the report is missing: " + script.string());
+  ProcessSpec spec;
+  spec.arguments = {"/usr/bin/python3", script.string()};
+  spec.arguments.insert(spec.arguments.end(), arguments.begin(), arguments.end());
+  spec.timeout_s = 1800.0;
+  spec.stop_flag = catch_stop_signals();
+  return spec;
+}
+
+std::string last_line(const std::filesystem::path& file) {
+  std::string text = read_bytes(file).value_or("");
+  while (!text.empty() && text.back() == '\n') text.pop_back();
+  return text.substr(text.rfind('\n') + 1);
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,86 @@
+#include "experiments/rounds/case_choice.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/error.h"
+#include "experiments/text/nearest_name.h"
+
+namespace palpate::experiments {
+namespace {
+
+/// The words that fit a case, its id apart.
+std::vector<std::string> words_of(const Plan& plan, const Case& c) {
+  const PlanContestant& contestant = plan.contestants[c.contestant];
+  const std::string& subject = plan.subjects[c.subject];
+  std::vector<std::string> words{subject, contestant.label};
+  const auto add = [&words](const std::vector<std::string>& tags) {
+    words.insert(words.end(), tags.begin(), tags.end());
+  };
+  add(contestant.tags);
+  for (const PlanMesh& mesh : plan.meshes) {
+    if (mesh.name == subject) add(mesh.tags);
+  }
+  for (const PlanScene& scene : plan.scenes) {
+    if (scene.name == subject) add(scene.tags);
+  }
+  return words;
+}
+
+bool is_pattern(const std::string& word) {
+  return word.find_first_of("*?[") != std::string::npos;
+}
+
+/// Marks the cases that a word fits.
+void mark_cases(const Plan& plan, const std::vector<Case>& cases, const std::string& word,
+                std::vector<bool>& wanted) {
+  bool found = false;
+  std::set<std::string> known;
+  std::vector<std::string> ids;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const std::vector<std::string> words = words_of(plan, cases[i]);
+    const bool fits = is_pattern(word)
+                          ? ::fnmatch(word.c_str(), cases[i].id.c_str(), 0) == 0
+                          : word == cases[i].id || std::find(words.begin(), words.end(), word) != words.end();
+    if (fits) wanted[i] = true;
+    found = found || fits;
+    known.insert(words.begin(), words.end());
+    ids.push_back(cases[i].id);
+  }
+  if (found) return;
+  if (is_pattern(word))
+    throw InputError("--only: the pattern \"" + word + "\" fits no case" + nearest_hint(word, ids));
+  const std::vector<std::string> names(known.begin(), known.end());
+  const std::vector<std::string>& near = word.find('/') == std::string::npos ? names : ids;
+  throw InputError("--only: no mesh, scene, label, tag or case is called \"" + word + "\"" +
+                   nearest_hint(word, near));
+}
+
+}  // namespace
+
+std::vector<std::size_t> choose_cases(const Plan& plan, const std::vector<Case>& cases,
+                                      const CaseChoice& choice) {
+  std::vector<bool> wanted(cases.size(), choice.only.empty());
+  for (const std::string& word : choice.only) mark_cases(plan, cases, word, wanted);
+  if (!choice.case_id.empty()) {
+    std::vector<bool> both(cases.size(), false);
+    for (const std::size_t i : select_cases(cases, choice.case_id)) both[i] = wanted[i];
+    wanted = both;
+  }
+  std::vector<std::size_t> chosen = with_needed_cases(cases, wanted);
+  if (chosen.empty())
+    throw InputError("no case of " + choice.case_id + " fits --only " + joined(choice.only));
+  return chosen;
+}
+
+nlohmann::json describe_choice(const CaseChoice& choice) {
+  if (choice.is_all()) return nullptr;
+  nlohmann::json described = nlohmann::json::object();
+  if (!choice.case_id.empty()) described["case"] = choice.case_id;
+  if (!choice.only.empty()) described["only"] = choice.only;
+  return described;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,131 @@
+#include "experiments/rounds/case_state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "experiments/records/record_file.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMedianLevel = 0.95;
+
+bool is_measured(const json& record) {
+  return !record.value("warmup", false);
+}
+
+std::optional<double> kernel_time(const json& record) {
+  const json value = record.value("kernel_s", json());
+  return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<MedianInterval> median_interval(std::vector<double> values, double level) {
+  const std::size_t n = values.size();
+  constexpr std::size_t kMostValues = 10'000;  // 2^-n is still a normal number of this type
+  require(n <= kMostValues, "median_interval: too many values");
+  if (n < 2) return std::nullopt;
+  std::sort(values.begin(), values.end());
+  std::optional<MedianInterval> found;
+  long double chance = std::ldexp(1.0L, -static_cast<int>(n));  // P(B = i - 1)
+  long double below = 0.0L;                                     // P(B <= i - 1)
+  for (std::size_t i = 1; i <= n / 2; ++i) {
+    below += chance;
+    const auto coverage = static_cast<double>(1.0L - 2.0L * below);
+    if (coverage < level) break;
+    found = MedianInterval{values[i - 1], values[n - i], coverage};
+    chance *= static_cast<long double>(n - i + 1) / static_cast<long double>(i);
+  }
+  return found;
+}
+
+double relative_median_width(const std::vector<double>& values) {
+  const auto interval = median_interval(values, kMedianLevel);
+  if (!interval) return std::numeric_limits<double>::infinity();
+  return (interval->high - interval->low) / median(values);
+}
+
+RepeatBounds repeat_bounds(const RunSettings& run, const Case& c) {
+  return {repeats_of(run, c), most_repeats_of(run, c), run.until_width};
+}
+
+void CaseState::remember(json record, const RepeatBounds& bounds) {
+  done.insert(record.at("repeat").get<int>());
+  if (record.value("wall_s", json()).is_number()) wall_s = record.at("wall_s").get<double>();
+  records.push_back(std::move(record));
+  if (count_measured() < bounds.least) return;
+  if (bounds.most == bounds.least) {
+    end = RepeatsEnd::kAll;
+    return;
+  }
+  std::vector<double> times;
+  for (const json& each : records) {
+    const auto time = kernel_time(each);
+    if (time && is_measured(each)) times.push_back(*time);
+  }
+  width = relative_median_width(times);
+  if (static_cast<int>(times.size()) < count_measured()) {
+    end = RepeatsEnd::kNoTime;
+  } else if (width <= *bounds.width) {
+    end = RepeatsEnd::kNarrow;
+  } else if (count_measured() >= bounds.most) {
+    end = RepeatsEnd::kLimit;
+  }
+}
+
+bool CaseState::is_closed() const {
+  return std::any_of(records.begin(), records.end(), [](const json& record) {
+    const json& outcome = record.at("outcome");
+    return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
+           outcome == "not_judged";
+  });
+}
+
+bool CaseState::is_due(int repeat, int warmup, const RepeatBounds& bounds) const {
+  if (done.count(repeat) > 0 || is_closed()) return false;
+  if (repeat < warmup + bounds.least) return true;
+  return repeat < warmup + bounds.most && end == RepeatsEnd::kNotYet;
+}
+
+int CaseState::count_measured() const {
+  return static_cast<int>(std::count_if(records.begin(), records.end(), is_measured));
+}
+
+const char* repeats_end_name(RepeatsEnd end) {
+  switch (end) {
+    case RepeatsEnd::kNarrow:
+      return "narrow";
+    case RepeatsEnd::kLimit:
+      return "limit";
+    case RepeatsEnd::kNoTime:
+      return "no_time";
+    case RepeatsEnd::kNotYet:
+    case RepeatsEnd::kAll:
+      break;
+  }
+  return "";
+}
+
+void state_repeats(const RunSettings& run, const std::vector<Case>& cases,
+                   const std::vector<CaseState>& states, json& provenance) {
+  require(cases.size() == states.size(), "state_repeats: a state a case");
+  provenance["repeats_of"] = json::object();
+  if (run.until_width) provenance["repeats_ended"] = json::object();
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const RepeatBounds bounds = repeat_bounds(run, cases[i]);
+    const CaseState& state = states[i];
+    const std::string reason = repeats_end_name(state.end);
+    const int wanted = reason.empty() ? bounds.most : state.count_measured();
+    if (wanted != run.repeats) provenance["repeats_of"][cases[i].id] = wanted;
+    if (reason.empty()) continue;
+    const bool known = std::isfinite(state.width);
+    provenance["repeats_ended"][cases[i].id] = {
+        {"reason", reason}, {"repeats", wanted}, {"width", known ? json(state.width) : json()}};
+  }
+}
+
+}  // namespace palpate::experiments
