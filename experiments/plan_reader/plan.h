@@ -54,8 +54,8 @@ struct PlanContestant {
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).
   std::map<std::string, std::vector<nlohmann::json>> at;
-  std::vector<std::string> tags;    ///< words by which a run may choose its cases
-  bool required = true;             ///< false: its outcome does not decide the exit code
+  std::vector<std::string> tags;  ///< words by which a run may choose its cases
+  bool required = true;           ///< false: its outcome does not decide the exit code
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.
   std::map<std::string, GivenOption> own_limit;
