@@ -4,8 +4,8 @@
 
 #include <map>
 
+#include "experiments/gates/gate_run.h"
 #include "experiments/records/record_file.h"
-#include "experiments/runner/gate_run.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "tests/support/experiment_fixture.h"
