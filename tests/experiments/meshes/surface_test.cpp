@@ -25,7 +25,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 /// The refusal of a surface, or "" if it is filled.
 std::string refusal(const std::filesystem::path& path, const MeshSize& size = {}) {
   try {
-    mesh_surface(path, size);
+    mesh_surface({path, size});
   } catch (const InputError& error) {
     return error.what();
   }
@@ -115,7 +115,7 @@ TEST(Surface, EveryFormatIsFilledWithItsSkinKept) {
   write_text(folder.path() / "d.ply", indexed(ball, ply, "", "3 ", 0));
   write_off(folder.path() / "e.off", ball);
   for (const char* name : {"a.stl", "b.stl", "c.obj", "d.ply", "e.off"}) {
-    const MadeMesh made = mesh_surface(folder.path() / name, {.vertices = {}, .edge_length = 0.3});
+    const MadeMesh made = mesh_surface({folder.path() / name, {.vertices = {}, .edge_length = 0.3}});
     EXPECT_EQ(build_boundary(made.mesh).size(), ball.triangles.size()) << name;
     EXPECT_NEAR(total_volume(made.mesh), enclosed_volume(ball), 1e-5) << name;  // six digits in the files
   }
@@ -125,10 +125,10 @@ TEST(Surface, AVertexCountAdaptsTheInteriorAndTheSkinOnlyIfItMust) {
   const test::ScratchFolder folder;
   const SurfaceMesh ball = build_geodesic_sphere(6);
   write_off(folder.path() / "ball.off", ball);
-  const MadeMesh fine = mesh_surface(folder.path() / "ball.off", {.vertices = 1000, .edge_length = {}});
+  const MadeMesh fine = mesh_surface({folder.path() / "ball.off", {.vertices = 1000, .edge_length = {}}});
   EXPECT_NEAR(static_cast<double>(fine.mesh.points.size()), 1000.0, 10.0);
   EXPECT_EQ(build_boundary(fine.mesh).size(), ball.triangles.size());
-  const MadeMesh coarse = mesh_surface(folder.path() / "ball.off", {.vertices = 300, .edge_length = {}});
+  const MadeMesh coarse = mesh_surface({folder.path() / "ball.off", {.vertices = 300, .edge_length = {}}});
   EXPECT_NEAR(static_cast<double>(coarse.mesh.points.size()), 300.0, 3.0);
   EXPECT_LT(build_boundary(coarse.mesh).size(), ball.triangles.size());
   ASSERT_FALSE(coarse.notes.empty());
