@@ -8,7 +8,6 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
-#include "experiments/commands/commands_export.h"
 #include "experiments/commands/usage.h"
 #include "experiments/records/provenance.h"
 #include "experiments/text/terminal.h"

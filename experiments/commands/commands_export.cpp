@@ -1,6 +1,4 @@
 // export: a whole model of a mesh as one file for another simulator.
-#include "experiments/commands/commands_export.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <iostream>

@@ -33,6 +33,7 @@ struct MakeArguments {
   std::string skin = "coarse";
   bool normalize = false;
   bool repair = false;
+  bool keeps_skin = false;  ///< a surface's, whatever mesh it gives
   bool as_json = false;
 };
 
@@ -63,19 +64,21 @@ void print_findings(const std::vector<std::string>& findings) {
 
 /// Where a skin that was kept as it is gives a poor mesh: what would give a better one.
 std::string quality_hint(const json& figures) {
-  constexpr double kGoodShare = 90.0;   // % of quality above 0.5
-  constexpr double kGoodAngle = 5.0;    // degrees
+  constexpr double kGoodShare = 90.0;  // % of quality above 0.5
+  constexpr double kGoodAngle = 5.0;   // degrees
   const double share = figures.value("percent_above_0_5", 100.0);
   const double angle = figures.value("min_dihedral_deg", 90.0);
   if (share >= kGoodShare && angle >= kGoodAngle) return "";
   const auto skin = figures.value("boundary_vertices", std::uint64_t{0});
-  const auto step = static_cast<std::uint64_t>(std::pow(10.0, std::floor(std::log10(std::max(10.0, double(skin)))) - 1.0));
+  const auto step =
+      static_cast<std::uint64_t>(std::pow(10.0, std::floor(std::log10(std::max(10.0, double(skin)))) - 1.0));
   const std::uint64_t fewer = skin / step * step;  // as many as the skin has: it cannot be kept
   std::array<char, 160> text{};
   std::snprintf(text.data(), text.size(),
-                "%.0f%% of the tetrahedra have a quality above 0.5, the least dihedral angle is %.1f degrees", share,
-                angle);
-  return text.data() + std::string(": the skin was kept as it is; --vertices N remakes it, with --vertices ") +
+                "%.0f%% of the tetrahedra have a quality above 0.5, the least dihedral angle is %.1f degrees",
+                share, angle);
+  return text.data() +
+         std::string(": the skin was kept as it is; --vertices N remakes it, with --vertices ") +
          std::to_string(std::max(kFewestVertices, fewer)) + " for one";
 }
 
@@ -92,6 +95,8 @@ int deliver(MadeMesh made, const MakeArguments& arguments) {
   }
   write_mesh(arguments.out, made.mesh);
   json figures = judgement.figures;
+  const std::string hint = arguments.keeps_skin ? quality_hint(figures) : "";
+  if (!hint.empty()) print_note(hint);
   figures["file"] = arguments.out;
   if (arguments.as_json) {
     print_json(figures);
@@ -120,14 +125,10 @@ int make(const MakeArguments& arguments) {
   return deliver(make_shape(request), arguments);
 }
 
-int mesh(const MakeArguments& arguments) {
+int mesh(MakeArguments arguments) {
   check_output_file(arguments.out);
-  MadeMesh made = mesh_surface({arguments.source, size_of(arguments), arguments.repair});
-  if (arguments.vertices == 0) {
-    const std::string hint = quality_hint(judge_mesh(made.mesh).figures);
-    if (!hint.empty()) made.notes.push_back(hint);
-  }
-  return deliver(std::move(made), arguments);
+  arguments.keeps_skin = arguments.vertices == 0;
+  return deliver(mesh_surface({arguments.source, size_of(arguments), arguments.repair}), arguments);
 }
 
 void print_histogram(const json& histogram, double tets) {

@@ -13,6 +13,7 @@
 #include "experiments/judging/judge_record.h"
 #include "experiments/scene_writer/scene_draft.h"
 #include "experiments/scene_writer/scene_picture.h"
+#include "experiments/scene_writer/unit_guess.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
@@ -79,10 +80,12 @@ std::string formatted(const char* format, double value) {
 
 void print_draft(const json& figures, const SceneDraft& draft) {
   const auto number = [&](const char* key, const char* format) {
-    return figures.at(key).is_number() ? formatted(format, figures.at(key).get<double>()) : std::string("none");
+    return figures.at(key).is_number() ? formatted(format, figures.at(key).get<double>())
+                                       : std::string("none");
   };
   TextTable table({"what", "found"}, "ll");
-  table.add({"size", formatted("%.3g x ", 100.0 * draft.size_m.x) + formatted("%.3g x ", 100.0 * draft.size_m.y) +
+  table.add({"size", formatted("%.3g x ", 100.0 * draft.size_m.x) +
+                         formatted("%.3g x ", 100.0 * draft.size_m.y) +
                          formatted("%.3g cm", 100.0 * draft.size_m.z)});
   table.add({"mesh", std::to_string(draft.mesh.points.size()) + " vertices, " +
                          std::to_string(draft.mesh.tets.size()) + " tetrahedra"});
@@ -90,8 +93,9 @@ void print_draft(const json& figures, const SceneDraft& draft) {
                             number("min_dihedral_deg", "least dihedral angle %.1f degrees")});
   table.add({"support", std::to_string(draft.support.faces) + " faces, " +
                             formatted("%.0f%% of the skin", 100.0 * draft.support.area_share)});
-  table.add({"pad", formatted("%.3g mm across, ", 2000.0 * draft.pad.radius_m) + std::to_string(draft.pad.faces) +
-                        " faces, " + formatted("%.1f edges wide", 2.0 * draft.pad.radius_m / draft.pad.mean_edge_m)});
+  table.add({"pad", formatted("%.3g mm across, ", 2000.0 * draft.pad.radius_m) +
+                        std::to_string(draft.pad.faces) + " faces, " +
+                        formatted("%.1f edges wide", 2.0 * draft.pad.radius_m / draft.pad.mean_edge_m)});
   table.add({"push", formatted("%.3g mm", 1000.0 * length(draft.push_m)) +
                          formatted(", 5%% of %.3g mm", 1000.0 * draft.pad.thickness_m)});
   std::cout << table.text();
@@ -129,7 +133,8 @@ int scene(const SceneArguments& arguments) {
   }
   print_draft(figures, draft);
   std::cout << "Written: " << arguments.out << '\n';
-  for (const json& picture : figures.at("pictures")) std::cout << "Written: " << picture.get<std::string>() << '\n';
+  for (const json& picture : figures.at("pictures"))
+    std::cout << "Written: " << picture.get<std::string>() << '\n';
   return kDone;
 }
 
@@ -137,8 +142,11 @@ int scene(const SceneArguments& arguments) {
 
 void add_scene_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<SceneArguments>();
-  CLI::App* command = app.add_subcommand("scene", "Write a first scene of an organ, ready for check and simulate");
-  command->add_option("ORGAN", arguments->organ, "Surface (.stl, .off, .obj, .ply) or mesh (.mesh, .msh, .vtk, .vtu)")
+  CLI::App* command =
+      app.add_subcommand("scene", "Write a first scene of an organ, ready for check and simulate");
+  command
+      ->add_option("ORGAN", arguments->organ,
+                   "Surface (.stl, .off, .obj, .ply) or mesh (.mesh, .msh, .vtk, .vtu)")
       ->required();
   command->add_option("-o,--output", arguments->out, "Scene to write (.yaml)")->required()->type_name("FILE");
   command
@@ -147,7 +155,8 @@ void add_scene_command(CLI::App& app, int& exit_code) {
       ->check(number_from(1e-9, 1e9))
       ->type_name("U");
   command
-      ->add_option("--young-pa", arguments->material.young_modulus_pa, "Young's modulus of the material (10000)")
+      ->add_option("--young-pa", arguments->material.young_modulus_pa,
+                   "Young's modulus of the material (10000)")
       ->check(number_from(1e-6, 1e15))
       ->type_name("E");
   command->add_option("--poisson", arguments->material.poisson_ratio, "Its Poisson's ratio (0.45)")
@@ -165,13 +174,17 @@ void add_scene_command(CLI::App& app, int& exit_code) {
   command->add_option("--up", arguments->up, "The axis that points up: it lies on the other end (z)")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->type_name("AXIS");
-  command->add_flag("--repair", arguments->repair, "Mend a surface that is open, inside out or intersects itself");
-  command->add_flag("--show", arguments->show, "Draw where it is held and pressed: FILE's name with .png and .svg");
+  command->add_flag("--repair", arguments->repair,
+                    "Mend a surface that is open, inside out or intersects itself");
+  command->add_flag("--show", arguments->show,
+                    "Draw where it is held and pressed: FILE's name with .png and .svg");
   command->add_flag("--json", arguments->as_json, "Print what was found as JSON");
   command->footer(
-      "The scene holds how its mesh is made, the unit, the material, elastic supports on the underside, gravity and "
+      "The scene holds how its mesh is made, the unit, the material, elastic supports on the underside, "
+      "gravity and "
       "an\n"
-      "elastic pad on top that is pushed in by 5% of the thickness below it. Everything in it is a starting point;\n"
+      "elastic pad on top that is pushed in by 5% of the thickness below it. Everything in it is a starting "
+      "point;\n"
       "docs/scenes.md says what else there is.");
   command->callback([arguments, &exit_code] { exit_code = scene(*arguments); });
 }

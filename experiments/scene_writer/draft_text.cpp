@@ -10,7 +10,8 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr double kSupportDepthM = 0.010;  // E over it is the supports' stiffness a unit of area (docs/scenes.md)
+constexpr double kSupportDepthM =
+    0.010;  // E over it is the supports' stiffness a unit of area (docs/scenes.md)
 constexpr double kPadDepthM = 0.002;
 
 std::string list_of(const Vec3& v) {
@@ -44,9 +45,9 @@ std::string quoted_path(const std::filesystem::path& organ, const std::filesyste
 
 std::string mesh_text(const SceneWish& wish, const SceneDraft& draft) {
   std::string text = "# The mesh: " + std::to_string(draft.mesh.points.size()) + " vertices, " +
-                     std::to_string(draft.mesh.tets.size()) + " tetrahedra, " + three_digits(100.0 * draft.size_m.x) +
-                     " x " + three_digits(100.0 * draft.size_m.y) + " x " + three_digits(100.0 * draft.size_m.z) +
-                     " cm.";
+                     std::to_string(draft.mesh.tets.size()) + " tetrahedra, " +
+                     three_digits(100.0 * draft.size_m.x) + " x " + three_digits(100.0 * draft.size_m.y) +
+                     " x " + three_digits(100.0 * draft.size_m.z) + " cm.";
   if (draft.is_surface) text += " Made anew from the surface where it is not kept; the same bytes each time.";
   text += "\n# unit_m is the length of the file's unit in metres, " + draft.unit_reason + ".\n";
   text += "mesh: {file: " + quoted_path(wish.organ, wish.scene);
@@ -56,36 +57,41 @@ std::string mesh_text(const SceneWish& wish, const SceneDraft& draft) {
 }
 
 std::string material_text(const SceneWish& wish) {
-  return "# A soft organ, unless you know better: livers and kidneys have some 2 to 20 kPa, and hardly change their "
+  return "# A soft organ, unless you know better: livers and kidneys have some 2 to 20 kPa, and hardly "
+         "change their "
          "volume.\n"
          "material: {young_modulus_pa: " +
-         short_number(wish.material.young_modulus_pa) + ", poisson_ratio: " + short_number(wish.material.poisson_ratio) +
+         short_number(wish.material.young_modulus_pa) +
+         ", poisson_ratio: " + short_number(wish.material.poisson_ratio) +
          ", density_kg_m3: " + short_number(wish.material.density_kg_m3) +
          "}\n"
          "strain: small  # or large, for presses that turn or bend the organ\n"
-         "# What simulate takes; others: {finite_elements: p2}, {springs: isotropy_patch, volume: node_average}.\n"
+         "# What simulate takes; others: {finite_elements: p2}, {springs: isotropy_patch, volume: "
+         "node_average}.\n"
          "model: {smoothed: edge_node}\n\n";
 }
 
 std::string clamp_text(const SceneWish& wish, const SceneDraft& draft) {
   const Vec3 up = up_direction(wish.up);
-  return "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) + " of its height along " +
-         wish.up + ", E / 10 mm a unit of area.\n# It takes hold of " + std::to_string(draft.support.faces) +
-         " faces, " + percent(draft.support.area_share) + " of the skin.\n" +
-         "clamp:\n  - {half_space: {normal: " + list_of(up) + ", share: " + short_number(draft.support.share) +
+  return "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) +
+         " of its height along " + wish.up + ", E / 10 mm a unit of area.\n# It takes hold of " +
+         std::to_string(draft.support.faces) + " faces, " + percent(draft.support.area_share) +
+         " of the skin.\n" + "clamp:\n  - {half_space: {normal: " + list_of(up) +
+         ", share: " + short_number(draft.support.share) +
          "}, elastic_pa_per_m: " + short_number(wish.material.young_modulus_pa / kSupportDepthM) + "}\n\n";
 }
 
 std::string load_text(const SceneWish& wish, const SceneDraft& draft) {
   const PadRegion& pad = draft.pad;
   const Vec3 gravity = -9.81 * up_direction(wish.up);
-  std::string text =
-      "# What loads it: its weight, and a pad of " + three_digits(2000.0 * pad.radius_m) + " mm on top (" +
-      std::to_string(pad.faces) + " faces, " + three_digits(2.0 * pad.radius_m / pad.mean_edge_m) +
-      " edges of the skin wide) that is\n# pushed in along the skin's normal by " +
-      three_digits(1000.0 * length(draft.push_m)) + " mm, 5% of the " + three_digits(1000.0 * pad.thickness_m) +
-      " mm below it, through an elastic layer (E / 2 mm).\n"
-      "load:\n";
+  std::string text = "# What loads it: its weight, and a pad of " + three_digits(2000.0 * pad.radius_m) +
+                     " mm on top (" + std::to_string(pad.faces) + " faces, " +
+                     three_digits(2.0 * pad.radius_m / pad.mean_edge_m) +
+                     " edges of the skin wide) that is\n# pushed in along the skin's normal by " +
+                     three_digits(1000.0 * length(draft.push_m)) + " mm, 5% of the " +
+                     three_digits(1000.0 * pad.thickness_m) +
+                     " mm below it, through an elastic layer (E / 2 mm).\n"
+                     "load:\n";
   text += "  - {gravity_m_s2: " + list_of(gravity);
   if (wish.is_dynamic) text += ", profile: {times_s: [0, 0.1], shares: [0, 1], smooth: true}";
   text += "}\n  - {displace: {sphere: {";
@@ -101,8 +107,10 @@ std::string load_text(const SceneWish& wish, const SceneDraft& draft) {
 std::string analysis_text(const SceneWish& wish, const SceneDraft& draft) {
   if (!wish.is_dynamic) return "analysis: static\n\n";
   return "# The weight comes in 0.1 s, the pad presses in 0.1 s more, stays, and lets go at 0.3 s.\n"
-         "analysis:\n  dynamic:\n    integrator: symplectic_euler\n    time_step_s: auto  # 0.9 of the longest stable "
-         "one\n    duration_s: 0.5\n    damping: {stiffness_s: 5.0e-4, mass_per_s: 20}\n    frames: 25\n    samples: "
+         "analysis:\n  dynamic:\n    integrator: symplectic_euler\n    time_step_s: auto  # 0.9 of the "
+         "longest stable "
+         "one\n    duration_s: 0.5\n    damping: {stiffness_s: 5.0e-4, mass_per_s: 20}\n    frames: 25\n    "
+         "samples: "
          "500\n    probes_m: [" +
          list_of(draft.pad.center_m) + "]  # below the pad\n\n";
 }

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "experiments/scene_writer/scene_draft.h"
+#include "experiments/scene_writer/scene_wish.h"
 
 namespace palpate::experiments {
 

@@ -10,6 +10,7 @@
 #include "experiments/scene_reader/scene.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/draft_text.h"
+#include "experiments/scene_writer/unit_guess.h"
 
 namespace palpate::experiments {
 namespace {
@@ -23,10 +24,10 @@ std::string shown_length(double metres) {
   const bool is_large = metres >= 1.0;
   std::array<char, 48> text{};
   std::snprintf(text.data(), text.size(), "%.3g %s",
-                metres * (is_small  ? 1000.0
+                metres * (is_small   ? 1000.0
                           : is_large ? 1.0
                                      : 100.0),
-                is_small  ? "mm"
+                is_small   ? "mm"
                 : is_large ? "m"
                            : "cm");
   return text.data();
@@ -41,7 +42,8 @@ void make_mesh(const SceneWish& wish, SceneDraft& draft) {
   draft.is_surface = is_surface_file(wish.organ);
   if (!draft.is_surface) {
     if (wish.vertices || wish.repair)
-      throw InputError(wish.organ.string() + ": --vertices and --repair belong to a surface (.stl, .off, .obj, .ply)");
+      throw InputError(wish.organ.string() +
+                       ": --vertices and --repair belong to a surface (.stl, .off, .obj, .ply)");
     const MadeMesh made = build_scene_mesh(mesh);
     draft.mesh = made.mesh;
     return;
@@ -70,11 +72,12 @@ void choose_unit(const SceneWish& wish, SceneDraft& draft) {
   } else {
     const auto guess = guess_unit(diagonal);
     if (!guess)
-      throw InputError(wish.organ.string() + ": expected --unit-m, the length of its unit in metres: its box is " +
+      throw InputError(wish.organ.string() +
+                       ": expected --unit-m, the length of its unit in metres: its box is " +
                        short_number(diagonal) + " across, which is no organ of 1 to 60 cm in mm, cm or m");
     draft.unit_m = guess->unit_m;
-    draft.unit_reason =
-        "guessed: in " + unit_name(guess->unit_m) + " it is " + shown_length(guess->unit_m * diagonal) + " across";
+    draft.unit_reason = "guessed: in " + unit_name(guess->unit_m) + " it is " +
+                        shown_length(guess->unit_m * diagonal) + " across";
     for (const double other : guess->others)
       draft.unit_reason += ", in " + unit_name(other) + " it would be " + shown_length(other * diagonal);
   }
@@ -102,8 +105,9 @@ SceneDraft draft_scene(const SceneWish& wish) {
   draft.pad.radius_m = radius_step * std::round(draft.pad.radius_m / radius_step);
   draft.push_m = rounded_vector(-kPushShare * draft.pad.thickness_m * draft.pad.normal);
   if (draft.pad.reaches_round)
-    draft.notes.push_back("the pad reaches round to the other side: the body is thinner there than the skin's edges (" +
-                          shown_length(draft.pad.mean_edge_m) + "); more --vertices make them shorter");
+    draft.notes.push_back(
+        "the pad reaches round to the other side: the body is thinner there than the skin's edges (" +
+        shown_length(draft.pad.mean_edge_m) + "); more --vertices make them shorter");
   if (!draft.pad.direction)
     draft.notes.push_back("no ray from the centroid upward meets the skin: the pad is on the highest face");
   draft.yaml = write_draft(wish, draft);

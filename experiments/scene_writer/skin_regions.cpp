@@ -113,8 +113,8 @@ std::optional<Vec3> find_top(const TetMesh& mesh, const Vec3& up) {
   }
 }
 
-/// Extent of the body along the normal, within `radius` of the line through the centre. Vertices are few where edges
-/// are long, so the centre itself counts.
+/// Extent of the body along the normal, within `radius` of the line through the centre. Vertices are few
+/// where edges are long, so the centre itself counts.
 double measure_thickness(const TetMesh& mesh, const PadRegion& pad) {
   Extent along;
   along.add(0.0);
@@ -170,9 +170,10 @@ PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
                      return dot(up, a.centroid) < dot(up, b.centroid);
                    })->centroid;
   }
-  pad.radius_m = std::max({pad.mean_edge_m,
-                           std::min(std::max(std::sqrt(kPadArea * whole / std::numbers::pi), 1.5 * pad.mean_edge_m),
-                                    kWidestShare * longest_side(bounding_box(mesh.points)))});
+  pad.radius_m =
+      std::max({pad.mean_edge_m,
+                std::min(std::max(std::sqrt(kPadArea * whole / std::numbers::pi), 1.5 * pad.mean_edge_m),
+                         kWidestShare * longest_side(bounding_box(mesh.points)))});
   FacePatch patch;
   while (true) {
     patch = take_hold(sphere_at(pad.center_m, pad.radius_m), mesh);

@@ -16,8 +16,9 @@ struct UnitGuess {
 inline constexpr double kSmallestOrganM = 0.01;  ///< across the diagonal of its box
 inline constexpr double kLargestOrganM = 0.6;
 
-/// Guesses by the diagonal of the mesh's box: of 0.001, 0.01 and 1 m, those are candidates with which it becomes 1 to
-/// 60 cm. Of several, the first that makes it the usual 4 to 40 cm is taken, else the first. Nothing if there are none.
+/// Guesses by the diagonal of the mesh's box: of 0.001, 0.01 and 1 m, those are candidates with which it
+/// becomes 1 to 60 cm. Of several, the first that makes it the usual 4 to 40 cm is taken, else the first.
+/// Nothing if there are none.
 std::optional<UnitGuess> guess_unit(double diagonal);
 
 /// "mm", "cm" or "m"; else the number with "m" behind.
