@@ -27,7 +27,7 @@ struct SceneArguments {
   double unit_m = 0.0;  ///< 0: guessed
   std::uint64_t vertices = 0;
   std::string motion = "static";
-  std::string up = "z";
+  std::string up;  ///< empty: found
   Material material{10000.0, 0.45, 1050.0};
   bool repair = false;
   bool show = false;
@@ -43,7 +43,7 @@ SceneWish wish_of(const SceneArguments& arguments) {
   wish.repair = arguments.repair;
   wish.material = arguments.material;
   wish.is_dynamic = arguments.motion == "dynamic";
-  wish.up = arguments.up.front();
+  if (!arguments.up.empty()) wish.up = arguments.up.front();
   return wish;
 }
 
@@ -53,6 +53,7 @@ json describe_draft(const SceneDraft& draft, const SceneArguments& arguments) {
           {"analysis", arguments.motion},
           {"unit_m", draft.unit_m},
           {"unit_guessed", arguments.unit_m <= 0.0},
+          {"up", std::string(1, draft.up)},
           {"size_m", {draft.size_m.x, draft.size_m.y, draft.size_m.z}},
           {"vertices", draft.mesh.points.size()},
           {"tets", draft.mesh.tets.size()},
@@ -118,6 +119,8 @@ int scene(const SceneArguments& arguments) {
   const SceneDraft draft = draft_scene(wish_of(arguments));
   print_note(arguments.organ + ": its unit is the " + unit_name(draft.unit_m) + ", " + draft.unit_reason +
              (arguments.unit_m > 0.0 ? "" : "; --unit-m says otherwise"));
+  if (draft.up_is_chosen)
+    print_note(std::string("it lies on its broad side, with ") + draft.up + " up; --up says otherwise");
   for (const std::string& note : draft.notes) print_note(note);
   write_file_atomically(out, draft.yaml);
   const BoundaryProblem problem = verify(out);
@@ -171,7 +174,9 @@ void add_scene_command(CLI::App& app, int& exit_code) {
   command->add_option("--motion", arguments->motion, "static, or dynamic: pressed and let go (static)")
       ->check(CLI::IsMember({"static", "dynamic"}))
       ->type_name("HOW");
-  command->add_option("--up", arguments->up, "The axis that points up: it lies on the other end (z)")
+  command
+      ->add_option("--up", arguments->up,
+                   "The axis that points up; without it, that along which it is shortest")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->type_name("AXIS");
   command->add_flag("--repair", arguments->repair,

@@ -72,8 +72,13 @@ std::string material_text(const SceneWish& wish) {
 }
 
 std::string clamp_text(const SceneWish& wish, const SceneDraft& draft) {
-  const Vec3 up = up_direction(wish.up);
-  return "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) +
+  const Vec3 up = up_direction(draft.up);
+  const std::string lies =
+      draft.up_is_chosen
+          ? std::string("# It lies on its broad side: up is the axis along which it is shortest, ") +
+                draft.up + ".\n"
+          : "";
+  return lies + "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) +
          " of its height along " + wish.up + ", E / 10 mm a unit of area.\n# It takes hold of " +
          std::to_string(draft.support.faces) + " faces, " + percent(draft.support.area_share) +
          " of the skin.\n" + "clamp:\n  - {half_space: {normal: " + list_of(up) +
@@ -83,7 +88,7 @@ std::string clamp_text(const SceneWish& wish, const SceneDraft& draft) {
 
 std::string load_text(const SceneWish& wish, const SceneDraft& draft) {
   const PadRegion& pad = draft.pad;
-  const Vec3 gravity = -9.81 * up_direction(wish.up);
+  const Vec3 gravity = -9.81 * up_direction(draft.up);
   std::string text = "# What loads it: its weight, and a pad of " + three_digits(2000.0 * pad.radius_m) +
                      " mm on top (" + std::to_string(pad.faces) + " faces, " +
                      three_digits(2.0 * pad.radius_m / pad.mean_edge_m) +

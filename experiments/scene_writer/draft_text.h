@@ -7,7 +7,7 @@
 
 namespace palpate::experiments {
 
-/// The direction "up" that a wish names. Throws: InputError for another letter than x, y or z.
+/// The direction of an axis. Throws: InputError for another letter than x, y or z.
 Vec3 up_direction(char up);
 
 /// The scene as YAML, with comments on what was found and what can be changed.

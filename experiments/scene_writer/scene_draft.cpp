@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -85,6 +86,21 @@ void choose_unit(const SceneWish& wish, SceneDraft& draft) {
   draft.size_m = draft.unit_m * (box.high - box.low);
 }
 
+/// Up is the axis along which the body is shortest by more than a hundredth, and z before y before x: so it
+/// lies on its broad side.
+void choose_up(const SceneWish& wish, SceneDraft& draft) {
+  constexpr double kClearly = 0.99;
+  draft.up = wish.up.value_or('z');
+  draft.up_is_chosen = !wish.up;
+  if (wish.up) return;
+  double shortest = draft.size_m.z;
+  for (const auto& [name, size] : {std::pair{'y', draft.size_m.y}, std::pair{'x', draft.size_m.x}}) {
+    if (size >= kClearly * shortest) continue;
+    shortest = size;
+    draft.up = name;
+  }
+}
+
 /// To two digits of the longest component, so that the text is short.
 Vec3 rounded_vector(const Vec3& v) {
   const double step = std::pow(10.0, std::floor(std::log10(length(v))) - 1.0);
@@ -96,9 +112,10 @@ Vec3 rounded_vector(const Vec3& v) {
 
 SceneDraft draft_scene(const SceneWish& wish) {
   SceneDraft draft;
-  const Vec3 up = up_direction(wish.up);
   make_mesh(wish, draft);
   choose_unit(wish, draft);
+  choose_up(wish, draft);
+  const Vec3 up = up_direction(draft.up);
   draft.support = find_resting_region(draft.mesh, up);
   draft.pad = find_pad_region(draft.mesh, up);
   const double radius_step = std::pow(10.0, std::floor(std::log10(draft.pad.radius_m)) - 2.0);

@@ -22,7 +22,7 @@ struct SceneWish {
   bool repair = false;                    ///< of a surface
   Material material{10000.0, 0.45, 1050.0};
   bool is_dynamic = false;
-  char up = 'z';
+  std::optional<char> up;  ///< x, y or z; nothing: the axis along which it is shortest
 };
 
 /// What was found, and the scene's text.
@@ -34,6 +34,8 @@ struct SceneDraft {
   double unit_m = 0.0;
   std::string unit_reason;  ///< "guessed: with mm it is 12.3 cm across"
   Vec3 size_m;              ///< of its box
+  char up = 'z';
+  bool up_is_chosen = false;  ///< as the axis along which it is shortest
   RestingRegion support;
   PadRegion pad;
   Vec3 push_m;  ///< 5% of the thickness below the pad, inward

@@ -147,7 +147,7 @@ def draw_scene(mesh, problem, folder, name):
     size = mesh.points.max(axis=0) - mesh.points.min(axis=0)
     frames = [frame_of(mesh.points, up, above) for above in (True, False)]
     flats = [mesh.points @ frame.T for frame in frames]
-    reach = 0.3 * size.max()
+    reach = 0.25 * size.max()
     spans = [flat[:, :2].max(axis=0) - flat[:, :2].min(axis=0) for flat in flats]
     margin = np.array([0.04, 0.04]) * size.max()
     tall = max(spans[0][1] + reach, spans[1][1]) + 3 * margin[1]

@@ -227,7 +227,8 @@ TEST(Stability, RowSumsBoundTheStepFromBelow) {
 }
 
 TEST(Stability, TheVertexThatLimitsTheStepIsNamed) {
-  EXPECT_EQ(predict_stable_step(make_oscillator(3.0, 0.1), IntegratorKind::kSymplecticEuler).limiting_vertex, 1U);
+  EXPECT_EQ(predict_stable_step(make_oscillator(3.0, 0.1), IntegratorKind::kSymplecticEuler).limiting_vertex,
+            1U);
   // A vertex with a hundredth of its mass is ten times as fast as its neighbours.
   for (const double damping : {0.0, 1e-3}) {
     MotionModel model = make_free_body(build_kuhn_cube(4, 0.1, 3), damping);
@@ -239,7 +240,8 @@ TEST(Stability, TheVertexThatLimitsTheStepIsNamed) {
       model.mass_kg[light] = mass;
     }
   }
-  EXPECT_EQ(predict_stable_step(make_oscillator(0.0, 0.0), IntegratorKind::kSymplecticEuler).limiting_vertex, kNoIndex);
+  EXPECT_EQ(predict_stable_step(make_oscillator(0.0, 0.0), IntegratorKind::kSymplecticEuler).limiting_vertex,
+            kNoIndex);
 }
 
 TEST(Stability, ThePredictionIsTheSameOnTwoThreads) {

@@ -31,7 +31,9 @@ class SceneCommand : public testing::Test {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// A lobed body of 100 mm, as a file of a scanner would have it.
-  std::string add_lobes() const { return folder_.add("lobes.stl", test::binary_stl(build_lobes_surface(8))).string(); }
+  std::string add_lobes() const {
+    return folder_.add("lobes.stl", test::binary_stl(build_lobes_surface(8))).string();
+  }
 
   /// Runs palpate scene with these words behind the organ and the output; it must succeed.
   ProgramResult write(const std::string& organ, std::vector<std::string> more = {}) const {
@@ -50,7 +52,8 @@ class SceneCommand : public testing::Test {
 
   /// The report of palpate simulate on what was written.
   json simulated() const {
-    const ProgramResult result = run_program({"simulate", path("mine.yaml"), "-o", path("results"), "--json"});
+    const ProgramResult result =
+        run_program({"simulate", path("mine.yaml"), "-o", path("results"), "--json"});
     EXPECT_EQ(result.exit_code, 0) << result.error;
     said_ = result.error;
     return result.exit_code == 0 ? json::parse(result.out) : json::object();
@@ -68,7 +71,9 @@ TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
   EXPECT_THAT(text, HasSubstr("mesh: {file: 'lobes.stl', vertices: 600, unit_m: 0.001}"));
   EXPECT_THAT(text, HasSubstr("# unit_m is the length of the file's unit in metres, guessed: in mm it is"));
   EXPECT_THAT(text, HasSubstr("elastic_pa_per_m: 1000000"));
-  EXPECT_THAT(text, HasSubstr("# require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("# require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
   expect_good();
   const json report = simulated();
   EXPECT_EQ(report.at("outcome"), "converged");
@@ -80,8 +85,8 @@ TEST_F(SceneCommand, AMeshIsTakenAsItIs) {
   TetMesh mesh = build_kuhn_cube(6, 0.1, 1);
   for (Vec3& p : mesh.points) p = {8.0 * p.x, 6.0 * p.y, 5.0 * p.z};
   write_medit(folder_ / "block.mesh", mesh);
-  const json found = json::parse(write(path("block.mesh"), {"--young-pa", "5000", "--poisson", "0.3", "--density",
-                                                            "900", "--up", "y", "--json"})
+  const json found = json::parse(write(path("block.mesh"), {"--young-pa", "5000", "--poisson", "0.3",
+                                                            "--density", "900", "--up", "y", "--json"})
                                      .out);
   EXPECT_EQ(found.at("unit_m"), 0.01) << "11.2 cm, and not 11.2 mm";
   EXPECT_TRUE(found.at("unit_guessed").get<bool>());
@@ -93,9 +98,12 @@ TEST_F(SceneCommand, AMeshIsTakenAsItIs) {
   EXPECT_THAT(text, HasSubstr("mesh: {file: 'block.mesh', unit_m: 0.01}"));
   EXPECT_THAT(text, HasSubstr("young_modulus_pa: 5000, poisson_ratio: 0.3, density_kg_m3: 900"));
   EXPECT_THAT(text, HasSubstr("gravity_m_s2: [0, -9.81, 0]"));
+  EXPECT_EQ(json::parse(write(path("block.mesh"), {"--json"}).out).at("up"), "z") << "the shortest side";
   EXPECT_THAT(text, HasSubstr("elastic_pa_per_m: 500000"));
   expect_good();
   EXPECT_EQ(simulated().at("outcome"), "converged");
+  write(path("block.mesh"), {"--up", "x"});
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("gravity_m_s2: [-9.81, 0, 0]"));
 }
 
 TEST_F(SceneCommand, ADynamicOneMovesAndSaysWhatLimitsIt) {
@@ -122,7 +130,8 @@ TEST_F(SceneCommand, AnOpenSurfaceIsMendedIfAsked) {
   EXPECT_THAT(refused.error, AllOf(HasSubstr("border edges (open)"), HasSubstr("--repair may mend it")));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.yaml"));
   EXPECT_THAT(write(organ, {"--repair", "--vertices", "600"}).error, HasSubstr("repaired: "));
-  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("vertices: 600, repair: true, unit_m: 0.001}"));
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"),
+              HasSubstr("vertices: 600, repair: true, unit_m: 0.001}"));
   expect_good();
 }
 
@@ -141,7 +150,8 @@ TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
   write_medit(folder_ / "huge.mesh", mesh);
   const std::string huge = path("huge.mesh");
   const std::string out = path("mine.yaml");
-  refused({huge, "-o", out}, "expected --unit-m, the length of its unit in metres: its box is 8660.25 across");
+  refused({huge, "-o", out},
+          "expected --unit-m, the length of its unit in metres: its box is 8660.25 across");
   refused({huge, "-o", path("mine.txt")}, "a scene to write in .yaml");
   refused({huge, "-o", out, "--vertices", "500"}, "--vertices and --repair belong to a surface");
   refused({huge, "-o", out, "--repair"}, "--vertices and --repair belong to a surface");
@@ -153,7 +163,8 @@ TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
 }
 
 TEST_F(SceneCommand, ThePictureLiesBesideTheScene) {
-  if (::access("/usr/lib/python3/dist-packages/matplotlib", R_OK) != 0) GTEST_SKIP() << "matplotlib is not installed";
+  if (::access("/usr/lib/python3/dist-packages/matplotlib", R_OK) != 0)
+    GTEST_SKIP() << "matplotlib is not installed";
   TetMesh mesh = build_kuhn_cube(4, 0.1, 1);
   for (Vec3& p : mesh.points) p = 80.0 * p;
   write_medit(folder_ / "block.mesh", mesh);

@@ -194,9 +194,12 @@ TEST_F(SceneProblem, RegionsInAnotherUnit) {
 TEST_F(SceneProblem, ABodyOfMillimetresTakenForMetresIsSaid) {
   SceneText text;
   text.mesh = "{file: cube.mesh, unit_m: 112}";  // a cube of 1
-  text.load = "[{force: {sphere: {surface_point: {direction: [0.1, 0.2, 1]}, radius_m: 0.015}, total_n: [0, 0, -1]}}]";
-  EXPECT_THAT(error_of(text), AllOf(HasSubstr("selects nothing of the skin; with unit_m: 112 the body is 112 m long"),
-                                    HasSubstr("0.001 for millimetres")));
+  text.load =
+      "[{force: {sphere: {surface_point: {direction: [0.1, 0.2, 1]}, radius_m: 0.015}, total_n: [0, 0, "
+      "-1]}}]";
+  EXPECT_THAT(error_of(text),
+              AllOf(HasSubstr("selects nothing of the skin; with unit_m: 112 the body is 112 m long"),
+                    HasSubstr("0.001 for millimetres")));
   const auto notes_of = [&](const std::string& mesh) {
     text.mesh = mesh;
     return build_scene_mesh(read(text).mesh).notes;

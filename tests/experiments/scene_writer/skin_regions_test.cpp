@@ -30,12 +30,13 @@ TEST(SkinRegions, ABoxRestsOnItsFloor) {
 }
 
 TEST(SkinRegions, ATowerRestsOnItsFootToo) {
-  // Height 0.4 over a floor of 0.1^2: skin 0.18, floor 0.01, sides 0.4 a metre of height. A fifth of the skin is
-  // reached at (0.036 - 0.01) / 0.4 = 0.065, 0.1625 of the height; layers of faces are 1/20 of it high.
+  // Height 0.4 over a floor of 0.1^2: skin 0.18, floor 0.01, sides 0.4 a metre of height. A fifth of the skin
+  // is reached at (0.036 - 0.01) / 0.4 = 0.065, 0.1625 of the height; layers of faces are 1/20 of it high.
   const RestingRegion found = find_resting_region(box(20, {0.1, 0.1, 0.4}), {0, 0, 1});
   EXPECT_NEAR(found.share, 0.1625, 0.05);
   EXPECT_NEAR(found.area_share, 0.2, 0.05);
-  EXPECT_NEAR(find_resting_region(box(20, {0.4, 0.1, 0.1}), {1, 0, 0}).share, found.share, 1e-12) << "any axis";
+  EXPECT_NEAR(find_resting_region(box(20, {0.4, 0.1, 0.1}), {1, 0, 0}).share, found.share, 1e-12)
+      << "any axis";
 }
 
 TEST(SkinRegions, APadLiesOnTop) {

@@ -19,7 +19,8 @@ TEST(MotionProgressFile, TheFlattestTetAtAVertex) {
   EXPECT_NEAR(flat.median_height_m, flat.height_m, 1e-12);
   // Another vertex on its way to a face of a tet makes that one flat.
   const Tet& chosen = mesh.tets[5];
-  const Vec3 middle = (1.0 / 3.0) * (mesh.points[chosen[1]] + mesh.points[chosen[2]] + mesh.points[chosen[3]]);
+  const Vec3 middle =
+      (1.0 / 3.0) * (mesh.points[chosen[1]] + mesh.points[chosen[2]] + mesh.points[chosen[3]]);
   mesh.points[chosen[0]] = middle + 0.01 * (mesh.points[chosen[0]] - middle);
   flat = find_flattest_tet(mesh, chosen[0]);
   EXPECT_LT(flat.height_m, 0.01);
