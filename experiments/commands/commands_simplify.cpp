@@ -267,11 +267,12 @@ int simplify(const SimplifyArguments& arguments) {
   json report = full_report(answer, arguments.method, in, out);
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
-  if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
+  const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
+  if (is_short && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
   }
-  const std::string dense = skin_hint(in, out, report.value("stop", "") == "limit", arguments.method);
+  const std::string dense = skin_hint(in, out, is_short, arguments.method);
   if (!dense.empty()) print_note(dense);
   if (out.tets.size() == in.tets.size() && answer.notes.empty())
     print_note("nothing was removed: the output is the input");

@@ -43,11 +43,18 @@ void MotionWatch::say_start(const json& progress) {
 }
 
 void MotionWatch::look() {
+  const auto bytes = read_bytes(file_);
+  if (!bytes) return;
+  try {
+    tell(json::parse(*bytes));
+  } catch (const json::exception&) {  // what it does not understand it does not tell
+  }
+}
+
+void MotionWatch::tell(const json& progress) {
   constexpr double kLeastSeconds = 1.0;  // before it is said how long it may take
   constexpr double kLongSeconds = 10.0;  // what takes longer is worth a line of its own
-  const auto bytes = read_bytes(file_);
-  const json progress = bytes ? json::parse(*bytes, nullptr, false) : json();
-  if (!progress.is_object() || progress.value("schema", json()) != "palpate/progress/1") return;
+  if (progress.at("schema") != "palpate/progress/1") return;
   if (!has_started_) say_start(progress);
   const auto done = progress.at("steps_done").get<double>();
   const auto steps = progress.at("steps").get<double>();

@@ -19,6 +19,7 @@ class MotionWatch {
   void look();
 
  private:
+  void tell(const nlohmann::json& progress);
   void say_start(const nlohmann::json& progress);
 
   std::filesystem::path file_;

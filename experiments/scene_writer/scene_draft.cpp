@@ -8,6 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
+#include "experiments/judging/judge_record.h"
+#include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/draft_text.h"
@@ -36,17 +38,17 @@ std::string shown_length(double metres) {
 
 /// The mesh in its own unit. A surface that cannot have the usual count is filled as it is.
 void make_mesh(const SceneWish& wish, SceneDraft& draft) {
-  SceneMesh mesh;
-  mesh.file = wish.organ;
-  mesh.unit_m = 1.0;
-  mesh.repair = wish.repair;
   draft.is_surface = is_surface_file(wish.organ);
   if (!draft.is_surface) {
     if (wish.vertices || wish.repair)
       throw InputError(wish.organ.string() +
                        ": --vertices and --repair belong to a surface (.stl, .off, .obj, .ply)");
-    const MadeMesh made = build_scene_mesh(mesh);
-    draft.mesh = made.mesh;
+    MeditFile file = read_mesh(wish.organ);
+    const Judgement judgement = judge_mesh(file.mesh);
+    if (!judgement.violations.empty())
+      throw InputError(wish.organ.string(), 0, "a valid mesh", judgement.violations.front());
+    draft.mesh = std::move(file.mesh);
+    draft.notes = std::move(file.notes);
     return;
   }
   draft.vertices = wish.vertices.value_or(kUsualVertices);
