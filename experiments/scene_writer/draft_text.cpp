@@ -79,7 +79,7 @@ std::string clamp_text(const SceneWish& wish, const SceneDraft& draft) {
                 draft.up + ".\n"
           : "";
   return lies + "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) +
-         " of its height along " + wish.up + ", E / 10 mm a unit of area.\n# It takes hold of " +
+         " of its height along " + draft.up + ", E / 10 mm a unit of area.\n# It takes hold of " +
          std::to_string(draft.support.faces) + " faces, " + percent(draft.support.area_share) +
          " of the skin.\n" + "clamp:\n  - {half_space: {normal: " + list_of(up) +
          ", share: " + short_number(draft.support.share) +
