@@ -113,9 +113,7 @@ BoundaryProblem verify(const std::filesystem::path& scene) {
 
 int scene(const SceneArguments& arguments) {
   const std::filesystem::path out = arguments.out;
-  if (out.extension() != ".yaml" && out.extension() != ".yml")
-    throw InputError(arguments.out, 0, "a scene to write in .yaml", "\"" + out.extension().string() + "\"");
-  check_output_file(arguments.out);
+  check_output_yaml(out);
   const SceneDraft draft = draft_scene(wish_of(arguments));
   print_note(arguments.organ + ": its unit is the " + unit_name(draft.unit_m) + ", " + draft.unit_reason +
              (arguments.unit_m > 0.0 ? "" : "; --unit-m says otherwise"));

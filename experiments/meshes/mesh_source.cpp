@@ -32,7 +32,7 @@ namespace {
 
 constexpr std::uint64_t kMostVertices = 5'000'000;
 constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
-constexpr double kLongestInside = 1.5;    // edges inside over those of a user's skin that is kept
+constexpr double kLongestInside = 1.1;    // edges inside over those of a user's skin that is kept
 constexpr double kDefaultJitter = 0.25;   // cells
 
 /// A built surface that is filled: ball, bean, filled_bar.
@@ -305,8 +305,9 @@ MadeMesh mesh_surface(const SurfaceRequest& request) {
   }
   const ScratchFolder scratch;
   const char* how = request.repair ? "cgal.repair_surface" : "cgal.read_surface";
+  const MeshTool& tool = request.repair ? kRepairTool : kSurfaceTool;
   const nlohmann::json response =
-      run_tool(kSurfaceTool, {"convert", how, request.file, scratch.file("surface.off"), {}, 600.0});
+      run_tool(tool, {"convert", how, request.file, scratch.file("surface.off"), {}, 600.0});
   const SurfaceMesh surface = read_off(scratch.file("surface.off"));
   MadeMesh made;
   made.notes = response.value("notes", std::vector<std::string>{});
@@ -325,7 +326,10 @@ MadeMesh mesh_surface(const SurfaceRequest& request) {
 
 MadeMesh mesh_surface_cached(const SurfaceRequest& request) {
   ShapeRequest named;
-  named.name = "surface " + hash_file(request.file) + (request.repair ? " repaired" : "");
+  named.name = "surface " + hash_file(request.file);
+  std::error_code error;
+  if (request.repair && std::filesystem::is_regular_file(tool_path(kRepairTool), error))
+    named.name += " repaired by " + hash_file(tool_path(kRepairTool));
   named.size = request.size;
   return make_cached(shape_key(named), [&] { return mesh_surface(request); });
 }

@@ -105,13 +105,13 @@ std::string load_text(const SceneWish& wish, const SceneDraft& draft) {
   text += ", radius_m: " + short_number(pad.radius_m) + "}, by_m: " + list_of(draft.push_m) +
           ", elastic_pa_per_m: " + short_number(wish.material.young_modulus_pa / kPadDepthM) + "}";
   if (wish.is_dynamic)
-    text += ",\n     profile: {times_s: [0.1, 0.2], shares: [0, 1], smooth: true}, from_s: 0.1, until_s: 0.3";
+    text += ",\n     profile: {times_s: [0, 0.1], shares: [0, 1], smooth: true}, until_s: 0.25";
   return text + "}\n\n";
 }
 
 std::string analysis_text(const SceneWish& wish, const SceneDraft& draft) {
   if (!wish.is_dynamic) return "analysis: static\n\n";
-  return "# The weight comes in 0.1 s, the pad presses in 0.1 s more, stays, and lets go at 0.3 s.\n"
+  return "# Weight and pad come in 0.1 s; the pad lets go at 0.25 s.\n"
          "analysis:\n  dynamic:\n    integrator: symplectic_euler\n    time_step_s: auto  # 0.9 of the "
          "longest stable "
          "one\n    duration_s: 0.5\n    damping: {stiffness_s: 5.0e-4, mass_per_s: 20}\n    frames: 25\n    "

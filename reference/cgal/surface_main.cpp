@@ -21,23 +21,6 @@ void check_or_hint(const SurfaceMesh& surface, const std::string& where) {
   }
 }
 
-/// Mends the surface. Throws: InputError with what was tried if it still bounds no volume.
-SurfaceMesh repair_or_refuse(const SurfaceMesh& surface, const std::string& where, Response& response) {
-  SurfaceRepair repair = repair_surface(surface);
-  try {
-    check_closed_surface(repair.surface, where);
-  } catch (const InputError& error) {
-    throw InputError(std::string(error.what()) + "; " + repair.text() + ", which did not mend it");
-  }
-  response.notes.push_back(repair.text());
-  response.report = {
-      {"points_merged", repair.points_merged},       {"triangles_dropped", repair.triangles_dropped},
-      {"pieces_dropped", repair.pieces_dropped},     {"points_split", repair.points_split},
-      {"holes_filled", repair.holes_filled},         {"intersecting_pairs", repair.intersecting_pairs},
-      {"triangles_turned", repair.triangles_turned}, {"volume_after", repair.volume_after}};
-  return std::move(repair.surface);
-}
-
 Response answer(const Request& request) {
   Response response;
   SurfaceMesh surface;
@@ -45,8 +28,6 @@ Response answer(const Request& request) {
   if (request.contest == "convert" && request.method == "cgal.read_surface") {
     surface = read_surface(request.input);
     check_or_hint(surface, request.input.string());
-  } else if (request.contest == "convert" && request.method == "cgal.repair_surface") {
-    surface = repair_or_refuse(read_surface(request.input), request.input.string(), response);
   } else if (request.contest == "mesh" && request.method == "cgal.remesh_surface") {
     if (!request.options.contains("edge_length") || !request.options["edge_length"].is_number()) {
       throw InputError("request", 0, "the option edge_length", "none");
@@ -56,8 +37,7 @@ Response answer(const Request& request) {
     surface = std::move(remeshed.surface);
     response.report["edge_length"] = remeshed.edge_length;
   } else {
-    throw InputError("request", 0,
-                     "convert cgal.read_surface, cgal.repair_surface or mesh cgal.remesh_surface",
+    throw InputError("request", 0, "convert cgal.read_surface or mesh cgal.remesh_surface",
                      request.contest + " " + request.method);
   }
   response.kernel_s = watch.seconds();

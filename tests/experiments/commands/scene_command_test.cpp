@@ -152,7 +152,7 @@ TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
   const std::string out = path("mine.yaml");
   refused({huge, "-o", out},
           "expected --unit-m, the length of its unit in metres: its box is 8660.25 across");
-  refused({huge, "-o", path("mine.txt")}, "a scene to write in .yaml");
+  refused({huge, "-o", path("mine.txt")}, "an output that ends in .yaml, found \".txt\"");
   refused({huge, "-o", out, "--vertices", "500"}, "--vertices and --repair belong to a surface");
   refused({huge, "-o", out, "--repair"}, "--vertices and --repair belong to a surface");
   refused({huge, "-o", out, "--poisson", "0.5"}, "--poisson: expected a number from -0.99 to 0.4999");
