@@ -205,7 +205,9 @@ double share_at_skin(const TetMesh& mesh, const std::vector<Triangle>& skin) {
 
 /// Where a skin that was left as it is keeps the mesh from what was asked for: what would coarsen it too.
 std::string skin_hint(const TetMesh& in, const TetMesh& out, bool stopped_early, const std::string& method) {
-  constexpr double kDense = 0.9;  // of the tets at the skin
+  // Of the tets, at the skin. A kidney by palpate.refined: 68% there with 99.8% of all above a quality of 0.5
+  // (coarse skin, 70% removed), 76% there with 70% (fine skin, 40% removed), 85% with 51% (50%).
+  constexpr double kDense = 0.75;
   constexpr const char* kCoarsensSkin = "palpate.surface";
   if (method == kCoarsensSkin || out.tets.empty() || out.tets.size() == in.tets.size()) return "";
   const std::vector<Triangle> skin = build_unpaired_faces(out);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string>
 
@@ -103,9 +104,11 @@ TEST_F(SurfaceRepairs, CracksAreClosedAndDoublesTakenOut) {
     soup.triangles.push_back({first, first + 1, first + 2});
   }
   soup.triangles.push_back(soup.triangles.front());
+  std::set<std::array<double, 3>> places;  // a file's points at one place are one before anything is mended
+  for (const Vec3& p : soup.points) places.insert({p.x, p.y, p.z});
   const MadeMesh made = mended(soup);
   EXPECT_THAT(made.notes.at(0),
-              HasSubstr(std::to_string(soup.points.size() - ball.points.size()) + " points merged"));
+              HasSubstr(std::to_string(places.size() - ball.points.size()) + " points merged"));
   EXPECT_THAT(made.notes.at(0), HasSubstr("1 triangle without area or doubled taken out"));
   EXPECT_NEAR(total_volume(made.mesh), enclosed_volume(ball), 1e-6);
 }

@@ -40,13 +40,13 @@ TEST(SkinRegions, ATowerRestsOnItsFootToo) {
 }
 
 TEST(SkinRegions, APadLiesOnTop) {
-  const TetMesh mesh = box(20, {0.1, 0.1, 0.1});
+  const TetMesh mesh = box(20, {0.2, 0.2, 0.1});  // a skin of 0.16 m^2
   const PadRegion pad = find_pad_region(mesh, {0, 0, 1});
   ASSERT_TRUE(pad.direction.has_value());
-  EXPECT_NEAR(pad.center_m.x, 0.05, 1e-12);
+  EXPECT_NEAR(pad.center_m.x, 0.1, 1e-12);
   EXPECT_NEAR(pad.center_m.z, 0.1, 1e-12);
-  EXPECT_NEAR(pad.radius_m, std::sqrt(0.04 * 0.06 / std::numbers::pi), 1e-12);
-  EXPECT_NEAR(pad.area_share, 0.04, 0.003);  // its rim cuts 2 pi r of sixteenths of faces of 5 mm
+  EXPECT_NEAR(pad.radius_m, std::sqrt(0.04 * 0.16 / std::numbers::pi), 1e-12);
+  EXPECT_NEAR(pad.area_share, 0.04, 0.003);  // its rim cuts 2 pi r of sixteenths of faces of 10 mm
   EXPECT_NEAR(pad.normal.z, 1.0, 1e-12);
   EXPECT_NEAR(pad.thickness_m, 0.1, 1e-12);
   EXPECT_FALSE(pad.reaches_round);
