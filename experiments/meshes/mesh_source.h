@@ -51,10 +51,11 @@ struct SurfaceRequest {
 /// Is it the name of a surface (.stl, .off, .obj, .ply)?
 bool is_surface_file(const std::filesystem::path& path);
 
-/// Fills a closed surface (.stl, .off, .obj, .ply) with tets. The skin is kept, unless a vertex count leaves so few
-/// for the inside that its edges would be 1.1 times as long as the skin's: then it is remeshed, with edges 2.25 times
-/// as long as inside. What a repair changed is a note. Throws: InputError for an open, non-manifold,
-/// self-intersecting or inside-out surface, saying where, also where a repair could not mend it;
+/// Fills a closed surface (.stl, .off, .obj, .ply) with tets. The skin is kept, unless a vertex count leaves
+/// so few for the inside that its edges would be 1.1 times as long as the skin's: then it is remeshed, with
+/// edges 2.25 times as long as inside. What a repair changed is a note. Throws: InputError for an open,
+/// non-manifold, self-intersecting or inside-out surface, saying where, also where a repair could not mend
+/// it;
 ///         UnavailableError as above.
 MadeMesh mesh_surface(const SurfaceRequest& request);
 

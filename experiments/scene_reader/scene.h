@@ -17,8 +17,8 @@
 
 namespace palpate::experiments {
 
-/// The body's mesh: a shape that is made, a file, or the file of a surface that is filled; and what its unit of length
-/// is.
+/// The body's mesh: a shape that is made, a file, or the file of a surface that is filled; and what its unit
+/// of length is.
 struct SceneMesh {
   std::optional<ShapeRequest> shape;
   std::filesystem::path file;      ///< when there is no shape; resolved against the scene's folder

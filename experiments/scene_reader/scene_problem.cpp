@@ -52,7 +52,8 @@ std::string size_complaint(const SceneMesh& how, const TetMesh& mesh) {
   const std::string by = how.unit_m ? "unit_m: " + short_number(*how.unit_m)
                                     : "length_m: " + short_number(how.length_m.value_or(longest));
   return "with " + by + " the body is " + short_number(longest) +
-         " m long: is that its size? (unit_m is the length of the mesh's unit in metres, 0.001 for millimetres)";
+         " m long: is that its size? (unit_m is the length of the mesh's unit in metres, 0.001 for "
+         "millimetres)";
 }
 
 /// Resolves one scene on one mesh.
