@@ -37,6 +37,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_list_command(app, exit_code);
   add_make_command(app, exit_code);
   add_mesh_command(app, exit_code);
+  add_scene_command(app, exit_code);
   add_simplify_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_quality_command(app, exit_code);

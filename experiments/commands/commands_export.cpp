@@ -1,5 +1,4 @@
 // export: a whole model of a mesh as one file for another simulator.
-
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -15,11 +14,11 @@
 #include "core/mesh/topology.h"
 #include "core/springs/identification/identify.h"
 #include "experiments/commands/commands.h"
-#include "experiments/commands/metre_mesh.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/scratch_folder.h"
+#include "experiments/meshes/metre_mesh.h"
 #include "experiments/scene_reader/scene_motion.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"

@@ -1,5 +1,8 @@
 // make, mesh, quality.
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -29,6 +32,8 @@ struct MakeArguments {
   double jitter = -1.0;
   std::string skin = "coarse";
   bool normalize = false;
+  bool repair = false;
+  bool keeps_skin = false;  ///< a surface's, whatever mesh it gives
   bool as_json = false;
 };
 
@@ -57,6 +62,26 @@ void print_findings(const std::vector<std::string>& findings) {
     std::cout << colored("invalid: ", Color::kRed) << finding << '\n';
 }
 
+/// Where a skin that was kept as it is gives a poor mesh: what would give a better one.
+std::string quality_hint(const json& figures) {
+  constexpr double kGoodShare = 90.0;  // % of quality above 0.5
+  constexpr double kGoodAngle = 5.0;   // degrees
+  const double share = figures.value("percent_above_0_5", 100.0);
+  const double angle = figures.value("min_dihedral_deg", 90.0);
+  if (share >= kGoodShare && angle >= kGoodAngle) return "";
+  const auto skin = figures.value("boundary_vertices", std::uint64_t{0});
+  const auto step =
+      static_cast<std::uint64_t>(std::pow(10.0, std::floor(std::log10(std::max(10.0, double(skin)))) - 1.0));
+  const std::uint64_t fewer = skin / step * step;  // as many as the skin has: it cannot be kept
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(),
+                "%.0f%% of the tetrahedra have a quality above 0.5, the least dihedral angle is %.1f degrees",
+                share, angle);
+  return text.data() +
+         std::string(": the skin was kept as it is; --vertices N remakes it, with --vertices ") +
+         std::to_string(std::max(kFewestVertices, fewer)) + " for one";
+}
+
 /// Normalises if asked, judges, writes and reports a mesh that was made. A made mesh has to be valid.
 int deliver(MadeMesh made, const MakeArguments& arguments) {
   for (const std::string& note : made.notes) print_note(note);
@@ -70,6 +95,8 @@ int deliver(MadeMesh made, const MakeArguments& arguments) {
   }
   write_mesh(arguments.out, made.mesh);
   json figures = judgement.figures;
+  const std::string hint = arguments.keeps_skin ? quality_hint(figures) : "";
+  if (!hint.empty()) print_note(hint);
   figures["file"] = arguments.out;
   if (arguments.as_json) {
     print_json(figures);
@@ -98,9 +125,10 @@ int make(const MakeArguments& arguments) {
   return deliver(make_shape(request), arguments);
 }
 
-int mesh(const MakeArguments& arguments) {
+int mesh(MakeArguments arguments) {
   check_output_file(arguments.out);
-  return deliver(mesh_surface(arguments.source, size_of(arguments)), arguments);
+  arguments.keeps_skin = arguments.vertices == 0;
+  return deliver(mesh_surface({arguments.source, size_of(arguments), arguments.repair}), arguments);
 }
 
 void print_histogram(const json& histogram, double tets) {
@@ -210,6 +238,8 @@ void add_mesh_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("mesh", "Fill a closed surface with tetrahedra");
   command->add_option("SURFACE", arguments->source, "Closed surface (.stl, .off, .obj, .ply)")->required();
   add_size_options(command, arguments);
+  command->add_flag("--repair", arguments->repair,
+                    "Mend a surface that is open, inside out or intersects itself, and say what was changed");
   command->callback([arguments, &exit_code] { exit_code = mesh(*arguments); });
 }
 

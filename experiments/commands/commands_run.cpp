@@ -140,6 +140,9 @@ bool is_scene(const std::string& file) {
 void check_scene(const std::string& file, const Registry& registry) {
   const Scene scene = read_scene(file);
   const MadeMesh made = build_scene_mesh(scene.mesh);
+  if (!scene.mesh.shape) {
+    for (const std::string& note : made.notes) print_note(file + ": " + note);
+  }
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
     const ScratchFolder scratch;

@@ -1,6 +1,8 @@
 // simplify: one mesh through the same door as in a plan.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
@@ -9,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
@@ -181,6 +184,34 @@ void print_report(const json& report) {
   std::cout << table.text();
 }
 
+/// Share of the tets that have a vertex on the skin.
+double share_at_skin(const TetMesh& mesh, const std::vector<Triangle>& skin) {
+  std::vector<std::uint8_t> is_on_skin(mesh.points.size(), 0);
+  for (const Triangle& face : skin) {
+    for (const Index v : face) is_on_skin[v] = 1;
+  }
+  const auto touching = std::count_if(mesh.tets.begin(), mesh.tets.end(), [&](const Tet& tet) {
+    return std::any_of(tet.begin(), tet.end(), [&](Index v) { return is_on_skin[v] != 0; });
+  });
+  return static_cast<double>(touching) / static_cast<double>(mesh.tets.size());
+}
+
+/// Where a skin that was left as it is keeps the mesh from what was asked for: what would coarsen it too.
+std::string skin_hint(const TetMesh& in, const TetMesh& out, bool stopped_early, const std::string& method) {
+  // Of the tets, at the skin. A kidney by palpate.refined: 68% there with 99.8% of all above a quality of 0.5
+  // (coarse skin, 70% removed), 76% there with 70% (fine skin, 40% removed), 85% with 51% (50%).
+  constexpr double kDense = 0.75;
+  constexpr const char* kCoarsensSkin = "palpate.surface";
+  if (method == kCoarsensSkin || out.tets.empty() || out.tets.size() == in.tets.size()) return "";
+  const std::vector<Triangle> skin = build_unpaired_faces(out);
+  if (skin.size() != build_unpaired_faces(in).size()) return "";
+  const double share = share_at_skin(out, skin);
+  if (!stopped_early && share < kDense) return "";
+  return method + " leaves the skin as dense as it was: " + std::to_string(std::lround(100.0 * share)) +
+         "% of the tetrahedra that are left touch it; --method " + kCoarsensSkin +
+         " coarsens skin and inside together";
+}
+
 json full_report(const ContestantAnswer& answer, const std::string& method, const TetMesh& in,
                  const TetMesh& out) {
   json report = answer.report;
@@ -231,10 +262,13 @@ int simplify(const SimplifyArguments& arguments) {
   json report = full_report(answer, arguments.method, in, out);
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
-  if (task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit" && answer.notes.empty()) {
+  const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
+  if (is_short && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
   }
+  const std::string dense = skin_hint(in, out, is_short, arguments.method);
+  if (!dense.empty()) print_note(dense);
   if (out.tets.size() == in.tets.size() && answer.notes.empty())
     print_note("nothing was removed: the output is the input");
   if (arguments.as_json) {

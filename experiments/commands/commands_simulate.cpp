@@ -14,6 +14,7 @@
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/contests/motion_watch.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/processes/stop_signals.h"
@@ -183,6 +184,15 @@ void add_files(const fs::path& out, json& report) {
   write_file_atomically(out / "summary.json", report.dump(2) + "\n");
 }
 
+/// Runs the task, and says on standard error how far it is.
+ContestantAnswer run_watched(ContestantTask task, const std::string& where) {
+  MotionWatch watch(task.scratch / "progress.json");
+  task.while_waiting = [&watch] { watch.look(); };
+  ContestantAnswer answer = run_moving_task(task, where);
+  watch.look();  // of a short one, all that there is to say
+  return answer;
+}
+
 int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   constexpr double kGraceSeconds = 600.0;  // to write what there is
   const Stopwatch clock;
@@ -200,7 +210,7 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   task.stop_grace_s = kGraceSeconds;
   task.options["stop_after_s"] = std::max(1e-6, arguments.timeout_s - clock.seconds());
   task.options["max_output_gb"] = arguments.most_output_gb;
-  const ContestantAnswer answer = run_moving_task(task, scene.analysis_where);
+  const ContestantAnswer answer = run_watched(std::move(task), scene.analysis_where);
   if (answer.outcome == "interrupted") {
     print_note("interrupted before there was anything to write");
     return kInterrupted;

@@ -19,9 +19,9 @@
 #include "core/springs/network/network.h"
 #include "core/springs/network/springs_csv.h"
 #include "experiments/commands/commands.h"
-#include "experiments/commands/metre_mesh.h"
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
+#include "experiments/meshes/metre_mesh.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 

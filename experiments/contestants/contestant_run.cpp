@@ -280,6 +280,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.stop_flag = task.stop_flag;
   spec.stop_grace_s = task.stop_grace_s;
   spec.threads = task.threads;
+  spec.while_waiting = task.while_waiting;
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;
   if (process.has_usage) {

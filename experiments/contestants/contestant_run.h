@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -30,6 +31,7 @@ struct ContestantTask {
   std::uint64_t memory_mib = 0;                           ///< 0: no bound
   const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the run is given up when it turns non-zero
   double stop_grace_s = 0.0;                              ///< what it may then take to end by itself
+  std::function<void()> while_waiting;                    ///< called some ten times a second; may be empty
 };
 
 /// How it went. `outcome` is "ok", or what kept the answer from being judged: "bad_input", "error",

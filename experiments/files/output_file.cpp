@@ -38,6 +38,11 @@ void check_output_csv(const std::filesystem::path& path) {
   check_place(path);
 }
 
+void check_output_yaml(const std::filesystem::path& path) {
+  if (path.extension() != ".yaml" && path.extension() != ".yml") refuse_ending(path, ".yaml");
+  check_place(path);
+}
+
 void create_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -16,6 +16,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/files/file_bytes.h"
+#include "experiments/files/file_hash.h"
 #include "experiments/judging/doubled_points.h"
 #include "experiments/meshes/body_surface.h"
 #include "experiments/meshes/mesh_cache.h"
@@ -31,6 +32,7 @@ namespace {
 
 constexpr std::uint64_t kMostVertices = 5'000'000;
 constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
+constexpr double kLongestInside = 1.1;    // edges inside over those of a user's skin that is kept
 constexpr double kDefaultJitter = 0.25;   // cells
 
 /// A built surface that is filled: ball, bean, filled_bar.
@@ -193,8 +195,10 @@ FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertic
   if (skin_count < vertices) {
     const double start =
         estimate_interior_size(volume, static_cast<double>(vertices) - static_cast<double>(skin_count));
-    FilledSurface filled = fill_to_vertices(surface, vertices, start);
-    if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
+    if (start <= kLongestInside * mean_edge(surface)) {
+      FilledSurface filled = fill_to_vertices(surface, vertices, start);
+      if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
+    }
   }
   made.notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too fine for a mesh of " +
                        std::to_string(vertices) + ": it was remeshed");
@@ -288,27 +292,46 @@ MadeMesh make_shape(const ShapeRequest& request) {
                      [&] { return shape != nullptr ? make_filled(*shape, request) : make_body(request); });
 }
 
-MadeMesh mesh_surface(const std::filesystem::path& path, const MeshSize& size) {
-  check_size(size);
+bool is_surface_file(const std::filesystem::path& path) {
   const std::string ending = ending_of(path);
-  if (ending != ".stl" && ending != ".off" && ending != ".obj" && ending != ".ply") {
-    throw InputError(path.string(), 0, "a surface in .stl, .off, .obj or .ply", "\"" + ending + "\"");
+  return ending == ".stl" || ending == ".off" || ending == ".obj" || ending == ".ply";
+}
+
+MadeMesh mesh_surface(const SurfaceRequest& request) {
+  check_size(request.size);
+  if (!is_surface_file(request.file)) {
+    throw InputError(request.file.string(), 0, "a surface in .stl, .off, .obj or .ply",
+                     "\"" + ending_of(request.file) + "\"");
   }
   const ScratchFolder scratch;
-  run_tool(kSurfaceTool, {"convert", "cgal.read_surface", path, scratch.file("surface.off"), {}, 600.0});
+  const char* how = request.repair ? "cgal.repair_surface" : "cgal.read_surface";
+  const MeshTool& tool = request.repair ? kRepairTool : kSurfaceTool;
+  const nlohmann::json response =
+      run_tool(tool, {"convert", how, request.file, scratch.file("surface.off"), {}, 600.0});
   const SurfaceMesh surface = read_off(scratch.file("surface.off"));
   MadeMesh made;
+  made.notes = response.value("notes", std::vector<std::string>{});
   FilledSurface filled;
-  if (size.vertices) {
-    filled = fill_user_surface(surface, *size.vertices, made);
+  if (request.size.vertices) {
+    filled = fill_user_surface(surface, *request.size.vertices, made);
   } else {
-    const double interior = size.edge_length.value_or(mean_edge(surface));
+    const double interior = request.size.edge_length.value_or(mean_edge(surface));
     check_interior_size(enclosed_volume(surface), interior);
     filled = fill_surface(surface, interior);
   }
   made.notes.push_back(describe("filled", filled));
   made.mesh = std::move(filled.mesh);
   return made;
+}
+
+MadeMesh mesh_surface_cached(const SurfaceRequest& request) {
+  ShapeRequest named;
+  named.name = "surface " + hash_file(request.file);
+  std::error_code error;
+  if (request.repair && std::filesystem::is_regular_file(tool_path(kRepairTool), error))
+    named.name += " repaired by " + hash_file(tool_path(kRepairTool));
+  named.size = request.size;
+  return make_cached(shape_key(named), [&] { return mesh_surface(request); });
 }
 
 namespace {

@@ -41,11 +41,26 @@ std::string shape_complaint(const ShapeRequest& request);
 ///         a package or the organ data is missing, or a mesher fails or hangs.
 MadeMesh make_shape(const ShapeRequest& request);
 
-/// Fills a closed surface (.stl, .off, .obj, .ply) with tets; the skin is kept unless a vertex count needs
-/// another. Throws: InputError for an open, non-manifold, self-intersecting or inside-out surface, saying
-/// where;
+/// A surface that becomes a mesh.
+struct SurfaceRequest {
+  std::filesystem::path file;
+  MeshSize size{};      ///< nothing: the skin as it is, edges inside as long as its mean
+  bool repair = false;  ///< mend what is open, turned or intersects itself
+};
+
+/// Is it the name of a surface (.stl, .off, .obj, .ply)?
+bool is_surface_file(const std::filesystem::path& path);
+
+/// Fills a closed surface (.stl, .off, .obj, .ply) with tets. The skin is kept, unless a vertex count leaves
+/// so few for the inside that its edges would be 1.1 times as long as the skin's: then it is remeshed, with
+/// edges 2.25 times as long as inside. What a repair changed is a note. Throws: InputError for an open,
+/// non-manifold, self-intersecting or inside-out surface, saying where, also where a repair could not mend
+/// it;
 ///         UnavailableError as above.
-MadeMesh mesh_surface(const std::filesystem::path& surface, const MeshSize& size);
+MadeMesh mesh_surface(const SurfaceRequest& request);
+
+/// The same, kept in the cache of made meshes by the file's hash and the request.
+MadeMesh mesh_surface_cached(const SurfaceRequest& request);
 
 /// Reads .mesh itself, and .msh, .vtk, .vtu through the converter programs.
 /// Throws: InputError for a broken file, and for tets that all stand alone (doubled_points_complaint()).

@@ -17,6 +17,7 @@ struct MeshTool {
 
 inline constexpr MeshTool kGmshTool{"palpate_gmsh", "libgmsh-dev"};
 inline constexpr MeshTool kSurfaceTool{"palpate_cgal_surface", "libcgal-dev"};
+inline constexpr MeshTool kRepairTool{"palpate_cgal_repair", "libcgal-dev"};
 inline constexpr MeshTool kVtkTool{"palpate_vtk", "libvtk9-dev"};
 
 /// One call of a mesh program.

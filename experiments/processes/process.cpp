@@ -15,6 +15,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -71,13 +72,13 @@ enum class Wait { kEnded, kTimeUp, kStopped };
 
 /// Waits until the child ends, the time is up or the stop flag rises.
 Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
-                  const volatile std::sig_atomic_t* stop_flag) {
+                  const volatile std::sig_atomic_t* stop_flag, const std::function<void()>& meanwhile) {
   constexpr std::int64_t kFlagPeriodMs = 100;
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
   while (true) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    const std::int64_t longest = stop_flag != nullptr ? kFlagPeriodMs : 1'000'000;
+    const std::int64_t longest = stop_flag != nullptr || meanwhile ? kFlagPeriodMs : 1'000'000;
     const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, longest));
     pollfd event{handle, POLLIN, 0};
     const int ready = handle >= 0 ? ::poll(&event, 1, milliseconds) : -1;
@@ -89,6 +90,7 @@ Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
         break;
       ::usleep(2000);
     }
+    if (meanwhile) meanwhile();
     const bool stopped = stop_flag != nullptr && *stop_flag != 0;
     if (milliseconds == 0 || stopped) {
       if (handle >= 0) ::close(handle);
@@ -187,12 +189,12 @@ ProcessResult run_process(const ProcessSpec& spec) {
 
   const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
       std::chrono::duration<double>(std::min(spec.timeout_s, 1e8)));
-  Wait wait = wait_for_end(child, start + limit, spec.stop_flag);
+  Wait wait = wait_for_end(child, start + limit, spec.stop_flag, spec.while_waiting);
   if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
     ::kill(-child, SIGINT);
     const auto grace = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
         std::chrono::duration<double>(std::min(spec.stop_grace_s, 1e8)));
-    if (wait_for_end(child, std::chrono::steady_clock::now() + grace, nullptr) == Wait::kEnded)
+    if (wait_for_end(child, std::chrono::steady_clock::now() + grace, nullptr, {}) == Wait::kEnded)
       wait = Wait::kEnded;
   }
   ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct ProcessSpec {
   int threads = 1;                        ///< what the child sees as OMP_NUM_THREADS
   const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< the group is killed when it turns non-zero ...
   double stop_grace_s = 0.0;  ///< ... or is sent SIGINT, and killed if it has not ended so long after
+  std::function<void()> while_waiting;  ///< called some ten times a second until it ends; may be empty
 };
 
 /// How a child ended.

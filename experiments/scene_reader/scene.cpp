@@ -171,7 +171,7 @@ void check_poisson_ratio(const YamlValue& at, double ratio) {
 }
 
 SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields = value.fields(with_shape_keys({"make", "file", "unit_m", "length_m"}));
+  const YamlFields fields = value.fields(with_shape_keys({"make", "file", "repair", "unit_m", "length_m"}));
   SceneMesh mesh;
   const auto make = fields.find("make");
   const auto file = fields.find("file");
@@ -181,12 +181,20 @@ SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& f
   if (unit && size) size->fail("a mesh takes \"unit_m\" or \"length_m\", not both");
   if (unit) mesh.unit_m = read_positive(*unit);
   if (size) mesh.length_m = read_positive(*size);
+  const auto repair = fields.find("repair");
+  if (repair && !(file && is_surface_file(file->text())))
+    repair->fail("\"repair\" belongs to the file of a surface (.stl, .off, .obj, .ply)");
   if (make) {
     mesh.shape = read_shape_fields(fields, *make);
     if (!unit && !size) mesh.unit_m = unit_of_shape(mesh.shape->name);
   } else {
-    refuse_shape_keys(fields);
     mesh.file = folder / file->text();
+    if (is_surface_file(mesh.file)) {
+      mesh.size = read_surface_size(fields);
+      mesh.repair = repair && repair->boolean();
+    } else {
+      refuse_shape_keys(fields);
+    }
     std::error_code error;
     if (!std::filesystem::is_regular_file(mesh.file, error))
       file->fail("expected a mesh file, found none at " + mesh.file.string());

@@ -18,10 +18,13 @@
 
 namespace palpate::experiments {
 
-/// The body's mesh: a shape that is made, or a file; and what its unit of length is.
+/// The body's mesh: a shape that is made, a file, or the file of a surface that is filled; and what its unit
+/// of length is.
 struct SceneMesh {
   std::optional<ShapeRequest> shape;
   std::filesystem::path file;      ///< when there is no shape; resolved against the scene's folder
+  MeshSize size{};                 ///< of a file with a surface (is_surface_file)
+  bool repair = false;             ///< mend that surface
   std::optional<double> unit_m;    ///< length of the mesh's unit
   std::optional<double> length_m;  ///< else: what the longest side of its box becomes
 };

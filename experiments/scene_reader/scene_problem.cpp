@@ -43,6 +43,19 @@ double area_of(const TetMesh& mesh, const Triangle& face) {
   return 0.5 * length(cross(mesh.points[face[1]] - a, mesh.points[face[2]] - a));
 }
 
+/// What is odd about a body of this length, or an empty string.
+std::string size_complaint(const SceneMesh& how, const TetMesh& mesh) {
+  constexpr double kLongestBody = 5.0;     // m
+  constexpr double kShortestBody = 0.001;  // m
+  const double longest = longest_side(bounding_box(mesh.points));
+  if (longest <= kLongestBody && longest >= kShortestBody) return "";
+  const std::string by = how.unit_m ? "unit_m: " + short_number(*how.unit_m)
+                                    : "length_m: " + short_number(how.length_m.value_or(longest));
+  return "with " + by + " the body is " + short_number(longest) +
+         " m long: is that its size? (unit_m is the length of the mesh's unit in metres, 0.001 for "
+         "millimetres)";
+}
+
 /// Resolves one scene on one mesh.
 class ProblemBuilder {
  public:
@@ -68,8 +81,9 @@ class ProblemBuilder {
 
   [[noreturn]] void fail_empty(const Region& region, const std::string& who, const std::string& what) const {
     const std::string unit = unit_complaint(region, mesh_);
+    const std::string size = size_complaint(scene_.mesh, mesh_);
     throw InputError(region.where + ": " + who + ": the region (" + region.text + ") " +
-                     (unit.empty() ? what : "selects nothing: " + unit));
+                     (unit.empty() ? what : "selects nothing: " + unit) + (size.empty() ? "" : "; " + size));
   }
 
   void check_unit(const Region& region, const std::string& who) const {
@@ -183,6 +197,9 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
     ShapeRequest shape = *mesh.shape;
     if (vertices) shape.size = {*vertices, std::nullopt};
     made = make_shape(shape);
+  } else if (is_surface_file(mesh.file)) {
+    const MeshSize size = vertices ? MeshSize{*vertices, std::nullopt} : mesh.size;
+    made = mesh_surface_cached({mesh.file, size, mesh.repair});
   } else {
     if (vertices) throw InputError(mesh.file.string() + ": a mesh from a file has the vertices that it has");
     MeditFile file = read_mesh(mesh.file);
@@ -194,6 +211,8 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
   const double scale =
       mesh.unit_m ? *mesh.unit_m : *mesh.length_m / longest_side(bounding_box(made.mesh.points));
   for (Vec3& point : made.mesh.points) point = scale * point;
+  const std::string odd = size_complaint(mesh, made.mesh);
+  if (!odd.empty()) made.notes.push_back(odd);
   return made;
 }
 

@@ -11,9 +11,10 @@
 
 namespace palpate::experiments {
 
-/// The scene's mesh in metres. `vertices` replaces the count of a made shape.
-/// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for `vertices` of a
-///         file, or a file whose mesh is invalid.
+/// The scene's mesh in metres. `vertices` replaces the count of a made shape or a filled surface. One that is
+/// longer or shorter than any organ gets a note. Throws: InputError or UnavailableError as make_shape,
+/// mesh_surface and read_mesh do; InputError for `vertices` of a file with tets, or a file whose mesh is
+/// invalid.
 MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> vertices = std::nullopt);
 
 /// The scene with all regions in metres, placed by its own mesh: on another mesh of the same body, a

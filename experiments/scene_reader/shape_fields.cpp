@@ -17,6 +17,16 @@ void check_key(const YamlValue& value, const ShapeRequest& shape) {
   if (!complaint.empty()) value.fail(complaint);
 }
 
+MeshSize read_size(const YamlFields& fields) {
+  MeshSize size;
+  const auto vertices = fields.find("vertices");
+  const auto edge_length = fields.find("edge_length");
+  if (vertices && edge_length) edge_length->fail("a mesh takes \"vertices\" or \"edge_length\", not both");
+  if (vertices) size.vertices = static_cast<std::uint64_t>(vertices->integer(4, kMostVertices));
+  if (edge_length) size.edge_length = edge_length->number(1e-9, 1e9);
+  return size;
+}
+
 }  // namespace
 
 const std::vector<std::string>& shape_keys() {
@@ -36,11 +46,7 @@ ShapeRequest read_shape_fields(const YamlFields& fields, const YamlValue& make) 
   for (const ShapeInfo& info : list_shapes()) known.push_back(info.name);
   if (std::find(known.begin(), known.end(), shape.name) == known.end())
     make.fail("unknown shape \"" + shape.name + "\"" + nearest_hint(shape.name, known));
-  const auto vertices = fields.find("vertices");
-  const auto edge_length = fields.find("edge_length");
-  if (vertices && edge_length) edge_length->fail("a mesh takes \"vertices\" or \"edge_length\", not both");
-  if (vertices) shape.size.vertices = static_cast<std::uint64_t>(vertices->integer(4, kMostVertices));
-  if (edge_length) shape.size.edge_length = edge_length->number(1e-9, 1e9);
+  shape.size = read_size(fields);
   if (const auto skin = fields.find("skin")) {
     const auto size = skin_size(skin->text());
     if (!size) skin->fail_expected("coarse or fine");
@@ -56,6 +62,14 @@ ShapeRequest read_shape_fields(const YamlFields& fields, const YamlValue& make) 
     check_key(*jitter, shape);
   }
   return shape;
+}
+
+MeshSize read_surface_size(const YamlFields& fields) {
+  for (const char* key : {"skin", "seed", "jitter"}) {
+    if (const auto extra = fields.find(key))
+      extra->fail("\"" + std::string(key) + "\" belongs to \"make\", not to the file of a surface");
+  }
+  return read_size(fields);
 }
 
 void refuse_shape_keys(const YamlFields& fields) {

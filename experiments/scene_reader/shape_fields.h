@@ -22,4 +22,8 @@ ShapeRequest read_shape_fields(const YamlFields& fields, const YamlValue& make);
 /// Throws: InputError with file and line if a mesh from a file has one of shape_keys().
 void refuse_shape_keys(const YamlFields& fields);
 
+/// Reads what may stand beside the file of a surface: vertices or edge_length. Throws: InputError with file
+/// and line for both, for a value out of range, and for a key of a shape that no surface takes.
+MeshSize read_surface_size(const YamlFields& fields);
+
 }  // namespace palpate::experiments

@@ -113,7 +113,11 @@ void Progress::show(const std::string& what) {
 }
 
 void Progress::step(double seconds_left) {
-  ++done_;
+  reach(done_ + 1, seconds_left);
+}
+
+void Progress::reach(std::size_t done, double seconds_left) {
+  done_ = done;
   seconds_left_ = seconds_left;
   if (terminal_) {
     draw();

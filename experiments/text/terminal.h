@@ -56,6 +56,9 @@ class Progress {
   /// One step is done; `seconds_left` is the estimate for the rest.
   void step(double seconds_left);
 
+  /// So many steps are done.
+  void reach(std::size_t done, double seconds_left);
+
   /// A line of its own that stays.
   void say(const std::string& line);
 

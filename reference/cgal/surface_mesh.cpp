@@ -1,9 +1,7 @@
 // Built with CGAL, GPL: this program is distributed under GPL-3.0-or-later.
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
-#include <CGAL/Surface_mesh.h>
 
 #include <cmath>
 #include <iterator>
@@ -13,14 +11,13 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "reference/cgal/surface_cgal.h"
 #include "reference/cgal/surface_tools.h"
 
 namespace palpate::reference {
-namespace {
-
 namespace pmp = CGAL::Polygon_mesh_processing;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Kernel = SurfaceKernel;
+using Mesh = CgalSurface;
 using Face = Mesh::Face_index;
 using Vertex = Mesh::Vertex_index;
 
@@ -60,6 +57,8 @@ Vec3 normal_of(const Mesh& mesh, Face face) {
   const Vec3 c = point_of(mesh, mesh.target(mesh.next(h)));
   return cross(b - a, c - a);
 }
+
+namespace {
 
 /// Neighbours that nearly lie on each other (normals more than 150 degrees apart): a flipped patch.
 bool has_folded_edge(const Mesh& mesh) {

@@ -124,6 +124,11 @@ Response answer_replay(const MovingTask& task, const Request& request, json& lef
   MotionStops stops;
   stops.stop_flag = stop_flag;
   if (options.stop_after_s > 0.0) stops.timeout_s = options.stop_after_s - clock.seconds();
+  // Beside the answer, where a folder says that somebody waits for it.
+  MotionProgress progress(
+      request.folder.empty() ? std::filesystem::path() : request.output.parent_path() / "progress.json",
+      setup, task.mesh);
+  stops.progress = &progress;
   response.report = run_motion_setup(task.body, task.mesh, setup, stops, output);
   response.kernel_s = response.report.at("kernel_s").get<double>();
   response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;

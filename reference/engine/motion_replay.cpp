@@ -114,6 +114,7 @@ class MotionRunner {
     const auto observe = [&](std::uint64_t step, const MotionState& state) {
       const Stopwatch watching;
       if (step > 0 || is_first) output_.add_row(phase, forces, state);
+      if (stops_.progress != nullptr) stops_.progress->reach(done + step);
       const bool is_due = strides_.frame > 0 && done + step >= next_frame_;
       if (is_due || (strides_.frame > 0 && done + step == setup_.steps)) {
         output_.add_frame(state);

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "reference/engine/motion_output.h"
+#include "reference/engine/motion_progress.h"
 #include "reference/engine/motion_setup.h"
 
 namespace palpate::reference {
@@ -16,6 +17,7 @@ namespace palpate::reference {
 struct MotionStops {
   double timeout_s = std::numeric_limits<double>::infinity();
   const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< ends it when it turns non-zero; may be null
+  MotionProgress* progress = nullptr;                     ///< told at each row of the history; may be null
 };
 
 /// How often rows and frames are taken, in steps.

@@ -31,7 +31,7 @@ PLAN = {
                       "time_loop", "stability", "reduced", "enriched"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
-    "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader",
+    "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "scene_writer",
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit",
                     "commands", "."],
     "report": ["shared", "*", "."],

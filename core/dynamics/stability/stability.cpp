@@ -179,6 +179,14 @@ class WorstVectors {
     return step;
   }
 
+  /// Of the vector that was found last, whose mode mostly sets the bound.
+  Index find_limiting_vertex() const {
+    if (last_.empty()) return kNoIndex;
+    const auto most = std::max_element(
+        last_.begin(), last_.end(), [](const Vec3& a, const Vec3& b) { return length_sq(a) < length_sq(b); });
+    return static_cast<Index>(most - last_.begin());
+  }
+
   /// Whether all roots can be had.
   bool is_small() const {
     constexpr std::size_t kMostVertices = 120;
@@ -231,6 +239,7 @@ StableStep find_stable_step(const ScaledBody& body, IntegratorKind kind, int thr
   StableStep out = worst.found();
   out.step_s = std::min(step, at_most);
   out.step_at_most_s = at_most;
+  out.limiting_vertex = worst.find_limiting_vertex();
   return out;
 }
 
@@ -298,8 +307,11 @@ StableStep bound_stable_step(const MotionModel& model, IntegratorKind kind) {
       const double damping = row_sum(body.damping, v, i);
       out.stiffness_max_per_s2 = std::max(out.stiffness_max_per_s2, stiffness);
       out.damping_max_per_s = std::max(out.damping_max_per_s, damping);
-      if (kind == IntegratorKind::kSymplecticEuler || kind == IntegratorKind::kVelocityVerlet)
-        out.step_s = std::min(out.step_s, stable_step_of_mode(kind, std::sqrt(stiffness), damping));
+      if (kind != IntegratorKind::kSymplecticEuler && kind != IntegratorKind::kVelocityVerlet) continue;
+      const double step = stable_step_of_mode(kind, std::sqrt(stiffness), damping);
+      if (!(step < out.step_s)) continue;
+      out.step_s = step;
+      out.limiting_vertex = static_cast<Index>(v);
     }
   }
   if (kind == IntegratorKind::kExplicitEuler) out.step_s = 0.0;

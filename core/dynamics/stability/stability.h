@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <span>
 
+#include "core/base/types.h"
 #include "core/dynamics/integrators/integrator.h"
 #include "core/dynamics/linear_algebra/block_matrix.h"
 
@@ -28,6 +29,7 @@ struct StableStep {
   double step_at_most_s = 0.0;        ///< no longer step is stable; step_s itself where that is exact
   double stiffness_max_per_s2 = 0.0;  ///< largest eigenvalue of M^-1 K (row sums: a bound on it)
   double damping_max_per_s = 0.0;     ///< of M^-1 D
+  Index limiting_vertex = kNoIndex;   ///< where the motion that sets the bound has the most kinetic energy
   std::size_t products = 0;           ///< with a matrix
   bool converged = true;              ///< whether all eigenvalues came to their tolerance
 };

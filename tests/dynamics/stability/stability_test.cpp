@@ -226,6 +226,24 @@ TEST(Stability, RowSumsBoundTheStepFromBelow) {
   }
 }
 
+TEST(Stability, TheVertexThatLimitsTheStepIsNamed) {
+  EXPECT_EQ(predict_stable_step(make_oscillator(3.0, 0.1), IntegratorKind::kSymplecticEuler).limiting_vertex,
+            1U);
+  // A vertex with a hundredth of its mass is ten times as fast as its neighbours.
+  for (const double damping : {0.0, 1e-3}) {
+    MotionModel model = make_free_body(build_kuhn_cube(4, 0.1, 3), damping);
+    for (const Index light : {0U, 62U, 97U}) {
+      const double mass = model.mass_kg[light];
+      model.mass_kg[light] = 0.01 * mass;
+      EXPECT_EQ(predict_stable_step(model, IntegratorKind::kSymplecticEuler).limiting_vertex, light);
+      EXPECT_EQ(bound_stable_step(model, IntegratorKind::kVelocityVerlet).limiting_vertex, light);
+      model.mass_kg[light] = mass;
+    }
+  }
+  EXPECT_EQ(predict_stable_step(make_oscillator(0.0, 0.0), IntegratorKind::kSymplecticEuler).limiting_vertex,
+            kNoIndex);
+}
+
 TEST(Stability, ThePredictionIsTheSameOnTwoThreads) {
   const MotionModel model = make_pressed_body(build_kuhn_cube(20, 0.2, 5), 1.0);
   const StableStep one = predict_stable_step(model, IntegratorKind::kSymplecticEuler, 1);

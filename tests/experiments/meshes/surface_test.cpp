@@ -14,9 +14,16 @@
 #include "experiments/meshes/mesh_fill.h"
 #include "experiments/meshes/mesh_source.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/support/surfaces.h"
 
 namespace palpate::experiments {
 namespace {
+
+using test::ascii_stl;
+using test::binary_stl;
+using test::moved;
+using test::turned;
+using test::united;
 
 void write_text(const std::filesystem::path& path, const std::string& text) {
   std::ofstream(path, std::ios::binary) << text;
@@ -25,7 +32,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
 /// The refusal of a surface, or "" if it is filled.
 std::string refusal(const std::filesystem::path& path, const MeshSize& size = {}) {
   try {
-    mesh_surface(path, size);
+    mesh_surface({path, size});
   } catch (const InputError& error) {
     return error.what();
   }
@@ -39,53 +46,6 @@ std::string refusal_of(const SurfaceMesh& surface) {
   std::string message = refusal(path);
   EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   return message;
-}
-
-SurfaceMesh moved(SurfaceMesh surface, double scale, const Vec3& by) {
-  for (Vec3& p : surface.points) p = scale * p + by;
-  return surface;
-}
-
-SurfaceMesh turned(SurfaceMesh surface) {
-  for (Triangle& t : surface.triangles) std::swap(t[1], t[2]);
-  return surface;
-}
-
-SurfaceMesh united(SurfaceMesh a, const SurfaceMesh& b) {
-  const auto offset = static_cast<Index>(a.points.size());
-  a.points.insert(a.points.end(), b.points.begin(), b.points.end());
-  for (const Triangle& t : b.triangles) a.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-  return a;
-}
-
-std::string ascii_stl(const SurfaceMesh& s) {
-  std::string text = "solid a\n";
-  for (const Triangle& t : s.triangles) {
-    text += "facet normal 0 0 0\nouter loop\n";
-    for (const Index v : t) {
-      const Vec3& p = s.points[v];
-      text += "vertex " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
-    }
-    text += "endloop\nendfacet\n";
-  }
-  return text + "endsolid a\n";
-}
-
-std::string binary_stl(const SurfaceMesh& s) {
-  std::string bytes(80, ' ');
-  const auto append = [&](const auto& value) {
-    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
-  };
-  append(static_cast<std::uint32_t>(s.triangles.size()));
-  for (const Triangle& t : s.triangles) {
-    bytes.append(12, '\0');
-    for (const Index v : t) {
-      const Vec3& p = s.points[v];
-      for (const double c : {p.x, p.y, p.z}) append(static_cast<float>(c));
-    }
-    bytes.append(2, '\0');
-  }
-  return bytes;
 }
 
 std::string indexed(const SurfaceMesh& s, const std::string& header, const std::string& vertex,
@@ -115,7 +75,7 @@ TEST(Surface, EveryFormatIsFilledWithItsSkinKept) {
   write_text(folder.path() / "d.ply", indexed(ball, ply, "", "3 ", 0));
   write_off(folder.path() / "e.off", ball);
   for (const char* name : {"a.stl", "b.stl", "c.obj", "d.ply", "e.off"}) {
-    const MadeMesh made = mesh_surface(folder.path() / name, {.vertices = {}, .edge_length = 0.3});
+    const MadeMesh made = mesh_surface({folder.path() / name, {.vertices = {}, .edge_length = 0.3}});
     EXPECT_EQ(build_boundary(made.mesh).size(), ball.triangles.size()) << name;
     EXPECT_NEAR(total_volume(made.mesh), enclosed_volume(ball), 1e-5) << name;  // six digits in the files
   }
@@ -125,10 +85,10 @@ TEST(Surface, AVertexCountAdaptsTheInteriorAndTheSkinOnlyIfItMust) {
   const test::ScratchFolder folder;
   const SurfaceMesh ball = build_geodesic_sphere(6);
   write_off(folder.path() / "ball.off", ball);
-  const MadeMesh fine = mesh_surface(folder.path() / "ball.off", {.vertices = 1000, .edge_length = {}});
+  const MadeMesh fine = mesh_surface({folder.path() / "ball.off", {.vertices = 1000, .edge_length = {}}});
   EXPECT_NEAR(static_cast<double>(fine.mesh.points.size()), 1000.0, 10.0);
   EXPECT_EQ(build_boundary(fine.mesh).size(), ball.triangles.size());
-  const MadeMesh coarse = mesh_surface(folder.path() / "ball.off", {.vertices = 300, .edge_length = {}});
+  const MadeMesh coarse = mesh_surface({folder.path() / "ball.off", {.vertices = 300, .edge_length = {}}});
   EXPECT_NEAR(static_cast<double>(coarse.mesh.points.size()), 300.0, 3.0);
   EXPECT_LT(build_boundary(coarse.mesh).size(), ball.triangles.size());
   ASSERT_FALSE(coarse.notes.empty());

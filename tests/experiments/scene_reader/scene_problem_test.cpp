@@ -191,6 +191,26 @@ TEST_F(SceneProblem, RegionsInAnotherUnit) {
   EXPECT_THAT(error_of(text), HasSubstr("selects nothing"));
 }
 
+TEST_F(SceneProblem, ABodyOfMillimetresTakenForMetresIsSaid) {
+  SceneText text;
+  text.mesh = "{file: cube.mesh, unit_m: 112}";  // a cube of 1
+  text.load =
+      "[{force: {sphere: {surface_point: {direction: [0.1, 0.2, 1]}, radius_m: 0.015}, total_n: [0, 0, "
+      "-1]}}]";
+  EXPECT_THAT(error_of(text),
+              AllOf(HasSubstr("selects nothing of the skin; with unit_m: 112 the body is 112 m long"),
+                    HasSubstr("0.001 for millimetres")));
+  const auto notes_of = [&](const std::string& mesh) {
+    text.mesh = mesh;
+    return build_scene_mesh(read(text).mesh).notes;
+  };
+  EXPECT_THAT(notes_of("{file: cube.mesh, unit_m: 6}"), testing::Contains(HasSubstr("the body is 6 m long")));
+  EXPECT_THAT(notes_of("{file: cube.mesh, length_m: 0.0005}"),
+              testing::Contains(HasSubstr("with length_m: 0.0005 the body is 0.0005 m long")));
+  EXPECT_TRUE(notes_of("{file: cube.mesh, unit_m: 4.9}").empty());
+  EXPECT_TRUE(notes_of("{file: cube.mesh, unit_m: 0.0011}").empty());
+}
+
 TEST_F(SceneProblem, ContradictingDisplacements) {
   SceneText text;
   text.load = "[{displace: {half_space: {normal: [0, 0, 1], offset_m: 0}, by_m: [0, 0, 0.001]}}]";

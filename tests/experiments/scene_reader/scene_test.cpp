@@ -77,6 +77,27 @@ TEST_F(SceneFile, OrgansKnowTheirUnit) {
   EXPECT_FALSE(read(text).mesh.unit_m.has_value());
 }
 
+TEST_F(SceneFile, ASurfaceHasItsFillingBesideIt) {
+  folder_.add("skin.stl", "solid a\nendsolid a\n");
+  SceneText text;
+  text.mesh = "{file: skin.stl, unit_m: 0.001, vertices: 1500, repair: true}";
+  EXPECT_EQ(read(text).mesh.size.vertices, 1500U);
+  EXPECT_TRUE(read(text).mesh.repair);
+  text.mesh = "{file: skin.stl, unit_m: 0.001, edge_length: 4}";
+  EXPECT_EQ(read(text).mesh.size.edge_length, 4.0);
+  EXPECT_FALSE(read(text).mesh.repair);
+  text.mesh = "{file: skin.stl, unit_m: 0.001, edge_length: 4, vertices: 1500}";
+  EXPECT_THAT(error_of(text), HasSubstr("not both"));
+  text.mesh = "{file: skin.stl, unit_m: 0.001, skin: fine}";
+  EXPECT_THAT(error_of(text), HasSubstr("\"skin\" belongs to \"make\", not to the file of a surface"));
+  text.mesh = "{file: cube.mesh, unit_m: 0.001, repair: true}";
+  EXPECT_THAT(error_of(text), HasSubstr("\"repair\" belongs to the file of a surface"));
+  text.mesh = "{make: bean, repair: true}";
+  EXPECT_THAT(error_of(text), HasSubstr("\"repair\" belongs to the file of a surface"));
+  text.mesh = "{file: cube.mesh, unit_m: 0.001, vertices: 1500}";
+  EXPECT_THAT(error_of(text), HasSubstr("\"vertices\" belongs to \"make\", not to a file"));
+}
+
 TEST_F(SceneFile, ADynamicAnalysisIsReadAndMarked) {
   SceneText text;
   text.analysis = "{dynamic: {integrator: symplectic_euler, time_step_s: 3.0e-4, duration_s: 1.0}}";

@@ -1,4 +1,4 @@
-#include "experiments/commands/metre_mesh.h"
+#include "experiments/meshes/metre_mesh.h"
 
 #include <algorithm>
 

@@ -1,0 +1,200 @@
+// palpate scene as a program: what it writes passes check and simulate as it stands.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/body_surfaces.h"
+#include "core/mesh/shapes/shapes.h"
+#include "tests/support/experiment_fixture.h"
+#include "tests/support/scratch_folder.h"
+#include "tests/support/surfaces.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+using test::ProgramResult;
+using test::run_program;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class SceneCommand : public testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// A lobed body of 100 mm, as a file of a scanner would have it.
+  std::string add_lobes() const {
+    return folder_.add("lobes.stl", test::binary_stl(build_lobes_surface(8))).string();
+  }
+
+  /// Runs palpate scene with these words behind the organ and the output; it must succeed.
+  ProgramResult write(const std::string& organ, std::vector<std::string> more = {}) const {
+    std::vector<std::string> words{"scene", organ, "-o", path("mine.yaml")};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    return result;
+  }
+
+  void expect_good() const {
+    const ProgramResult checked = run_program({"check", path("mine.yaml")});
+    EXPECT_EQ(checked.exit_code, 0) << checked.error;
+    EXPECT_THAT(checked.out, HasSubstr("mine.yaml: good"));
+  }
+
+  /// The report of palpate simulate on what was written.
+  json simulated() const {
+    const ProgramResult result =
+        run_program({"simulate", path("mine.yaml"), "-o", path("results"), "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    said_ = result.error;
+    return result.exit_code == 0 ? json::parse(result.out) : json::object();
+  }
+
+  test::ScratchFolder folder_;
+  mutable std::string said_;  ///< by simulate, on standard error
+};
+
+TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
+  const ProgramResult written = write(add_lobes(), {"--vertices", "600"});
+  EXPECT_THAT(written.error, HasSubstr("its unit is the mm, guessed: in mm it is "));
+  EXPECT_THAT(written.out, AllOf(HasSubstr("support"), HasSubstr("pad"), HasSubstr("Written: ")));
+  const std::string text = test::bytes_of(folder_ / "mine.yaml");
+  EXPECT_THAT(text, HasSubstr("mesh: {file: 'lobes.stl', vertices: 600, unit_m: 0.001}"));
+  EXPECT_THAT(text, HasSubstr("# unit_m is the length of the file's unit in metres, guessed: in mm it is"));
+  EXPECT_THAT(text, HasSubstr("elastic_pa_per_m: 1000000"));
+  EXPECT_THAT(
+      text,
+      HasSubstr("# require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
+  expect_good();
+  const json report = simulated();
+  EXPECT_EQ(report.at("outcome"), "converged");
+  EXPECT_NEAR(report.at("vertices").get<double>(), 600.0, 6.0);
+  EXPECT_GT(report.at("max_displacement_m").get<double>(), 0.0);
+}
+
+TEST_F(SceneCommand, AMeshIsTakenAsItIs) {
+  TetMesh mesh = build_kuhn_cube(6, 0.1, 1);
+  for (Vec3& p : mesh.points) p = {8.0 * p.x, 6.0 * p.y, 5.0 * p.z};
+  write_medit(folder_ / "block.mesh", mesh);
+  const json found = json::parse(write(path("block.mesh"), {"--young-pa", "5000", "--poisson", "0.3",
+                                                            "--density", "900", "--up", "y", "--json"})
+                                     .out);
+  EXPECT_EQ(found.at("unit_m"), 0.01) << "11.2 cm, and not 11.2 mm";
+  EXPECT_TRUE(found.at("unit_guessed").get<bool>());
+  EXPECT_NEAR(found.at("size_m").at(0).get<double>(), 0.08, 1e-12);
+  EXPECT_EQ(found.at("vertices"), mesh.points.size());
+  EXPECT_GE(found.at("pad").at("edges_wide").get<double>(), 2.0);
+  EXPECT_NEAR(found.at("pad").at("push_m").get<double>(), 0.05 * 0.06, 0.0002) << "5% along y, to two digits";
+  const std::string text = test::bytes_of(folder_ / "mine.yaml");
+  EXPECT_THAT(text, HasSubstr("mesh: {file: 'block.mesh', unit_m: 0.01}"));
+  EXPECT_THAT(text, HasSubstr("young_modulus_pa: 5000, poisson_ratio: 0.3, density_kg_m3: 900"));
+  EXPECT_THAT(text, HasSubstr("gravity_m_s2: [0, -9.81, 0]"));
+  EXPECT_EQ(json::parse(write(path("block.mesh"), {"--json"}).out).at("up"), "z") << "the shortest side";
+  EXPECT_THAT(text, HasSubstr("elastic_pa_per_m: 500000"));
+  expect_good();
+  EXPECT_EQ(simulated().at("outcome"), "converged");
+  write(path("block.mesh"), {"--up", "x"});
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("gravity_m_s2: [-9.81, 0, 0]"));
+}
+
+TEST_F(SceneCommand, ADynamicOneMovesAndSaysWhatLimitsIt) {
+  TetMesh mesh = build_kuhn_cube(3, 0.1, 1);
+  for (Vec3& p : mesh.points) p = 60.0 * p;
+  write_medit(folder_ / "block.mesh", mesh);
+  write(path("block.mesh"), {"--motion", "dynamic", "--unit-m", "0.001"});
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("given: 10.4 cm across"));
+  expect_good();
+  const json report = simulated();
+  EXPECT_EQ(report.at("outcome"), "completed");
+  EXPECT_GT(report.at("max_displacement_m").get<double>(), report.at("end_displacement_m").get<double>());
+  EXPECT_THAT(said_, HasSubstr("palpate: " + report.at("steps_planned").dump() + " steps of "));
+  EXPECT_THAT(said_, HasSubstr("the longest stable step is "));
+  EXPECT_THAT(said_, HasSubstr("the fastest motion, which limits the step, is at vertex "));
+}
+
+TEST_F(SceneCommand, AnOpenSurfaceIsMendedIfAsked) {
+  SurfaceMesh open = build_lobes_surface(8);
+  open.triangles.resize(open.triangles.size() - 2);
+  const std::string organ = folder_.add("open.stl", test::binary_stl(open)).string();
+  const ProgramResult refused = run_program({"scene", organ, "-o", path("mine.yaml")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error, AllOf(HasSubstr("border edges (open)"), HasSubstr("--repair may mend it")));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.yaml"));
+  EXPECT_THAT(write(organ, {"--repair", "--vertices", "600"}).error, HasSubstr("repaired: "));
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"),
+              HasSubstr("vertices: 600, repair: true, unit_m: 0.001}"));
+  expect_good();
+}
+
+TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
+  const auto refused = [&](const std::vector<std::string>& more, const std::string& part) {
+    std::vector<std::string> words{"scene"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    EXPECT_THAT(result.error, HasSubstr(part));
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.yaml"));
+  };
+  TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
+  for (Vec3& p : mesh.points) p = 5000.0 * p;
+  write_medit(folder_ / "huge.mesh", mesh);
+  const std::string huge = path("huge.mesh");
+  const std::string out = path("mine.yaml");
+  refused({huge, "-o", out},
+          "expected --unit-m, the length of its unit in metres: its box is 8660.25 across");
+  refused({huge, "-o", path("mine.txt")}, "an output that ends in .yaml, found \".txt\"");
+  refused({huge, "-o", out, "--vertices", "500"}, "--vertices and --repair belong to a surface");
+  refused({huge, "-o", out, "--repair"}, "--vertices and --repair belong to a surface");
+  refused({huge, "-o", out, "--poisson", "0.5"}, "--poisson: expected a number from -0.99 to 0.4999");
+  refused({huge, "-o", out, "--up", "w"}, "--up");
+  refused({huge, "-o", out, "--unit-m", "0"}, "--unit-m: expected a number from");
+  refused({path("none.stl"), "-o", out}, "none.stl");
+  refused({huge, "-o", path("no/such/folder/mine.yaml")}, "no/such/folder");
+}
+
+TEST_F(SceneCommand, ThePictureLiesBesideTheScene) {
+  if (::access("/usr/lib/python3/dist-packages/matplotlib", R_OK) != 0)
+    GTEST_SKIP() << "matplotlib is not installed";
+  TetMesh mesh = build_kuhn_cube(4, 0.1, 1);
+  for (Vec3& p : mesh.points) p = 80.0 * p;
+  write_medit(folder_ / "block.mesh", mesh);
+  EXPECT_THAT(write(path("block.mesh"), {"--show"}).out, AllOf(HasSubstr("mine.png"), HasSubstr("mine.svg")));
+  EXPECT_EQ(test::bytes_of(folder_ / "mine.png").substr(1, 3), "PNG");
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.svg"), HasSubstr("<svg"));
+}
+
+/// palpate mesh and palpate simplify say what stands in the way.
+TEST_F(SceneCommand, PoorMeshesComeWithTheWayOut) {
+  SurfaceMesh squeezed = build_geodesic_sphere(12);  // 1442 vertices; triangles flat along z
+  for (Vec3& p : squeezed.points) p.z *= 0.05;
+  const std::string flat = folder_.add("flat.stl", test::ascii_stl(squeezed)).string();
+  const ProgramResult poor = run_program({"mesh", flat, "-o", path("flat.mesh")});
+  EXPECT_EQ(poor.exit_code, 0) << poor.error;
+  EXPECT_THAT(poor.error, AllOf(HasSubstr("of the tetrahedra have a quality above 0.5"),
+                                HasSubstr("--vertices N remakes it, with --vertices 1400 for one")));
+  const std::string ball = folder_.add("ball.stl", test::ascii_stl(build_geodesic_sphere(6))).string();
+  const ProgramResult good = run_program({"mesh", ball, "-o", path("ball.mesh")});
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  EXPECT_THAT(good.error, Not(HasSubstr("remakes")));
+  const ProgramResult kept = run_program({"simplify", path("ball.mesh"), "-o", path("less.mesh"), "--method",
+                                          "palpate.refined", "--ratio", "0.9"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.error;
+  EXPECT_THAT(kept.error, AllOf(HasSubstr("palpate.refined leaves the skin as dense as it was: "),
+                                HasSubstr("--method palpate.surface coarsens skin and inside together")));
+  const ProgramResult less = run_program({"simplify", path("ball.mesh"), "-o", path("less.mesh"), "--method",
+                                          "palpate.refined", "--ratio", "0.05"});
+  EXPECT_THAT(less.error, Not(HasSubstr("dense")));
+}
+
+}  // namespace
+}  // namespace palpate::experiments
