@@ -219,7 +219,7 @@ fs::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates) {
                     "simulated_second_s",
                     "explicit_step_s",
                     "peak_rss_bytes"};
-  const fs::path file = plan.folder / "plan.yaml";
+  fs::path file = plan.folder / "plan.yaml";
   write_file_atomically(file, out.dump(1) + "\n");
   return file;
 }

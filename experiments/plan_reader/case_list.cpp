@@ -112,10 +112,10 @@ class CaseBuilder {
   /// An axis that a point does not have, such as the ratio of a mesh that is not simplified, excludes
   /// nothing.
   static bool is_at(const PlanContestant& c, const json& sweep) {
-    return std::all_of(c.at.begin(), c.at.end(), [&](const auto& place) {
-      const auto& [axis, values] = place;
-      return !sweep.contains(axis) || std::any_of(values.begin(), values.end(),
-                                                  [&](const json& value) { return sweep.at(axis) == value; });
+    return std::all_of(c.at.begin(), c.at.end(), [&sweep](const auto& place) {
+      const std::vector<json>& values = place.second;
+      return !sweep.contains(place.first) ||
+             std::find(values.begin(), values.end(), sweep.at(place.first)) != values.end();
     });
   }
 

@@ -128,14 +128,16 @@ std::string write_draft(const SceneWish& wish, const SceneDraft& draft) {
   return "# A first scene of " + wish.organ.filename().string() +
          ", drafted by palpate scene: everything here is a starting point.\n"
          "#   palpate check " +
-         name + "\n#   palpate simulate " + name +
-         " -o results\n"
+         name + "\n#   palpate simulate " + name + " -o results\n#   palpate fit " + name +
+         " -o fitted\n"
          "# docs/scenes.md says what else a scene can have. Lengths are in metres, all else in SI units.\n"
          "schema: palpate/scene/1\n\n" +
          mesh_text(wish, draft) + material_text(wish) + clamp_text(wish, draft) + load_text(wish, draft) +
          analysis_text(wish, draft) +
-         "# What a model has to reach here, for palpate fit:\n"
-         "# require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}\n";
+         "# What a model has to reach here, for palpate fit (docs/fit.md): the error of the deformation, "
+         "and\n"
+         "# seconds of the clock for a simulated one. Other commands leave it alone.\n"
+         "require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}\n";
 }
 
 }  // namespace palpate::experiments

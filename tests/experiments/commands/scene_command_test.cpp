@@ -73,7 +73,7 @@ TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
   EXPECT_THAT(text, HasSubstr("elastic_pa_per_m: 1000000"));
   EXPECT_THAT(
       text,
-      HasSubstr("# require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
+      HasSubstr("\nrequire: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
   expect_good();
   const json report = simulated();
   EXPECT_EQ(report.at("outcome"), "converged");
