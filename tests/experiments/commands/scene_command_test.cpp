@@ -39,7 +39,7 @@ class SceneCommand : public testing::Test {
   ProgramResult write(const std::string& organ, std::vector<std::string> more = {}) const {
     std::vector<std::string> words{"scene", organ, "-o", path("mine.yaml")};
     words.insert(words.end(), more.begin(), more.end());
-    const ProgramResult result = run_program(words);
+    ProgramResult result = run_program(words);
     EXPECT_EQ(result.exit_code, 0) << result.error;
     return result;
   }
