@@ -17,7 +17,6 @@ namespace {
 using nlohmann::json;
 using reference::MotionHistory;
 using reference::MotionLoad;
-using reference::MotionProblem;
 using test::column;
 using test::kPi;
 using test::Rod;
