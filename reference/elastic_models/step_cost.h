@@ -33,8 +33,8 @@ struct StepCost {
 StepCost measure_step_cost(const TetMesh& mesh, dynamics::ElasticModel model, const dynamics::Loads& loads,
                            double density_kg_m3, int threads);
 
-/// Adds explicit_step_s (the bound), step_wall_s, simulated_second_s and step_engine. Where the motion left the finite
-/// numbers, the times are null: they were no steps of a body.
+/// Adds explicit_step_s (the bound), step_wall_s, simulated_second_s and step_engine. Where the motion left
+/// the finite numbers, the times are null: they were no steps of a body.
 void report_step_cost(const StepCost& cost, nlohmann::json& report);
 
 }  // namespace palpate::reference
