@@ -81,7 +81,8 @@ def draw_panel(ax, points, work, title, measure, styles):
     ax.set_title(f"{title} ({len(own)} points)", loc="left", fontweight="bold")
     ax.set_xlabel(f"time of a {title}")
     ax.grid(axis="both")
-    ax.annotate("\n".join(lines), (0.0, -0.2), xycoords="axes fraction", fontsize=7, va="top", ha="left", color=INK)
+    ax.annotate("\n".join(lines), (0, 0), xytext=(0, -38), xycoords="axes fraction", textcoords="offset points", fontsize=7, va="top", ha="left",
+                color=INK)
     return len(lines)
 
 
