@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 
 from shared.chart_style import BETTER, FAINT, INK, OTHERS, STYLE, THAN, draw_legend, save
 from shared.mesh_file import outer_faces
-from shared.mesh_view import LIGHT
+from shared.mesh_view import shade_front
 
 SKIN = "#ecd3c6"  # pale, so that the marks stand out in colour and in grey
 PANEL = 4.2  # inches
@@ -83,12 +83,7 @@ def face_colors(faces, marks):
 
 def draw_skin(ax, points, faces, colors, frame):
     corners = points[faces] @ frame.T
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    front = (normals[:, 2] > 0) & (lengths > 0)
-    order = np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")
-    light = LIGHT / np.linalg.norm(LIGHT)
-    brightness = 0.62 + 0.38 * np.clip(normals[front] @ light / lengths[front], 0.0, 1.0)
+    front, order, brightness = shade_front(corners, 0.62)
     shaded = (colors[front] * brightness[:, None])[order]
     width = 0.35 if len(order) < 3000 else 0.1
     ax.add_collection(PolyCollection(corners[front][order][:, :, :2], facecolors=shaded, edgecolors=(0.25, 0.18, 0.15, 0.5),

@@ -42,3 +42,14 @@ def inside(folder, name):
     if not path.is_relative_to(folder.resolve()):
         raise BadRun(f"{name} lies outside the run folder")
     return path
+
+
+def shade_front(corners, least):
+    """Of faces in the view's frame (faces x 3 x 3): which look to the eye, their order from back to front, and how bright each of those is, from
+    `least` to 1, in the order of the faces."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    front = (normals[:, 2] > 0) & (lengths > 0)
+    order = np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")
+    light = LIGHT / np.linalg.norm(LIGHT)
+    return front, order, least + (1 - least) * np.clip(normals[front] @ light / lengths[front], 0.0, 1.0)

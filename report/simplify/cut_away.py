@@ -15,7 +15,7 @@ from matplotlib.colors import Normalize
 
 from shared.chart_style import FAINT, INK, file_name, save
 from shared.mesh_file import outer_faces, qualities, read_mesh
-from shared.mesh_view import LIGHT, choose_view, inside
+from shared.mesh_view import choose_view, inside, shade_front
 from shared.records import BadRun, figure
 from simplify.contest import NONE, RANKED, REJECTED, section_title
 
@@ -35,12 +35,7 @@ def visible_faces(mesh, view):
     kept = kept_tets(mesh, view)
     faces, owners = outer_faces(mesh.tets[kept])
     corners = (mesh.points[faces] - view.centre) @ view.frame.T
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    front = (normals[:, 2] > 0) & (lengths > 0)
-    order = np.argsort(corners[front, :, 2].mean(axis=1), kind="stable")
-    light = LIGHT / np.linalg.norm(LIGHT)
-    brightness = 0.72 + 0.28 * np.clip(normals[front] @ light / lengths[front], 0.0, 1.0)
+    front, order, brightness = shade_front(corners, 0.72)
     return corners[front][order][:, :, :2], quality[kept][owners][front][order], brightness[order]
 
 
