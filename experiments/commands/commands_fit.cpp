@@ -1,4 +1,4 @@
-// fit: the cheapest model that meets a scene's tolerance within its budget.
+// fit: the cheapest model that meets a scene's tolerance within its budget. envelope: how far it may be taken.
 #include <cmath>
 #include <iostream>
 #include <memory>
@@ -7,7 +7,10 @@
 #include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
+#include "experiments/envelope/envelope_output.h"
+#include "experiments/files/scratch_folder.h"
 #include "experiments/fit/fit_output.h"
+#include "experiments/processes/report_script.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/text/terminal.h"
 
@@ -89,7 +92,78 @@ int fit_model(const FitArguments& arguments) {
   return result.choice ? kDone : kNotAccepted;
 }
 
+struct EnvelopeArguments {
+  std::string folder;
+  double time_limit_s = 1800.0;
+  bool as_json = false;
+};
+
+/// envelope.svg and .png beside envelope.json; a note where they cannot be drawn.
+void draw_envelope(const std::string& folder) {
+  const ScratchFolder scratch;
+  ProcessSpec spec = report_script("show_envelope.py", {folder});
+  spec.standard_error = scratch.file("error");
+  const ProcessResult result = run_process(spec);
+  if (result.end != ProcessEnd::kExited || result.exit_code != kDone)
+    print_note("the chart could not be drawn: " + last_line(spec.standard_error));
+}
+
+void print_envelope(const json& envelope, const std::string& folder) {
+  const auto number = [](const json& value) {
+    return value.is_number() ? three_digits(value.get<double>()) : std::string("-");
+  };
+  TextTable table({"axis", "holds up to", "fails at", "by"}, "lrrl");
+  for (const json& axis : envelope.at("axes"))
+    table.add({axis.at("text").get<std::string>(), number(axis.at("holds_to")), number(axis.at("fails_at")),
+               axis.at("ending").is_null() ? "-" : axis.at("ending").get<std::string>()});
+  std::cout << table.text() << "Tolerance " << shown_percent(envelope.at("at_most"))
+            << "%, errors of reference and time step on top; errors at each factor are in " << folder
+            << "/envelope.md\nsimulate warns where " << folder << "/scene.yaml is taken beyond\n";
+}
+
+int measure_envelope(const EnvelopeArguments& arguments) {
+  const Registry registry = load_registry();
+  EnvelopeOptions options;
+  options.folder = arguments.folder;
+  options.time_limit_s = arguments.time_limit_s;
+  options.stop_flag = catch_stop_signals();
+  Progress progress;
+  const EnvelopeResult result = run_envelope(options, registry, progress);
+  const json envelope = describe_envelope(result);
+  write_envelope(envelope, options.folder);
+  if (!result.borders.empty()) draw_envelope(arguments.folder);
+  progress.say("done in " + duration_text(result.wall_s));
+  if (arguments.as_json) {
+    print_json(envelope);
+  } else {
+    print_envelope(envelope, arguments.folder);
+  }
+  if (!envelope.at("complete").get<bool>())
+    print_note("stopped before all was found: what is known so far is written");
+  if (result.is_interrupted) return kInterrupted;
+  return envelope.at("complete").get<bool>() && result.at_one.holds() ? kDone : kNotAccepted;
+}
+
 }  // namespace
+
+void add_envelope_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<EnvelopeArguments>();
+  CLI::App* command =
+      app.add_subcommand("envelope", "Measure how far a fitted model may be taken before it fails");
+  command->add_option("FIT", arguments->folder, "Folder that palpate fit has written")->required();
+  command
+      ->add_option("--time-limit", arguments->time_limit_s,
+                   "Seconds after which it stops with what is known (1800)")
+      ->check(number_from(1.0, 1e6))
+      ->type_name("S");
+  command->add_flag("--json", arguments->as_json, "Print envelope.json");
+  command->footer(
+      "Writes envelope.json, envelope.md and a chart into FIT, and the key envelope into its scene.yaml:\n"
+      "simulate then warns where a scene leaves it (docs/fit.md). Exit codes: 0 all borders found; 1 not\n"
+      "in time, or the fitted scene itself does not hold; 2 bad input; 3 something needed could not run;\n"
+      "130 interrupted.");
+  command->callback([arguments, &exit_code] { exit_code = measure_envelope(*arguments); });
+}
 
 void add_fit_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<FitArguments>();

@@ -16,6 +16,7 @@
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/contests/motion_watch.h"
 #include "experiments/contests/moving_task.h"
+#include "experiments/envelope/envelope_output.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/scene_reader/scene.h"
@@ -231,6 +232,7 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
 
 int simulate(const SimulateArguments& arguments) {
   const Scene scene = read_scene(arguments.scene);
+  for (const std::string& line : leaves_envelope(scene)) print_note("outside of what was fitted: " + line);
   if (scene.is_dynamic) return simulate_dynamic(scene, arguments);
   const Registry registry = load_registry();
   ContestantTask task;

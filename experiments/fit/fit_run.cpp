@@ -1,14 +1,12 @@
 #include "experiments/fit/fit_run.h"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
+#include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
@@ -28,40 +26,6 @@ constexpr int kTimingRepeats = 5;
 constexpr std::size_t kMostTetsForThirdLevel = 12'000;
 constexpr double kEnoughShare =
     0.1;  ///< of the tolerance: a reference that is so good needs no further level
-
-/// Turns a flag when the time is up, or when the user's own turns.
-class Deadline {
- public:
-  Deadline(double seconds, const volatile std::sig_atomic_t* user)
-      : user_(user),
-        end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                std::chrono::duration<double>(std::max(0.0, seconds)))),
-        watcher_([this] { watch(); }) {}
-  ~Deadline() {
-    is_over_ = true;
-    watcher_.join();
-  }
-  Deadline(const Deadline&) = delete;
-  Deadline& operator=(const Deadline&) = delete;
-
-  const volatile std::sig_atomic_t* flag() const { return &flag_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-
-  void watch() {
-    while (!is_over_ && flag_ == 0) {
-      if (Clock::now() >= end_ || (user_ != nullptr && *user_ != 0)) flag_ = 1;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  }
-
-  const volatile std::sig_atomic_t* user_;
-  Clock::time_point end_;
-  volatile std::sig_atomic_t flag_ = 0;
-  std::atomic<bool> is_over_ = false;
-  std::thread watcher_;
-};
 
 class Fit {
  public:

@@ -11,7 +11,7 @@ ProcessSpec report_script(const std::string& name, const std::vector<std::string
   const std::filesystem::path script = std::filesystem::path(source_folder()) / "report" / name;
   if (!std::filesystem::exists(script)) throw UnavailableError("the report is missing: " + script.string());
   ProcessSpec spec;
-  spec.arguments = {"/usr/bin/python3", script.string()};
+  spec.arguments = {"/usr/bin/python3", "-B", script.string()};
   spec.arguments.insert(spec.arguments.end(), arguments.begin(), arguments.end());
   spec.timeout_s = 1800.0;
   spec.stop_flag = catch_stop_signals();

@@ -236,8 +236,8 @@ SceneLoad read_scene_load(const YamlValue& value) {
 
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields =
-      root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load", "analysis", "require"});
+  const YamlFields fields = root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load",
+                                         "analysis", "require", "envelope"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/scene/1") schema.fail_expected("palpate/scene/1");
   Scene scene;
@@ -253,6 +253,7 @@ Scene read_scene(const std::filesystem::path& path) {
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);
   if (const auto require = fields.find("require")) scene.require = read_requirement(*require);
+  if (const auto envelope = fields.find("envelope")) scene.envelope = path.parent_path() / envelope->text();
   check_times(scene);
   return scene;
 }

@@ -70,6 +70,9 @@ struct Scene {
   SceneDynamic dynamic;                     ///< of a dynamic one
   std::string analysis_where;               ///< "kidney.yaml:20"
   std::optional<SceneRequirement> require;  ///< for `palpate fit`
+  /// Of a fitted scene: how far its model may be taken (palpate/envelope/1); resolved against the scene's
+  /// folder.
+  std::optional<std::filesystem::path> envelope;
 };
 
 /// Reads and checks a scene.

@@ -32,7 +32,7 @@ PLAN = {
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "scene_writer",
-                    "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit",
+                    "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit", "envelope",
                     "commands", "."],
     "report": ["shared", "*", "."],
 }

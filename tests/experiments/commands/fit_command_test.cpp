@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 
 #include "experiments/contestants/contestant.h"
+#include "experiments/envelope/envelope_search.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -55,7 +57,7 @@ class FitCommand : public testing::Test {
 };
 
 TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
-  if (!has_finite_elements()) GTEST_SKIP() << "fem.p2 is not built";
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   const test::ProgramResult result =
       fit("error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 1000");
   ASSERT_EQ(result.exit_code, 0) << result.error;
@@ -78,7 +80,7 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
 }
 
 TEST_F(FitCommand, WhereNothingDoesTheNearestIsNamedAndTheExitCodeIsOne) {
-  if (!has_finite_elements()) GTEST_SKIP() << "fem.p2 is not built";
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   const test::ProgramResult result =
       fit("error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 1.0e-9");
   EXPECT_EQ(result.exit_code, 1) << result.error;
@@ -87,6 +89,69 @@ TEST_F(FitCommand, WhereNothingDoesTheNearestIsNamedAndTheExitCodeIsOne) {
   EXPECT_TRUE(found.at("choice").is_null());
   EXPECT_THAT(found.at("/nearest/why_not"_json_pointer).get<std::string>(), HasSubstr("takes"));
   EXPECT_FALSE(std::filesystem::exists(folder() / "fit" / "scene.yaml"));
+}
+
+/// A bar that is pulled, fitted and then taken to its borders. Symplectic Euler's border is known: without
+/// damping 1/0.9 times the step of `auto`, which is nine tenths of the longest stable one.
+TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0.02, 0, 0]}, "
+      "profile: {times_s: [0, 0.2], shares: [0, 1], smooth: true}}]";
+  text_.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.25, damping: {mass_per_s: 20}}}";
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.6}").exit_code, 0);
+  const std::string before = test::bytes_of(folder() / "fit/scene.yaml");
+  const test::ProgramResult result = run_program({"envelope", path("fit"), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json envelope = json::parse(result.out);
+  ASSERT_EQ(envelope.at("axes").size(), 5U);
+  std::map<std::string, json> axis;
+  for (const json& each : envelope.at("axes")) axis[each.at("name")] = each;
+  const json& step = axis.at("step");
+  EXPECT_GE(step.at("holds_to").get<double>(), 1.0);
+  EXPECT_LE(step.at("holds_to").get<double>(), 1.02 / 0.9) << step.dump(1);
+  EXPECT_LE(step.at("fails_at").get<double>(), 1.02 * kEnvelopeResolution / 0.9) << step.dump(1);
+  // A step is too long by the square root of what the body is too stiff or too light.
+  for (const char* name : {"stiffer", "lighter"})
+    EXPECT_LE(axis.at(name).at("holds_to").get<double>(), 1.04 / 0.81) << axis.at(name).dump(1);
+  for (const auto& [name, each] : axis) {
+    for (const json& probe : each.at("probes")) {
+      if (!probe.at("ending").is_null()) continue;
+      const double sum = probe.at("rest_error").get<double>() + probe.at("reference_error").get<double>() +
+                         probe.at("step_error").get<double>();
+      EXPECT_LE(sum, 0.6) << name;
+    }
+  }
+  EXPECT_EQ(test::bytes_of(folder() / "fit/envelope.png").substr(1, 3), "PNG");
+
+  const auto warnings = [&](const std::string& from, const std::string& to) {
+    std::string text = test::bytes_of(folder() / "fit/scene.yaml");
+    if (!from.empty()) {
+      EXPECT_NE(text.find(from), std::string::npos) << text;
+      text.replace(text.find(from), from.size(), to);
+    }
+    folder().add("fit/changed.yaml", text);
+    const test::ProgramResult run = run_program({"simulate", path("fit/changed.yaml"), "-o", path("solved")});
+    return run.error;
+  };
+  EXPECT_EQ(test::bytes_of(folder() / "fit/scene.yaml"), before + "envelope: envelope.json\n");
+  EXPECT_THAT(warnings("", ""), Not(HasSubstr("outside")));
+  EXPECT_THAT(warnings("\"young_modulus_pa\":10000", "\"young_modulus_pa\":1e6"),
+              HasSubstr("outside of what was fitted: Young's modulus times 100, measured to hold up to"));
+  EXPECT_THAT(warnings("\"poisson_ratio\":0.45", "\"poisson_ratio\":0.3"), HasSubstr("Poisson's ratio is another"));
+  EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
+  std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
+  EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
+}
+
+TEST_F(FitCommand, AnEnvelopeIsMeasuredOfAFitAlone) {
+  const test::ProgramResult none = run_program({"envelope", path("")});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.error, HasSubstr("expected a folder that palpate fit has written"));
+  folder().add("fit.json", R"({"schema": "palpate/fit/1", "choice": null})");
+  EXPECT_THAT(run_program({"envelope", path("")}).error, HasSubstr("no model that meets its tolerance"));
 }
 
 TEST_F(FitCommand, RefusesWhatItCannotFit) {

@@ -1,0 +1,80 @@
+#include "experiments/envelope/fitted_folder.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/base/error.h"
+#include "experiments/plan_reader/plan.h"
+#include "experiments/text/yaml_value.h"
+#include "reference/door/json_file.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLargestFile = std::size_t{64} << 20U;
+constexpr std::size_t kDepth = 64;
+
+/// The simplifier of that label in the plan of the fit's search.
+FitSimplifier find_simplifier(const json& plan, const std::string& label, const fs::path& file) {
+  for (const json& entry : plan.at("simplify")) {
+    if (entry.is_object() && entry.value("label", "") == label)
+      return {label, entry.at("method").get<std::string>(), {}};
+  }
+  throw InputError(file.string() + ": simplify: the choice's simplifier \"" + label + "\" is not in it");
+}
+
+}  // namespace
+
+FittedFolder read_fitted_folder(const fs::path& folder) {
+  const fs::path fit_file = folder / "fit.json";
+  if (!fs::exists(fit_file))
+    throw InputError(folder.string(), 0, "a folder that palpate fit has written", "no fit.json in it");
+  FittedFolder out;
+  out.folder = folder;
+  out.fit = reference::read_json_file(fit_file, {kLargestFile, kDepth});
+  const fs::path plan_file = folder / "search" / "plan.yaml";
+  try {
+    if (out.fit.at("schema") != "palpate/fit/1")
+      throw InputError(fit_file.string() + ": schema", 0, "palpate/fit/1", out.fit.at("schema").dump());
+    const json& choice = out.fit.at("choice");
+    if (choice.is_null())
+      throw InputError(fit_file.string() + ": the fit found no model that meets its tolerance: there is "
+                                           "nothing whose borders could be looked for");
+    out.choice.model.label = choice.at("label").get<std::string>();
+    out.choice.model.method = choice.at("method").get<std::string>();
+    out.choice.model.set = choice.at("set");
+    out.choice.simplifier = choice.at("simplify").get<std::string>();
+    if (choice.at("tets_removed_ratio").is_number())
+      out.choice.ratio = choice.at("tets_removed_ratio").get<double>();
+    const json plan = read_yaml(plan_file).json();
+    if (out.choice.simplifier != kNoSimplifier)
+      out.simplifiers.simplifiers.push_back(find_simplifier(plan, out.choice.simplifier, plan_file));
+    out.levels = plan.at("reference").at("levels").get<int>();
+    out.enough = plan.at("reference").at("enough").get<double>();
+  } catch (const json::exception& error) {
+    throw InputError(folder.string() + ": not as palpate fit leaves it: " + error.what());
+  }
+  out.scene = read_yaml(out.scene_file()).json();
+  out.rest_scene = read_yaml(folder / "search" / "scene_0.yaml").json();
+  return out;
+}
+
+json spread_probes(const TetMesh& mesh, std::size_t count) {
+  json places = json::array();
+  if (mesh.points.empty()) return places;
+  std::vector<double> gap_sq(mesh.points.size(), std::numeric_limits<double>::infinity());
+  std::size_t next = 0;
+  while (places.size() < std::min(count, mesh.points.size())) {
+    const Vec3 at = mesh.points[next];
+    places.push_back({at.x, at.y, at.z});
+    for (std::size_t v = 0; v < gap_sq.size(); ++v)
+      gap_sq[v] = std::min(gap_sq[v], length_sq(mesh.points[v] - at));
+    next = static_cast<std::size_t>(std::max_element(gap_sq.begin(), gap_sq.end()) - gap_sq.begin());
+  }
+  return places;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,37 @@
+// What a fit left, as the start of its envelope.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/mesh/tet_mesh.h"
+#include "experiments/fit/fit_candidates.h"
+#include "experiments/fit/fit_plan.h"
+
+namespace palpate::experiments {
+
+/// A folder of `palpate fit` that has a choice.
+struct FittedFolder {
+  std::filesystem::path folder;
+  nlohmann::json fit;         ///< palpate/fit/1
+  nlohmann::json scene;       ///< as fitted: with organ.mesh and the model
+  nlohmann::json rest_scene;  ///< as judged: on the mesh that was fitted, at rest
+  FitCandidate choice;
+  FitCandidates simplifiers;  ///< its simplifier alone
+  int levels = 2;             ///< of the reference
+  double enough = 0.0;        ///< no further level below that own error
+
+  double at_most() const { return fit.at("at_most").get<double>(); }
+  std::filesystem::path scene_file() const { return folder / "scene.yaml"; }
+};
+
+/// Throws: InputError for a folder that is no fit's, or a fit without a choice, or files of it that cannot be
+/// read.
+FittedFolder read_fitted_folder(const std::filesystem::path& folder);
+
+/// The places of at most `count` vertices, spread over the mesh: the first is vertex 0, each next one the
+/// farthest from all before. [[x, y, z], ...] in the mesh's unit.
+nlohmann::json spread_probes(const TetMesh& mesh, std::size_t count);
+
+}  // namespace palpate::experiments

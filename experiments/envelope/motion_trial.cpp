@@ -1,0 +1,98 @@
+#include "experiments/envelope/motion_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/contests/moving_task.h"
+#include "experiments/files/output_file.h"
+#include "experiments/scene_reader/scene_motion.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "reference/door/json_file.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kLargestAnswer = std::size_t{256} << 20U;
+constexpr std::size_t kAnswerDepth = 16;
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+
+/// What `fine` has at a time between its rows `k` and `k` + 1.
+double between(const ProbeHistory& fine, std::size_t k, std::size_t column, double time_s) {
+  const double share = (time_s - fine.time_s[k]) / (fine.time_s[k + 1] - fine.time_s[k]);
+  return (1.0 - share) * fine.row[k][column] + share * fine.row[k + 1][column];
+}
+
+}  // namespace
+
+ProbeHistory read_probe_history(const fs::path& file) {
+  const json answer = reference::read_json_file(file, {kLargestAnswer, kAnswerDepth});
+  ProbeHistory history;
+  try {
+    std::vector<std::size_t> wanted;
+    std::optional<std::size_t> time;
+    const json& columns = answer.at("columns");
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const std::string name = columns[k].get<std::string>();
+      if (name == "time_s") time = k;
+      if (name.rfind("probe_", 0) == 0) wanted.push_back(k);
+    }
+    if (!time || wanted.empty()) throw InputError(file.string(), 0, "time and probes", columns.dump());
+    const auto number = [](const json& value) { return value.is_number() ? value.get<double>() : kNoNumber; };
+    for (const json& row : answer.at("rows")) {
+      history.time_s.push_back(number(row.at(*time)));
+      std::vector<double>& cells = history.row.emplace_back();
+      for (const std::size_t k : wanted) cells.push_back(number(row.at(k)));
+    }
+  } catch (const json::exception& error) {
+    throw InputError(file.string() + ": rows and columns were expected: " + error.what());
+  }
+  return history;
+}
+
+double history_difference(const ProbeHistory& coarse, const ProbeHistory& fine) {
+  double off = 0.0;
+  double size = 0.0;
+  std::size_t k = 0;
+  for (std::size_t row = 0; row < coarse.time_s.size(); ++row) {
+    const double time_s = coarse.time_s[row];
+    while (k + 2 < fine.time_s.size() && fine.time_s[k + 1] < time_s) ++k;
+    if (k + 1 >= fine.time_s.size() || time_s > fine.time_s[k + 1]) break;
+    for (std::size_t c = 0; c < coarse.row[row].size(); ++c) {
+      const double there = between(fine, k, c, time_s);
+      off += (coarse.row[row][c] - there) * (coarse.row[row][c] - there);
+      size += there * there;
+    }
+  }
+  if (off == 0.0) return 0.0;
+  const double share = std::sqrt(off / size);
+  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+}
+
+MotionTrial run_motion_trial(const json& scene_json, const FittedFolder& fitted, const Registry& registry,
+                             const fs::path& folder, const volatile std::sig_atomic_t* stop_flag) {
+  create_folder(folder);
+  json placed = scene_json;
+  placed["mesh"]["file"] = fs::absolute(fitted.folder / "organ.mesh").lexically_normal().string();
+  placed.erase("envelope");
+  write_file_atomically(folder / "scene.yaml", placed.dump(1) + "\n");
+  const Scene scene = read_scene(folder / "scene.yaml");
+  const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
+  const reference::MovingBody body = build_moving_body(place_scene(scene, mesh), mesh, registry);
+  ContestantTask task = start_moving_task("engine.replay", body, mesh, registry, folder / "body");
+  task.stop_flag = stop_flag;
+  task.options["stop_after_s"] = kTrialSeconds;
+  const ContestantAnswer answer = run_moving_task(task, scene.analysis_where);
+  MotionTrial trial;
+  trial.outcome = answer.outcome == "interrupted" ? "interrupted" : answer.report.value("outcome", "");
+  trial.step_s = answer.report.value("time_step_s", 0.0);
+  if (trial.outcome == "completed") trial.history = read_probe_history(answer.output);
+  return trial;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,37 @@
+#!/usr/bin/env python3
+"""The chart of an envelope.
+
+    show_envelope.py FOLDER
+
+Reads FOLDER/envelope.json (palpate/envelope/1), writes FOLDER/envelope.svg and envelope.png. Exit codes: 0 done; 2 a file that cannot
+be read; 3 matplotlib is missing, or a fault of its own.
+"""
+
+import json
+import pathlib
+import sys
+
+
+def main(arguments):
+    if len(arguments) != 1:
+        print(__doc__, file=sys.stderr)
+        return 2
+    folder = pathlib.Path(arguments[0])
+    try:
+        from envelope import envelope_chart
+    except ImportError as error:
+        print(f"matplotlib is missing (the package python3-matplotlib has it): {error}", file=sys.stderr)
+        return 3
+    try:
+        envelope = json.loads((folder / "envelope.json").read_text(encoding="utf-8"))
+        if envelope.get("schema") != "palpate/envelope/1" or not envelope["axes"]:
+            raise ValueError(f"{folder}/envelope.json: an envelope with axes was expected")
+    except (OSError, ValueError, KeyError) as error:
+        print(error, file=sys.stderr)
+        return 2
+    envelope_chart.draw_envelope(envelope, folder)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
