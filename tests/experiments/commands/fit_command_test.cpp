@@ -113,9 +113,11 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
   EXPECT_GE(step.at("holds_to").get<double>(), 1.0);
   EXPECT_LE(step.at("holds_to").get<double>(), 1.02 / 0.9) << step.dump(1);
   EXPECT_LE(step.at("fails_at").get<double>(), 1.02 * kEnvelopeResolution / 0.9) << step.dump(1);
-  // A step is too long by the square root of what the body is too stiff or too light.
-  for (const char* name : {"stiffer", "lighter"})
-    EXPECT_LE(axis.at(name).at("holds_to").get<double>(), 1.04 / 0.81) << axis.at(name).dump(1);
+  // A step is too long by the square root of what the body is too light; Young's modulus does not stiffen the
+  // support, which has its share in the fastest motion.
+  const double lighter = axis.at("lighter").at("holds_to").get<double>();
+  EXPECT_LE(lighter, 1.04 / 0.81) << axis.at("lighter").dump(1);
+  EXPECT_GE(kEnvelopeResolution * axis.at("stiffer").at("holds_to").get<double>(), lighter);
   for (const auto& [name, each] : axis) {
     for (const json& probe : each.at("probes")) {
       if (!probe.at("ending").is_null()) continue;
