@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
@@ -197,19 +198,86 @@ double share_at_skin(const TetMesh& mesh, const std::vector<Triangle>& skin) {
 }
 
 /// Where a skin that was left as it is keeps the mesh from what was asked for: what would coarsen it too.
-std::string skin_hint(const TetMesh& in, const TetMesh& out, bool stopped_early, const std::string& method) {
+std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& method) {
   // Of the tets, at the skin. A kidney by palpate.refined: 68% there with 99.8% of all above a quality of 0.5
   // (coarse skin, 70% removed), 76% there with 70% (fine skin, 40% removed), 85% with 51% (50%).
   constexpr double kDense = 0.75;
-  constexpr const char* kCoarsensSkin = "palpate.surface";
   if (method == kCoarsensSkin || out.tets.empty() || out.tets.size() == in.tets.size()) return "";
   const std::vector<Triangle> skin = build_unpaired_faces(out);
   if (skin.size() != build_unpaired_faces(in).size()) return "";
   const double share = share_at_skin(out, skin);
-  if (!stopped_early && share < kDense) return "";
+  if (share < kDense) return "";
   return method + " leaves the skin as dense as it was: " + std::to_string(std::lround(100.0 * share)) +
          "% of the tetrahedra that are left touch it; --method " + kCoarsensSkin +
          " coarsens skin and inside together";
+}
+
+constexpr const char* kCoarsensSkin = "palpate.surface";
+
+/// How far a run came that has not reached its count, and what stood in its way.
+json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantTask& task, const json& report) {
+  const std::vector<Triangle> skin = build_unpaired_faces(out);
+  const double wanted = task.stop.kind == StopKind::kTets
+                            ? task.stop.value
+                            : std::floor(static_cast<double>(in.tets.size()) * (1.0 - task.stop.value));
+  return {{"wanted_tets", wanted},
+          {"reached_tets", out.tets.size()},
+          {"skin_faces", skin.size()},
+          {"skin_kept", skin.size() == build_unpaired_faces(in).size()},
+          {"share_at_skin", out.tets.empty() ? 0.0 : share_at_skin(out, skin)},
+          {"kept_tets", report.value("kept_tets", 0)},
+          {"rejected", report.value("rejected", json::object())},
+          {"way_out", nullptr}};
+}
+
+/// The least of some distances, in the mesh's unit, with which palpate.surface reaches the count; null if none
+/// does. What was tried is in "tried_bounds".
+void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry, json& shortfall) {
+  constexpr std::array kShares{0.0025, 0.005, 0.01, 0.02, 0.04};  // of the box's diagonal
+  constexpr std::size_t kMostTets = 200'000;                      // some seconds a try
+  constexpr double kMostSeconds = 60.0;
+  const auto entry = registry.find(kCoarsensSkin);
+  if (failed.method.method->name == kCoarsensSkin || in.tets.size() > kMostTets) return;
+  if (!entry || !entry->contestant->unavailable().empty()) return;
+  const BoundingBox box = bounding_box(in.points);
+  shortfall["tried_bounds"] = json::array();
+  for (const double share : kShares) {
+    const ScratchFolder scratch;
+    ContestantTask task = failed;
+    task.method = *entry;
+    task.scratch = scratch.path();
+    task.timeout_s = kMostSeconds;
+    const double bound = share * length(box.high - box.low);
+    task.options = resolve_options(*entry->method, {});
+    task.options["max_surface_error_m"] = bound;
+    const ContestantAnswer answer = run_contestant(task);
+    shortfall["tried_bounds"].push_back(bound);
+    if (answer.outcome != "ok" || answer.report.value("stop", "limit") == "limit") continue;
+    shortfall["way_out"] = {{"method", kCoarsensSkin}, {"bound", bound}};
+    return;
+  }
+}
+
+std::string shortfall_text(const json& shortfall) {
+  std::string text = "the count was not reached: " + shortfall.at("reached_tets").dump() + " of " +
+                     short_number(shortfall.at("wanted_tets").get<double>()) + " tetrahedra are left. ";
+  text += std::to_string(std::lround(100.0 * shortfall.at("share_at_skin").get<double>())) +
+          "% of them touch the skin of " + shortfall.at("skin_faces").dump() + " faces" +
+          (shortfall.at("skin_kept").get<bool>() ? ", which was kept" : "");
+  if (shortfall.at("kept_tets") != 0) text += "; " + shortfall.at("kept_tets").dump() + " lie in regions to keep";
+  std::string refused;
+  for (const auto& [reason, count] : shortfall.at("rejected").items()) {
+    if (count != 0) refused += (refused.empty() ? "" : ", ") + reason + " " + count.dump();
+  }
+  if (!refused.empty()) text += "; operations refused: " + refused;
+  const json& way = shortfall.at("way_out");
+  if (!way.is_null())
+    return text + ". --method palpate.surface --set max_surface_error_m=" +
+           three_digits(way.at("bound").get<double>()) + " reaches it (a distance in the mesh's unit)";
+  const json tried = shortfall.value("tried_bounds", json::array());
+  if (tried.empty()) return text;
+  return text + ". palpate.surface does not reach it either within " + three_digits(tried.back().get<double>()) +
+         " of the skin";
 }
 
 json full_report(const ContestantAnswer& answer, const std::string& method, const TetMesh& in,
@@ -263,11 +331,16 @@ int simplify(const SimplifyArguments& arguments) {
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
   const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
-  if (is_short && answer.notes.empty()) {
+  if (is_short && task.stop.kind != StopKind::kFusions) {
+    json shortfall = describe_shortfall(in, out, task, report);
+    find_way_out(task, in, registry, shortfall);
+    report["shortfall"] = shortfall;
+    print_note(shortfall_text(shortfall));
+  } else if (is_short && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
   }
-  const std::string dense = skin_hint(in, out, is_short, arguments.method);
+  const std::string dense = is_short ? "" : skin_hint(in, out, arguments.method);
   if (!dense.empty()) print_note(dense);
   if (out.tets.size() == in.tets.size() && answer.notes.empty())
     print_note("nothing was removed: the output is the input");
@@ -277,7 +350,8 @@ int simplify(const SimplifyArguments& arguments) {
     print_report(report);
     std::cout << "Written: " << arguments.out << '\n';
   }
-  return kept && is_valid ? kDone : kNotAccepted;
+  const bool is_reached = !report.contains("shortfall");
+  return kept && is_valid && is_reached ? kDone : kNotAccepted;
 }
 
 }  // namespace
@@ -317,7 +391,8 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Without a stop, the method runs to its limit. The judge looks at what was written: an invalid mesh is "
       "said, and\n"
-      "the exit code is 1.\n\n"
+      "the exit code is 1. So is a count that was not reached: what held it, and the bound with which\n"
+      "palpate.surface reaches it.\n\n"
       "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
       "make\n"
       "writes: kidney and liver mm, bean cm):\n"

@@ -48,7 +48,11 @@ Response run_refined(const Request& request) {
   Response response;
   response.notes = std::move(file.notes);
   const Stopwatch watch;
-  const simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
+  simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
+  if (report.stop == "limit") {
+    file.mesh = read_medit(request.input).mesh;
+    report = simplify::simplify_to_limit(file.mesh, options);
+  }
   response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   response.report = {

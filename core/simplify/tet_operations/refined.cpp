@@ -9,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/topology.h"
 
 namespace palpate::simplify {
 namespace {
@@ -54,6 +55,13 @@ constexpr double kRepairAim = 1.003;
 constexpr double kLeastShareWithRoom = 0.998;
 constexpr std::uint64_t kTetsOfASplit = 5;
 
+/// The search for the fewest tets: where it starts and where nothing is left, by faces of the skin, and how
+/// close it comes.
+constexpr std::uint64_t kSafeTetsPerFace = 2;
+constexpr double kTetsPerFaceOfNone = 4.0;
+constexpr double kLimitResolution = 1.01;
+constexpr int kMissesAtLimit = 2;
+
 /// What collapses may leave, from strict to anything positive.
 constexpr std::array kLeastScores{0.003, 1e-9};
 constexpr std::array kLastLeastScores{0.04, 0.003, 1e-9};  ///< of the last few, with little repair to come
@@ -83,10 +91,11 @@ class Run {
       sweep(effort_.final_steps);
       flip_below(effort_.final_threshold);
     }
+    if (options_.repair) repairer_.set_manner(effort_.repair_threshold);
     // Room for splits is there before the last collapses only.
     if (options_.repair)
       repair(0, 0.5 * effort_.compound_threshold,
-             rule_of(kLeastShareInStages, share_of(mesh_.alive, kLastAim)));
+             rule_of(kLeastShareInStages, is_short() ? mesh_.alive : share_of(mesh_.alive, kLastAim)));
     collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
     sweep(1);
     if (!options_.repair) return;
@@ -130,6 +139,9 @@ class Run {
     }
     return stages;
   }
+
+  /// Whether collapses have ended far above the wanted count: then no repair may take it up again.
+  bool is_short() const { return mesh_.alive > share_of(target_, kFirstAim); }
 
   FlipRule final_rule() const { return rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive)); }
 
@@ -259,6 +271,49 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   const char* reached = reached_stop(options.stop, target, 0, report.tets_out);
   report.stop = reached != nullptr ? reached : "limit";
   return report;
+}
+
+RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
+  validate_options(options);
+  const std::uint64_t tets_in = mesh.tets.size();
+  const std::uint64_t vertices_in = mesh.points.size();
+  const std::size_t skin = build_unpaired_faces(mesh).size();
+  const auto reduce = [&](TetMesh& body, std::uint64_t tets) {
+    RefinedOptions own = options;
+    own.stop = StopRule{};
+    own.stop.tets = tets;
+    return simplify_refined(body, own);
+  };
+  // A start that can be reached, so that the search below is on a small mesh.
+  RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin);
+  const TetMesh start = mesh;
+  const auto is_reached = [&](std::uint64_t wanted) {
+    TetMesh body = start;
+    const RefinedReport found = reduce(body, wanted);
+    if (body.tets.size() < mesh.tets.size()) {
+      mesh = std::move(body);
+      best = found;
+    }
+    return found.stop != "limit";
+  };
+  if (best.stop != "limit") {
+    double reached = static_cast<double>(start.tets.size());
+    double missed = static_cast<double>(skin) / kTetsPerFaceOfNone;
+    while (kLimitResolution * missed < reached) {
+      const double wanted = std::sqrt(missed * reached);
+      (is_reached(static_cast<std::uint64_t>(wanted)) ? reached : missed) = wanted;
+    }
+    // What can be reached has no sharp border: a few more below it.
+    for (int misses = 0; misses < kMissesAtLimit;) {
+      const std::size_t before = mesh.tets.size();
+      is_reached(share_of(before, 1.0 - (misses + 1) * (kLimitResolution - 1.0)));
+      misses = mesh.tets.size() < before ? 0 : misses + 1;
+    }
+  }
+  best.tets_in = tets_in;
+  best.vertices_in = vertices_in;
+  best.stop = "limit";
+  return best;
 }
 
 }  // namespace palpate::simplify

@@ -27,12 +27,32 @@ struct RepairCounts {
   std::uint64_t splits = 0;
 };
 
-/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here
-/// (kRepairGainOffset), so that a mesh is worth about as much as its worst tets.
+/// How often a means was tried, and how often it helped.
+struct RepairSuccess {
+  std::uint64_t tries = 0;
+  std::uint64_t helped = 0;
+
+  /// Whether it is worth another try: it helped once in kTriesPerHelp, or has not had its chance yet.
+  bool is_worth_it() const;
+  /// Counts a try; returns whether it helped.
+  bool note(bool has_helped);
+};
+
+/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here, so
+/// that a mesh is worth about as much as its worst tets.
+///
+/// Where many tets are bad it is mostly the skin that is, and nothing inside mends it. Then (`set_manner`) the
+/// worst weigh less, so that what cannot be mended does not cost what is around it; no repair leaves a tet
+/// worse than the worst that it found there; and a means that keeps failing is given up.
 class Repairer {
  public:
   /// Holds a reference to the mesh, copies of the rules.
   Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& rule, const RepairTools& tools);
+  Repairer(const Repairer&) = delete;
+  Repairer& operator=(const Repairer&) = delete;
+
+  /// Chooses the manner by the share of the tets with a score below `threshold`: up to a tenth few are bad.
+  void set_manner(double threshold);
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
@@ -48,12 +68,14 @@ class Repairer {
 
  private:
   void remember_more();
+  bool is_worth_it(const RepairSuccess& means) const { return !many_are_bad_ || means.is_worth_it(); }
   bool try_flips(Index t, const Tet& tet);
   bool try_moves(const Tet& tet, int steps);
   bool try_compound(const Tet& tet, double score, int steps);
   bool try_splits(const Tet& tet, double score, int steps);
   Index find_tet(const Tet& tet) const;
   double worst_around();
+  double worst_beside();
   bool keep_if_better(double score, int steps, bool by_sum);
   bool try_shifted_flips(const Tet& tet, double score, int steps);
   bool try_shift(const EdgeRing& ring, Index v, double score, int steps);
@@ -61,10 +83,14 @@ class Repairer {
   WorkingMesh& mesh_;
   ScoreRule scores_;
   RepairTools tools_;
+  bool many_are_bad_ = false;
   Smoother smoother_;
   Flipper flipper_;
   Flipper trial_;  ///< makes flips that may be bad, for a trial
   RepairCounts counts_;
+  RepairSuccess compound_;
+  RepairSuccess shifted_;
+  RepairSuccess split_;
   StarQuality star_;
   std::vector<std::pair<double, Index>> bad_;
   std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing

@@ -16,13 +16,10 @@ constexpr double kDifference = 0.01 * kFirstStep;
 constexpr double kShorter = 0.4;  ///< factor of a step that was too long
 constexpr int kTriesPerStep = 3;
 
-/// Share of the worst score that has to stay.
-constexpr double kLeastOfWorst = 0.5;
-
 }  // namespace
 
 bool Smoother::try_place(const Vec3& place) {
-  const double least = kLeastOfWorst * figures_.worst;
+  const double least = least_of_worst_ * figures_.worst;
   const StarFigures there = star_.evaluate(place, least);
   if (!(there.worst > 0.0) || there.worst < least || !(there.sum > figures_.sum)) return false;
   place_ = place;

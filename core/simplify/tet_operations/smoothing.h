@@ -10,16 +10,22 @@
 
 namespace palpate::simplify {
 
+/// Share of the worst score around that a move or a flip has to leave.
+inline constexpr double kLeastOfWorst = 0.5;
+
 /// Moves one vertex after another; the memory that it works in is kept between them.
 class Smoother {
  public:
   /// Holds references to both.
   Smoother(WorkingMesh& mesh, const ScoreRule& rule) : mesh_(mesh), rule_(rule) {}
 
+  /// No move leaves a score below this share of the worst before it (kLeastOfWorst).
+  void set_least_of_worst(double share) { least_of_worst_ = share; }
+
   /// Moves free vertex v to where the sum of gains around it is larger: towards the volume-weighted centroid
   /// of its star (steps 1, 0.5, 0.2; the first that is better), then up to `steps` steps along the gradient,
-  /// got by forward differences. No score around falls below half of the worst before, and every tet stays
-  /// positive, exactly; else v stays. Fills the scores of its star if it moves.
+  /// got by forward differences. No score around falls below its share of the worst before, and every tet
+  /// stays positive, exactly; else v stays. Fills the scores of its star if it moves.
   /// Returns: by how much the sum of gains has grown; 0 if v stays.
   double smooth(Index v, int steps);
 
@@ -32,6 +38,7 @@ class Smoother {
 
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
+  double least_of_worst_ = kLeastOfWorst;
   StarQuality star_;
   Index star_tet_ = kNoIndex;  ///< one of the star
   Vec3 place_;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -194,8 +195,32 @@ TEST(BadStop, OneThatCannotBeReachedIsSaid) {
   write_medit(in, build_kuhn_cube(6, 0.3, 5));
   const ProgramResult result = run_program({"simplify", in, "-o", (fixture.folder() / "out.mesh").string(),
                                             "--method", "palpate.hierarchical", "--ratio", "0.99"});
-  EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.error, HasSubstr("stopped early, at the method's limit, with "));
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, AllOf(HasSubstr("the count was not reached: "), HasSubstr(" of 12 tetrahedra are left"),
+                                  HasSubstr("touch the skin of 432 faces, which was kept"), HasSubstr("refused")));
+  EXPECT_TRUE(fs::exists(fixture.folder() / "out.mesh"));
+}
+
+/// What keeps its skin cannot go below it; what coarsens it can, and the bound that is named does.
+TEST(BadStop, TheWayToACountIsNamedAndLeadsThere) {
+  const test::ExperimentFixture fixture;
+  const std::string in = (fixture.folder() / "large.mesh").string();
+  const std::string out = (fixture.folder() / "out.mesh").string();
+  const TetMesh mesh = build_kuhn_cube(6, 0.2, 5);
+  write_medit(in, mesh);
+  const ProgramResult result =
+      run_program({"simplify", in, "-o", out, "--method", "palpate.refined", "--ratio", "0.8", "--json"});
+  ASSERT_EQ(result.exit_code, 1) << result.error;
+  const auto shortfall = nlohmann::json::parse(result.out).at("shortfall");
+  EXPECT_GT(shortfall.at("reached_tets"), shortfall.at("wanted_tets"));
+  EXPECT_EQ(shortfall.at("wanted_tets").get<double>(), std::floor(0.2 * static_cast<double>(mesh.tets.size())));
+  ASSERT_EQ(shortfall.at("way_out").at("method"), "palpate.surface") << shortfall.dump(1);
+  const std::string bound = shortfall.at("way_out").at("bound").dump();
+  EXPECT_THAT(result.error, HasSubstr("--set max_surface_error_m="));
+  const ProgramResult other = run_program({"simplify", in, "-o", out, "--method", "palpate.surface", "--ratio", "0.8",
+                                           "--set", "max_surface_error_m=" + bound, "--json"});
+  EXPECT_EQ(other.exit_code, 0) << other.error;
+  EXPECT_LE(nlohmann::json::parse(other.out).at("tets_out"), shortfall.at("wanted_tets"));
 }
 
 TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {

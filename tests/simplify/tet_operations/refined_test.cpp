@@ -48,6 +48,34 @@ void expect_count_met(const Result& result, std::uint64_t target) {
   EXPECT_LE(short_by, std::max(0.005 * static_cast<double>(target), 12.0));
 }
 
+/// As the adapter runs it.
+Result run_as_far_as_it_goes(const TetMesh& input, const RefinedOptions& options) {
+  Result result = run(input, options);
+  if (result.report.stop != "limit") return result;
+  result.mesh = input;
+  result.report = simplify_to_limit(result.mesh, options);
+  EXPECT_EQ(result.report.stop, "limit");
+  EXPECT_EQ(result.report.tets_in, input.tets.size());
+  EXPECT_EQ(result.report.tets_out, result.mesh.tets.size());
+  expect_valid_with_boundary_of(result.mesh, input);
+  return result;
+}
+
+TEST(Refined, AskingForLessNeverLeavesMore) {
+  for (const TetMesh& input : {build_kuhn_cube(5, 0.3, 1), build_kuhn_cube(6, 0.2, 4), make_sliver_cube(5, 2)}) {
+    std::size_t least = input.tets.size();
+    std::size_t limits = 0;
+    for (const double ratio : {0.2, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9, 0.99}) {
+      SCOPED_TRACE(std::to_string(input.tets.size()) + " " + std::to_string(ratio));
+      const Result result = run_as_far_as_it_goes(input, stop_at(ratio));
+      EXPECT_LE(result.mesh.tets.size(), least);
+      least = result.mesh.tets.size();
+      limits += result.report.stop == "limit" ? 1 : 0;
+    }
+    EXPECT_GT(limits, 1U);  // else nothing was shown
+  }
+}
+
 TEST(Refined, MeetsTheCountWithTheBoundaryUntouched) {
   const std::vector<TetMesh> inputs{build_kuhn_cube(9, 0.3, 1), build_bcc_bar(6), make_sliver_cube(9, 4)};
   for (const TetMesh& input : inputs) {

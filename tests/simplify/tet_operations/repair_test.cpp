@@ -1,0 +1,76 @@
+// Repairs where many tets are bad: none makes the worst worse, and what keeps failing is given up.
+#include "core/simplify/tet_operations/repair.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/mesh/geometry.h"
+#include "tests/support/refined_checks.h"
+
+namespace palpate::simplify {
+namespace {
+
+using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
+
+constexpr double kThreshold = 0.13;
+
+struct Figures {
+  double least = 1.0;
+  double share_bad = 0.0;
+};
+
+Figures figures_of(const WorkingMesh& mesh, Flipper& flipper) {
+  Figures found;
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    if (!mesh.is_alive(t)) continue;
+    const double score = flipper.known_score(t);
+    found.least = std::min(found.least, score);
+    if (score < kThreshold) found.share_bad += 1.0 / static_cast<double>(mesh.alive);
+  }
+  return found;
+}
+
+TEST(Repairer, WhereManyAreBadNoRoundMakesTheWorstWorse) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const TetMesh input = make_sliver_cube(7, seed);
+    const SizingField no_field;
+    TetMesh copy = input;
+    WorkingMesh mesh = build_working_mesh(std::move(copy), no_field);
+    const ScoreRule scores(
+        scale_of_ideal_volume(total_volume(input) / static_cast<double>(input.tets.size())), no_field);
+    Flipper flipper(mesh, scores, {});
+    Figures before = figures_of(mesh, flipper);
+    ASSERT_GT(before.share_bad, 0.1);  // the manner that is looked at here
+    const double share_at_first = before.share_bad;
+    Repairer repairer(mesh, scores, {}, {});
+    repairer.set_manner(kThreshold);
+    for (int round = 0; round < 4; ++round) {
+      repairer.round(kThreshold, 0.05, 2);
+      const Figures after = figures_of(mesh, flipper);
+      EXPECT_GE(after.least, before.least);
+      before = after;
+    }
+    EXPECT_LT(before.share_bad, share_at_first);
+    expect_consistent(mesh);
+    expect_valid_with_boundary_of(copy_of(mesh), input);
+  }
+}
+
+TEST(RepairSuccess, WhatHelpsTooSeldomIsGivenUp) {
+  RepairSuccess never;
+  int tries = 0;
+  while (never.is_worth_it()) {
+    EXPECT_FALSE(never.note(false));
+    ++tries;
+  }
+  RepairSuccess sometimes;
+  for (int i = 0; i < 100 * tries; ++i) {
+    ASSERT_TRUE(sometimes.is_worth_it()) << i;
+    sometimes.note(i % (tries / 2) == 0);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::simplify
