@@ -16,7 +16,7 @@
 #include "experiments/gates/gate_run.h"
 #include "experiments/judging/measure.h"
 #include "experiments/processes/process.h"
-#include "experiments/processes/stop_signals.h"
+#include "experiments/processes/report_script.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/text/nearest_name.h"
@@ -149,13 +149,9 @@ int history(const HistoryArguments& arguments) {
     if (!fs::is_directory(folder, error))
       throw InputError(folder, 0, "a run, or a folder of runs", "no folder");
   }
-  const fs::path script = fs::path(source_folder()) / "report" / "make_history.py";
-  if (!fs::exists(script)) throw UnavailableError("the script is missing: " + script.string());
   if (!arguments.out.empty()) create_folder(arguments.out);
   const ScratchFolder scratch;
-  ProcessSpec spec;
-  spec.arguments = {"/usr/bin/python3", "-B", script.string(), "--measures",
-                    scratch.file("measures.json").string()};
+  ProcessSpec spec = report_script("make_history.py", {"--measures", scratch.file("measures.json").string()});
   write_file_atomically(scratch.file("measures.json"), describe_measures().dump() + "\n");
   if (!arguments.out.empty()) spec.arguments.insert(spec.arguments.end(), {"--out", arguments.out});
   if (!arguments.measure.empty())
@@ -163,10 +159,8 @@ int history(const HistoryArguments& arguments) {
   if (arguments.as_json) spec.arguments.emplace_back("--json");
   spec.arguments.emplace_back("--");
   spec.arguments.insert(spec.arguments.end(), arguments.folders.begin(), arguments.folders.end());
-  spec.timeout_s = 1800.0;
   spec.standard_output = scratch.file("out");
   spec.standard_error = scratch.file("error");
-  spec.stop_flag = catch_stop_signals();
   const ProcessResult result = run_process(spec);
   std::string said = read_bytes(spec.standard_error).value_or("");
   while (!said.empty() && said.back() == '\n') said.pop_back();

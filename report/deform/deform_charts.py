@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLoca
 from deform import convergence, frontier_charts
 from deform.deform import (MAIN, MARGIN, NO_SIMPLIFIER, labels_of, root_mean_square, setting_of, setting_text, settings_of,
                            simplified_text)
-from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, save, set_time_axis
+from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, save, set_time_axis, set_title
 from shared.records import median
 from shared.tables import percent_text
 
@@ -48,7 +48,7 @@ def draw_mark(ax, x, y, style, size, hollow):
 
 def finish(fig, title, handles, height, **spacing):
     """Title above, legend below."""
-    fig.suptitle(title, x=0.01, y=1 - 0.12 / height, ha="left", va="top", fontsize=11, fontweight="bold")
+    set_title(fig, title, y=1 - 0.12 / height, va="top")
     foot = draw_legend(fig, handles, height)
     fig.tight_layout(rect=(0, foot, 1, 1 - 0.16 / height), **spacing)
 
@@ -138,7 +138,7 @@ def draw_error_panel(ax, section, labels, styles, limits, measure):
     ax.set_yticks(range(len(labels)), labels)
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="both")
-    ax.set_title(section.problem.scene, loc="left", fontweight="bold", fontsize=9.5 if len(section.problem.scene) < 26 else 7.5)
+    ax.set_title(section.problem.scene, loc="left", fontweight="bold", fontsize=9.5)
 
 
 def draw_error_bars(sections, styles, folder):

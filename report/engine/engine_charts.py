@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from engine.engine import HOLDS, largest_meshes, returns_of
-from shared.chart_style import FAINT, INK, STYLE, file_name, save
+from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_title
 from shared.mesh_file import outer_faces, read_mesh
 from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
@@ -158,7 +158,7 @@ def draw_phases(run, case, folder):
         draw_body(ax, mesh.points + field, faces, view, 1000 * np.linalg.norm(field, axis=1), norm)
         ax.set_title(title, fontsize=8, color=INK)
     fig.colorbar(ScalarMappable(norm, "viridis"), ax=list(grid.flat), label="from rest in mm")
-    fig.suptitle(name_of(case), x=0.02, ha="left", fontweight="bold", color=INK)
+    set_title(fig, name_of(case), x=0.02, color=INK)
     return save(fig, folder, file_name("phases", case.scene, case.label if case.option("vertices") else ""))
 
 

@@ -107,13 +107,14 @@ def count_names(lines, spans):
 
 
 def fold_rows(lines, rows, spans, names, most):
-    """Header, ruler and these rows, in as many blocks as it takes."""
+    """Header, ruler and these rows, in as many blocks as it takes; a column that has nothing in them is left out."""
     if not rows:
         return []
     head = spans[names - 1][1]
     if head > most // 2:
         return [line for row in rows for line in record_of(lines[0], row, spans, names, most)]
-    blocks = blocks_of(spans, names, head, most)
+    filled = spans[:names] + [span for span in spans[names:] if any(row[span[0]:span[1]].strip() for row in rows)]
+    blocks = blocks_of(filled, names, head, most)
     out = []
     for number, block in enumerate(blocks):
         if number:
@@ -139,6 +140,8 @@ def blocks_of(spans, names, head, most):
 
 def block_line(line, head, block, most):
     """One line of a block; a last cell of words is wrapped below itself."""
+    if not block:
+        return [line[:head].rstrip()]
     text = line[:head].ljust(head)
     for start, end in block[:-1]:
         text += "  " + line[start:end].ljust(end - start)

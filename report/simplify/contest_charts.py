@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import FAINT, INK, draw_legend, file_name, save, set_time_axis
+from shared.chart_style import FAINT, INK, draw_legend, file_name, save, set_time_axis, set_title
 from shared.equal_count import tolerance_of
 from shared.records import figure, median
 from simplify.contest import NONE, RANKED, short_sweep
@@ -110,8 +110,7 @@ def draw_quality_time(run, sections, families, folder):
                     ax.set_ylabel(title)
         foot = draw_legend(fig, legend_handles(run, shown, own), height)
         tets = figure(run.inputs.get(mesh, {}), "judge", "tets")
-        fig.suptitle(f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"),
-                     x=0.01, ha="left", fontsize=11, fontweight="bold")
+        set_title(fig, f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"))
         fig.tight_layout(rect=(0, foot, 1, 1 - 0.05 / height))
         drawn += save(fig, folder, file_name("quality_time", mesh))
     return drawn

@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import FAINT, INK, save
+from shared.chart_style import FAINT, INK, save, set_title
 from shared.families import family_of
 from simplify.scaling import slope_text
 
@@ -75,8 +75,7 @@ def draw_scaling(series, families, folder):
                                   markersize=6.5, label="hollow: timed out, at the limit"))
     finish(left, "time of the method (kernel, median), s", lambda value: f"{value:g}")
     finish(right, "greatest memory of the process, bytes", byte_text)
-    fig.suptitle("Growth with the mesh; lines on the left and in the legend: slope of time, with its 95% interval", x=0.01, ha="left", fontsize=11,
-                 fontweight="bold", color=INK)
+    set_title(fig, "Growth with the mesh; lines on the left and in the legend: slope of time, with its 95% interval", color=INK)
     fig.legend(handles=handles, loc="lower left", ncol=2, fontsize=8, bbox_to_anchor=(0.03, 0.0), handlelength=3)
     fig.tight_layout(rect=(0, (0.1 + 0.19 * rows) / height, 1, 1))
     return save(fig, folder, "scaling")
