@@ -119,7 +119,7 @@ def options_of(help_text):
 
 def is_placeholder(word):
     """RUN, DIR, PLAN|SCENE...: what the reader is to replace."""
-    return bool(re.fullmatch(r"[A-Z][A-Z_|.0-9]*", word))
+    return word == "..." or bool(re.fullmatch(r"[A-Z][A-Z_|.0-9]*", word))
 
 
 def check_words(words):
