@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import BAND, BETTER, BOX_FROM, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, file_name, save, set_title
+from shared.chart_style import BAND, BETTER, BOX_FROM, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, draw_legend, file_name, lay_out, save, set_title
 from shared.equal_count import tets_of, tolerance_of
 from shared.families import family_of, read_families
 from shared.records import BUCKETS, figure, histogram, median, present, quantile
@@ -97,10 +97,8 @@ def draw_pair(run, claim, mesh, sweep, folder):
         handles.append(plt.Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (3, 2)), label="input"))
     axes[0].set_ylabel("tetrahedra, %")
     axes[0].set_ylim(0, None)
-    set_title(fig, subtitle(run, mesh) + (f" ({sweep})" if sweep else ""), x=0.065)
-    fig.legend(handles=handles, loc="lower center", ncol=len(handles), fontsize=8, bbox_to_anchor=(0.5, 0.005))
-    more_lines = fig._suptitle.get_text().count("\n")
-    fig.subplots_adjust(left=0.065, right=0.985, top=0.80 - 0.04 * more_lines, bottom=0.2, wspace=0.07)
+    set_title(fig, subtitle(run, mesh) + (f" ({sweep})" if sweep else ""))
+    lay_out(fig, draw_legend(fig, handles))
     return save(fig, folder, file_name("histogram", mesh, sweep))
 
 
@@ -134,7 +132,7 @@ def draw_all_histograms(run, claim, mesh, groups, folder, sweep=""):
     grid[0][0].set_ylim(0, None)
     place = f" ({contest.short_sweep(sweep)})" if sweep else ""
     set_title(fig, subtitle(run, mesh) + place + "; dashed: input")
-    fig.tight_layout(rect=(0, 0, 1, 1 - 0.1 / height))
+    lay_out(fig)
     return save(fig, folder, file_name("histograms_all", mesh, sweep))
 
 
@@ -206,12 +204,10 @@ def draw_overview(run, claim, folder):
     if claim and claim.published_difference is not None:
         for value, color, side in ((claim.published_better, BETTER, claim.better), (claim.published_than, THAN, claim.than)):
             handles.append(plt.Line2D([], [], color=color, linewidth=1.2, label=f"published, {side}: {value:.2f}"))
-    legend_columns = min(columns + 1, len(handles), 3)
-    legend_height = 0.1 + 0.2 * -(-len(handles) // legend_columns)
-    fig.legend(handles=handles, loc="lower center", ncol=legend_columns, fontsize=8)
+    foot = draw_legend(fig, handles)
     if run.plan_data.get("question"):
         set_title(fig, str(run.plan_data["question"]))
-    fig.tight_layout(rect=(0, legend_height / height, 1, 1))
+    lay_out(fig, foot)
     return save(fig, folder, "overview")
 
 
