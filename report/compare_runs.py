@@ -17,6 +17,7 @@ import traceback
 
 from compare import comparison_text, pairs, sides
 from shared import records
+from shared.terminal import say
 
 
 def compare(options):
@@ -27,7 +28,7 @@ def compare(options):
     if options.json:
         print(json.dumps(comparison_text.comparison_json(comparison, options.fail_above), indent=2, allow_nan=False))
     else:
-        print(comparison_text.comparison_text(comparison, options.fail_above))
+        say(comparison_text.comparison_text(comparison, options.fail_above))
     if options.fail_above is None:
         return 0
     if pairs.decided(comparison)[0] == 0:

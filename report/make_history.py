@@ -15,6 +15,7 @@ import traceback
 
 from history import history
 from shared.records import BadRun
+from shared.terminal import say
 
 MOST_CHARTS = 24
 
@@ -43,7 +44,7 @@ def make_history(options):
     if options.json:
         print(json.dumps(history.describe(found), indent=2))
     else:
-        print("\n".join([history.history_text(found), *said]))
+        say("\n".join([history.history_text(found), *said]))
     return 0
 
 

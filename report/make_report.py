@@ -17,6 +17,7 @@ from deform import convergence, cost, deform, deform_tables, frontier, targets
 from engine import engine
 from motion import motion, stages
 from shared import equal_count, load, records, tables
+from shared.terminal import say
 from simplify import comparisons, contest, scaling, verdict
 from stability import stability
 from verify import verification
@@ -32,26 +33,26 @@ class Findings:
 
 def print_summary(run, claim, found):
     if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
+        say(f"{run.plan_data['question']}\n")
     if found.sections:
-        print(contest.contest_text(run, found.sections))
+        say(contest.contest_text(run, found.sections))
     else:
-        print("Quality: median over seeds [least, greatest]\n")
-        print(tables.quality_summary(run))
-        print(f"\n{tables.TIMING_TITLE}\n")
-        print(tables.timing_summary(run))
+        say("Quality: median over seeds [least, greatest]\n")
+        say(tables.quality_summary(run))
+        say(f"\n{tables.TIMING_TITLE}\n")
+        say(tables.timing_summary(run))
     if found.scaling:
-        print(f"\n{scaling.scaling_text(found.scaling)}")
+        say(f"\n{scaling.scaling_text(found.scaling)}")
     if found.comparisons:
-        print(f"\n{comparisons.comparisons_text(run, found.comparisons, with_shortfalls=False)}")
+        say(f"\n{comparisons.comparisons_text(run, found.comparisons, with_shortfalls=False)}")
     if claim:
         variants = verdict.variant_summary(run, claim)
         if variants:
-            print(f"\n{claim.measure}: change against {claim.better}, largest first; only between answers whose tetrahedra are "
-                  f"within {100 * equal_count.tolerance_of(run):g}%\n")
-            print(variants)
-        print()
-        print(verdict.verdict_text(claim, found.verdicts))
+            say(f"\n{claim.measure}: change against {claim.better}, largest first; only between answers whose tetrahedra are "
+                f"within {100 * equal_count.tolerance_of(run):g}%\n")
+            say(variants)
+        say()
+        say(verdict.verdict_text(claim, found.verdicts))
 
 
 def remove_old(folder, names):
@@ -102,15 +103,15 @@ def report_displacements(run):
     names |= targets.write_targets(outcomes, folder) if outcomes else set()
     remove_old(folder, names)
     if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
+        say(f"{run.plan_data['question']}\n")
     # With a frontier its points are many: the tables have them one by one.
-    print(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
+    say(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
     if costs and not points:
-        print(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
+        say(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
     if series:
-        print(f"\n{convergence.convergence_text(series)}")
+        say(f"\n{convergence.convergence_text(series)}")
     if outcomes:
-        print(f"\n{targets.targets_text(outcomes)}")
+        say(f"\n{targets.targets_text(outcomes)}")
     return (sections, series, points), list(targets.failed_requirements(outcomes))
 
 
@@ -126,8 +127,8 @@ def report_cases(read, write, text):
         found = read(run)
         remove_old(run.folder / "tables", write(found, run.folder / "tables"))
         if run.plan_data.get("question"):
-            print(f"{run.plan_data['question']}\n")
-        print(text(found) if found else "no records")
+            say(f"{run.plan_data['question']}\n")
+        say(text(found) if found else "no records")
         return found, []
     return report
 
@@ -160,10 +161,10 @@ def report_motions(run):
     names |= stages.write_stages(staged, run.folder / "tables") if staged else set()
     remove_old(run.folder / "tables", names)
     if run.plan_data.get("question"):
-        print(f"{run.plan_data['question']}\n")
-    print(motion.table_text(found) if found else "no records")
+        say(f"{run.plan_data['question']}\n")
+    say(motion.table_text(found) if found else "no records")
     if staged:
-        print(f"\n{stages.stages_text(staged)}")
+        say(f"\n{stages.stages_text(staged)}")
     return found, []
 
 
@@ -206,7 +207,7 @@ def make_report(folder, with_charts):
     run.notes += load.run_notes(run)
     said = len(run.notes)
     for note in run.notes:
-        print(f"\nnote: {note}")
+        say(f"\nnote: {note}")
     if with_charts:
         try:
             drawn = draw(run, found)
@@ -215,11 +216,11 @@ def make_report(folder, with_charts):
             return 3
         remove_old(run.folder / "charts", set(drawn))
         for note in run.notes[said:]:
-            print(f"\nnote: {note}")
+            say(f"\nnote: {note}")
         if not drawn:
-            print("\nnote: no accepted answers: no charts")
+            say("\nnote: no accepted answers: no charts")
     for what in failed:
-        print(f"\nrequired, and does not hold: {what}")
+        say(f"\nrequired, and does not hold: {what}")
     return 1 if failed else 0
 
 

@@ -15,6 +15,7 @@
 #include "experiments/gates/gate_report.h"
 #include "experiments/gates/gate_run.h"
 #include "experiments/judging/measure.h"
+#include "experiments/processes/process.h"
 #include "experiments/processes/report_script.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
@@ -150,8 +151,7 @@ int history(const HistoryArguments& arguments) {
   }
   if (!arguments.out.empty()) create_folder(arguments.out);
   const ScratchFolder scratch;
-  ProcessSpec spec =
-      report_script("make_history.py", {"--measures", scratch.file("measures.json").string()});
+  ProcessSpec spec = report_script("make_history.py", {"--measures", scratch.file("measures.json").string()});
   write_file_atomically(scratch.file("measures.json"), describe_measures().dump() + "\n");
   if (!arguments.out.empty()) spec.arguments.insert(spec.arguments.end(), {"--out", arguments.out});
   if (!arguments.measure.empty())
@@ -162,12 +162,14 @@ int history(const HistoryArguments& arguments) {
   spec.standard_output = scratch.file("out");
   spec.standard_error = scratch.file("error");
   const ProcessResult result = run_process(spec);
+  std::string said = read_bytes(spec.standard_error).value_or("");
+  while (!said.empty() && said.back() == '\n') said.pop_back();
   if (result.end == ProcessEnd::kInterrupted) return kInterrupted;
   if (result.end == ProcessEnd::kExited && result.exit_code == kBadInput)
-    throw InputError(last_line(spec.standard_error));
+    throw InputError(said.substr(said.rfind('\n') + 1));
   if (result.end != ProcessEnd::kExited || result.exit_code != kDone)
     throw UnavailableError("the history failed (" + result.message +
-                           "): " + last_line(spec.standard_error));
+                           "): " + said.substr(said.rfind('\n') + 1));
   std::cout << read_bytes(spec.standard_output).value_or("");
   return kDone;
 }

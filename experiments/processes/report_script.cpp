@@ -4,6 +4,7 @@
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/stop_signals.h"
+#include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 
@@ -11,7 +12,9 @@ ProcessSpec report_script(const std::string& name, const std::vector<std::string
   const std::filesystem::path script = std::filesystem::path(source_folder()) / "report" / name;
   if (!std::filesystem::exists(script)) throw UnavailableError("the report is missing: " + script.string());
   ProcessSpec spec;
-  spec.arguments = {"/usr/bin/python3", "-B", script.string()};
+  // Its output goes through a file: only this process knows how wide the terminal is.
+  spec.arguments = {"/usr/bin/env", "COLUMNS=" + std::to_string(output_columns()), "/usr/bin/python3", "-B",
+                    script.string()};
   spec.arguments.insert(spec.arguments.end(), arguments.begin(), arguments.end());
   spec.timeout_s = 1800.0;
   spec.stop_flag = catch_stop_signals();

@@ -18,8 +18,21 @@ namespace {
 
 constexpr auto kLinePeriod = std::chrono::seconds(15);
 
-/// Characters as a terminal counts them: the bytes that start one in UTF-8.
-std::size_t width_of(const std::string& text) {
+std::size_t terminal_width() {
+  winsize size{};
+  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+}
+
+/// COLUMNS of the environment, or 0 if there is none or it is no number.
+std::size_t columns_asked_for() {
+  const char* text = std::getenv("COLUMNS");
+  const long value = text == nullptr ? 0 : std::strtol(text, nullptr, 10);
+  return value > 0 ? static_cast<std::size_t>(value) : 0;
+}
+
+}  // namespace
+
+std::size_t display_width(const std::string& text) {
   std::size_t width = 0;
   bool escape = false;
   for (const char c : text) {
@@ -30,12 +43,13 @@ std::size_t width_of(const std::string& text) {
   return width;
 }
 
-std::size_t terminal_width() {
+std::size_t output_columns() {
+  constexpr std::size_t kLeast = 40;
+  std::size_t columns = columns_asked_for();
   winsize size{};
-  return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 20 ? size.ws_col : 80;
+  if (columns == 0 && ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0) columns = size.ws_col;
+  return columns == 0 ? 80 : std::max(kLeast, columns);
 }
-
-}  // namespace
 
 bool takes_color(int stream) {
   const char* refused = std::getenv("NO_COLOR");
@@ -48,33 +62,6 @@ std::string colored(const std::string& text, Color color) {
   if (!takes_color(STDOUT_FILENO)) return text;
   static constexpr std::array<const char*, 5> kCodes{"32", "31", "33", "1", "2"};
   return std::string("\033[") + kCodes.at(static_cast<std::size_t>(color)) + "m" + text + "\033[0m";
-}
-
-TextTable::TextTable(std::vector<std::string> header, std::string alignment)
-    : rows_{std::move(header)}, alignment_(std::move(alignment)) {}
-
-void TextTable::add(std::vector<std::string> row) {
-  row.resize(rows_.front().size());
-  rows_.push_back(std::move(row));
-}
-
-std::string TextTable::text() const {
-  std::vector<std::size_t> widths(rows_.front().size(), 0);
-  for (const auto& row : rows_) {
-    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], width_of(row[i]));
-  }
-  std::string text;
-  for (const auto& row : rows_) {
-    std::string line;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const std::string padding(widths[i] - width_of(row[i]), ' ');
-      const bool right = i < alignment_.size() && alignment_[i] == 'r';
-      line += (i > 0 ? "  " : "") + (right ? padding + row[i] : row[i] + padding);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += (&row == &rows_.front() ? colored(line, Color::kBold) : line) + "\n";
-  }
-  return text;
 }
 
 std::string time_text(double seconds) {

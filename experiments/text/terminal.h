@@ -17,6 +17,15 @@ enum class Color { kGreen, kRed, kYellow, kBold, kDim };
 /// The text in a colour if standard output takes one, otherwise as it is.
 std::string colored(const std::string& text, Color color);
 
+/// Characters as a terminal counts them: the bytes that start one in UTF-8, colours left out.
+std::size_t display_width(const std::string& text);
+
+/// The words of a text in lines of at most `most` characters; a longer word stays whole. At least one line.
+std::vector<std::string> wrapped(const std::string& text, std::size_t most);
+
+/// Columns that standard output has room for: the environment's COLUMNS, else the terminal's, else 80; at least 40.
+std::size_t output_columns();
+
 /// A table of text: columns padded to their widest cell, numbers to the right if asked.
 class TextTable {
  public:
@@ -25,10 +34,20 @@ class TextTable {
 
   void add(std::vector<std::string> row);
 
-  /// The whole table, each line ended.
-  std::string text() const;
+  /// The whole table, each line ended, folded to `most` columns: a last column of words is wrapped; where that does not do, blocks of
+  /// columns stand one below the other, each with the row's names again (the first columns to the left, two at most); where the names
+  /// alone take more than half, each row is a record of "column value" pairs. A single word that is longer stays whole.
+  std::string text(std::size_t most = output_columns()) const;
 
  private:
+  using Columns = std::vector<std::size_t>;
+  Columns widths() const;
+  std::size_t count_names() const;
+  std::string padded(std::size_t row, std::size_t column, std::size_t width) const;
+  std::string line_of(std::size_t row, const Columns& columns, const Columns& widths, std::size_t most) const;
+  std::string block_of(const Columns& columns, const Columns& widths, std::size_t most) const;
+  std::string records_of(std::size_t names, std::size_t most) const;
+
   std::vector<std::vector<std::string>> rows_;
   std::string alignment_;
 };

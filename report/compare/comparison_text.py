@@ -1,4 +1,4 @@
-"""A comparison as text of at most 98 columns, and as JSON."""
+"""A comparison as text of at most 80 columns, as far as its words allow, and as JSON."""
 
 import re
 import textwrap
@@ -7,7 +7,7 @@ from compare.pairs import LEVEL_OF_TESTS, decided, medians_of, pairs_above
 from shared import load
 from shared.intervals import percent
 
-WIDTH = 98
+WIDTH = 80
 NAME_WIDTH = 30  # a longer name has a line of its own
 MOST_LISTED = 12
 HASH = re.compile(r"\b(xxh3:[0-9a-f]{8})[0-9a-f]{24}\b")  # its first digits are enough for a reader
@@ -68,6 +68,7 @@ def table_lines(result):
     widths = [max(len(row[i]) for row in [HEADER, *rows]) for i in range(len(HEADER))]
     names = [pair.case for pair in result.pairs]
     room = min(max([len("case"), *(len(name) for name in names if len(name) <= NAME_WIDTH)]), WIDTH - sum(widths) - 2 * len(widths))
+    room = max(room, len("case"))
 
     def line(name, cells):
         parts = [cell.ljust(width) if left else cell.rjust(width) for cell, width, left in zip(cells, widths, IS_LEFT)]

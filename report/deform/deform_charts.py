@@ -12,7 +12,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLoca
 from deform import convergence, frontier_charts
 from deform.deform import (MAIN, MARGIN, NO_SIMPLIFIER, labels_of, root_mean_square, setting_of, setting_text, settings_of,
                            simplified_text)
-from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, save, set_time_axis
+from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, lay_out, save, set_time_axis, set_title
 from shared.records import median
 from shared.tables import percent_text
 
@@ -46,11 +46,10 @@ def draw_mark(ax, x, y, style, size, hollow):
             markeredgecolor=color if hollow else "white", markeredgewidth=0.18 * size if hollow else 0.1 * size)
 
 
-def finish(fig, title, handles, height, **spacing):
+def finish(fig, title, handles, **spacing):
     """Title above, legend below."""
-    fig.suptitle(title, x=0.01, y=1 - 0.12 / height, ha="left", va="top", fontsize=11, fontweight="bold")
-    foot = draw_legend(fig, handles, height)
-    fig.tight_layout(rect=(0, foot, 1, 1 - 0.16 / height), **spacing)
+    set_title(fig, title)
+    lay_out(fig, draw_legend(fig, handles), **spacing)
 
 
 def percent_number(value):
@@ -138,7 +137,7 @@ def draw_error_panel(ax, section, labels, styles, limits, measure):
     ax.set_yticks(range(len(labels)), labels)
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="both")
-    ax.set_title(section.problem.scene, loc="left", fontweight="bold", fontsize=9.5 if len(section.problem.scene) < 26 else 7.5)
+    ax.set_title(section.problem.scene, loc="left", fontweight="bold", fontsize=9.5)
 
 
 def draw_error_bars(sections, styles, folder):
@@ -153,7 +152,8 @@ def draw_error_bars(sections, styles, folder):
         columns = 3 if len(own) in (5, 6, 9) else min(4, len(own))
         rows = -(-len(own) // columns)
         height = rows * (0.21 * len(labels) + 0.75) + 1.1
-        fig, grid = plt.subplots(rows, columns, figsize=(2.75 * columns + 1.5, height), sharey=True, squeeze=False)
+        width = max(6.4, 2.75 * columns + 0.3 + 0.075 * max(len(label) for label in labels))
+        fig, grid = plt.subplots(rows, columns, figsize=(width, height), sharey=True, squeeze=False)
         for ax, section in zip(grid.flat, own):
             draw_error_panel(ax, section, labels, styles, limits, measure)
         for ax in list(grid.flat)[len(own):]:
@@ -166,7 +166,7 @@ def draw_error_bars(sections, styles, folder):
             handles.append(plt.Line2D([], [], color=INK, linewidth=1.0, linestyle=(0, (3, 2)), label=f"{own[0].beside}, same mesh"))
         heading = setting_text(setting)
         what = "Error of the deformation" if measure == DEFORMATION else "Displacement error"
-        finish(fig, f"{what} by method and scene{f': {heading}' if heading else ''}", handles, height, w_pad=2.2)
+        finish(fig, f"{what} by method and scene{f': {heading}' if heading else ''}", handles, w_pad=2.2)
         drawn += save(fig, folder, file_name("error_bars", heading))
     return drawn
 
@@ -238,7 +238,7 @@ def draw_error_time(sections, styles, folder):
         row[0].set_ylabel("relative L2 error, %")
     more = [plt.Line2D([], [], color=FAINT, marker="o", markersize=3, alpha=0.5, linewidth=0, label="small: one scene"), hollow_handle(),
             plt.Line2D([], [], color=FAINT, linewidth=1.0, linestyle=(0, (4, 2)), label="front: nothing is faster and better")]
-    finish(fig, "Accuracy against time: rms error over the scenes", legend_of(styles, labels_of(plain(sections)), more), height)
+    finish(fig, "Accuracy against time: rms error over the scenes", legend_of(styles, labels_of(plain(sections)), more))
     return save(fig, folder, "error_time")
 
 
@@ -308,8 +308,7 @@ def draw_convergence(sections, styles, folder):
             more.append(plt.Line2D([], [], color=FAINT, linewidth=1.4, linestyle=(0, (3, 1.5)), label="dashed: got worse when refined"))
         labels = list(dict.fromkeys(series.label for series in all_series))
         heading = "" if ratio is None else f"nu {ratio:g}"
-        finish(fig, f"Does it get better when its mesh is refined?{f' {heading}' if heading else ''}", legend_of(styles, labels, more),
-               height)
+        finish(fig, f"Does it get better when its mesh is refined?{f' {heading}' if heading else ''}", legend_of(styles, labels, more))
         drawn += save(fig, folder, file_name("convergence", heading))
     return drawn
 

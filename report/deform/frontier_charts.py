@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 
 from deform.frontier import MEASURE, WORKS, families_of, scene_text
-from shared.chart_style import FAINT, GRID, INK, draw_legend, file_name, save, set_time_axis
+from shared.chart_style import FAINT, GRID, INK, draw_legend, file_name, lay_out, save, set_time_axis, set_title
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a5195", "#8c6d1f"]
 MARKS = ["o", "s", "^", "D", "v", "P", "X", "h"]
@@ -112,9 +112,8 @@ def draw_frontier(run, key, points, measure, styles):
                 Patch(color=GRID, label="within the reference's own error")]
     if lost:
         handles.append(plt.Line2D([], [], linewidth=0, label=f"{lost} gave no answer: see the table"))
-    fig.suptitle(f"What accuracy costs: {scene_text(key)}", x=0.01, y=1 - 0.12 / height, ha="left", va="top", fontsize=11, fontweight="bold")
-    foot = draw_legend(fig, handles, height)
-    fig.tight_layout(rect=(0, foot, 1, 1 - 0.16 / height))
+    set_title(fig, f"What accuracy costs: {scene_text(key)}")
+    lay_out(fig, draw_legend(fig, handles))
     return fig
 
 

@@ -9,7 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from engine.engine import HOLDS, largest_meshes, returns_of
-from shared.chart_style import FAINT, INK, STYLE, file_name, save
+from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_size_axis, set_title
 from shared.mesh_file import outer_faces, read_mesh
 from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
@@ -158,7 +158,7 @@ def draw_phases(run, case, folder):
         draw_body(ax, mesh.points + field, faces, view, 1000 * np.linalg.norm(field, axis=1), norm)
         ax.set_title(title, fontsize=8, color=INK)
     fig.colorbar(ScalarMappable(norm, "viridis"), ax=list(grid.flat), label="from rest in mm")
-    fig.suptitle(name_of(case), x=0.02, ha="left", fontweight="bold", color=INK)
+    set_title(fig, name_of(case), x=0.02, color=INK)
     return save(fig, folder, file_name("phases", case.scene, case.label if case.option("vertices") else ""))
 
 
@@ -178,7 +178,7 @@ def draw_margins(cases, folder):
     ax.axhline(1.0, color=INK, linewidth=0.8)
     ax.annotate("below: unstable", (0.01, 1.0), xycoords=("axes fraction", "data"), xytext=(0, -10), textcoords="offset points", fontsize=8,
                 color=FAINT)
-    ax.set_xscale("log")
+    set_size_axis(ax, [x for points in curves.values() for x, _ in points])
     ax.set_ylim(bottom=0)
     ax.set_xlabel("vertices")
     ax.set_ylabel("longest stable step / step")
@@ -217,7 +217,7 @@ def draw_budget(cases, folder):
                     markersize=4, label=setting_text(setting))
         if deadline is not None:
             ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
-        ax.set_xscale("log")
+        set_size_axis(ax, [case.vertices for case in cases if case.vertices])
         ax.set_yscale("log")
         ax.set_title(title, loc="left", color=INK)
         ax.set_xlabel("vertices")
@@ -268,7 +268,7 @@ def draw_largest(cases, folder):
         ax.bar(places, heights, width, color=COLORS[number], label=how)
         for place, height in zip(places, heights):
             ax.annotate(f"{height:,.0f}" if height else "none", (place, height), xytext=(0, 2), textcoords="offset points", ha="center",
-                        fontsize=6.5, color=FAINT, rotation=90 if len(largest) > 3 else 0)
+                        fontsize=6.5, color=FAINT, rotation=90)
     ax.set_xticks(range(len(largest)), [f"{label}, {precision}\n{threads} thread{'s' if threads != 1 else ''}"
                                         for _, label, precision, threads in largest], fontsize=8)
     ax.set_ylabel("vertices")
@@ -304,7 +304,7 @@ def draw_force(cases, folder):
     grid[1].set_title("dotted: 5 x the finite elements' change", loc="left", fontsize=8, color=INK)
     grid[1].set_ylim(bottom=0)
     for ax in grid:
-        ax.set_xscale("log")
+        set_size_axis(ax, [point[1] for point in points])
         ax.set_xlabel("vertices")
         ax.grid(axis="both")
     fig.tight_layout()

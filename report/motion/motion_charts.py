@@ -6,7 +6,7 @@ import matplotlib.pyplot as plt
 from matplotlib.colors import LinearSegmentedColormap
 
 from motion.motion import COARSE, MEASURES, history_of, read_history, value_text
-from shared.chart_style import BAND, BETTER, FAINT, INK, STYLE, file_name, save
+from shared.chart_style import BAND, BETTER, FAINT, INK, STYLE, file_name, save, set_title
 
 HEAT = LinearSegmentedColormap.from_list("errors", ["#f4f9f4", "#fbe9c6", "#e98a5b"])
 LEAST, MOST = 1e-3, 1.0  # shares between which colours change; a degree counts as 1/57.3
@@ -38,12 +38,12 @@ def draw_errors(section, folder):
             text = value_text(measure, value)
             text = (text.lstrip("+") if y == 0 else text) + (COARSE if COARSE in marks.get(measure.name, "") else "")
             axes.text(x + 0.92, y + 0.5, text, ha="right", va="center", color=FAINT if y == 0 else INK)
-    for x, title in enumerate([*(measure.title for measure in measures), "steps take"]):
-        axes.text(x + 0.92, -0.25, title, ha="right", va="bottom", color=FAINT)
+    for x, title in enumerate([*(measure.title for measure in measures), "solve"]):
+        axes.text(x + 0.92, -0.25, title, ha="right", va="bottom", color=FAINT, fontsize=8)
     axes.set(xlim=(0, len(measures) + 1), ylim=(len(lines), -0.6))
     axes.axis("off")
-    fig.suptitle(section.title, x=0.02, ha="left", fontsize=10)
-    fig.text(0.02, 0.01, f"{COARSE}: less than five times the reference's own error", color=FAINT, fontsize=8, va="bottom")
+    set_title(fig, section.title, x=0.02, fontsize=10)
+    fig.text(0.02, 0.01, f"{COARSE}: less than five times the reference's own error. solve: time of all steps", color=FAINT, fontsize=8, va="bottom")
     fig.subplots_adjust(left=left / fig.get_size_inches()[0], right=0.99, top=1 - 0.42 / fig.get_size_inches()[1],
                         bottom=0.25 / fig.get_size_inches()[1])
     return save(fig, folder, file_name("motion_errors", section.file_part))
@@ -80,7 +80,7 @@ def draw_panels(section, truth, histories, column, scale, label, name, folder):
     for axes in grid[:, 0]:
         axes.set_ylabel(label)
     fig.legend(*grid[0][0].get_legend_handles_labels(), fontsize=8, loc="upper right", ncols=2, handlelength=1.4)
-    fig.suptitle(f"{section.title}: {column}", x=0.01, ha="left", fontsize=10)
+    set_title(fig, f"{section.title}: {column}", fontsize=10)
     fig.tight_layout(rect=(0, 0, 1, 0.985))
     return save(fig, folder, file_name(name, section.file_part))
 

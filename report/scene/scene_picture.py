@@ -169,5 +169,5 @@ def draw_scene(mesh, problem, folder, name):
              f"{100 * size[0]:.3g} x {100 * size[1]:.3g} x {100 * size[2]:.3g} cm, {len(mesh.points):,} vertices, {len(mesh.tets):,} "
              f"tetrahedra; {material['young_modulus_pa'] / 1000:g} kPa, Poisson's ratio {material['poisson_ratio']:g}",
              fontsize=8, color=FAINT)
-    draw_legend(fig, legend_handles(marks), height)
+    draw_legend(fig, legend_handles(marks))
     return save(fig, folder, name)

@@ -1,15 +1,13 @@
 """Charts of a run, as SVG and PNG. The same records give the same bytes: no dates, fixed ids, one bundled font."""
 
-import textwrap
-
 import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import BAND, BETTER, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, file_name, save
+from shared.chart_style import BAND, BETTER, BOX_FROM, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, draw_legend, file_name, lay_out, save, set_title
 from shared.equal_count import tets_of, tolerance_of
 from shared.families import family_of, read_families
-from shared.records import BUCKETS, figure, histogram, median, quantile
+from shared.records import BUCKETS, figure, histogram, median, present, quantile
 from shared.tables import timing_of
 from simplify import contest, contest_charts, cut_away, scaling, scaling_charts
 from simplify.verdict import values_of
@@ -46,8 +44,9 @@ def draw_band(ax, group):
     for bucket, column in enumerate(columns):
         left, right = bucket / BUCKETS, (bucket + 1) / BUCKETS
         ax.fill_between([left + 0.004, right - 0.004], min(column), max(column), color=BAND, linewidth=0, zorder=3)
-        low, high = quantile(column, 0.25), quantile(column, 0.75)
-        ax.fill_between([left + 0.004, right - 0.004], low, high, color=QUARTILES, linewidth=0, zorder=3)
+        if len(column) >= BOX_FROM:
+            low, high = quantile(column, 0.25), quantile(column, 0.75)
+            ax.fill_between([left + 0.004, right - 0.004], low, high, color=QUARTILES, linewidth=0, zorder=3)
     return bool(columns)
 
 
@@ -92,14 +91,14 @@ def draw_pair(run, claim, mesh, sweep, folder):
     if spread and draw_band(axes[1], spread):
         seeds = len(spread.cases())
         handles.append(Patch(color=BAND, label=f"{spread.label}: least to greatest of {seeds}"))
-        handles.append(Patch(color=QUARTILES, label="its quartiles"))
+        if seeds >= BOX_FROM:
+            handles.append(Patch(color=QUARTILES, label="its quartiles"))
     if outline:
         handles.append(plt.Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (3, 2)), label="input"))
     axes[0].set_ylabel("tetrahedra, %")
     axes[0].set_ylim(0, None)
-    fig.suptitle(subtitle(run, mesh) + (f" ({sweep})" if sweep else ""), x=0.065, ha="left", fontsize=11, fontweight="bold")
-    fig.legend(handles=handles, loc="lower center", ncol=len(handles), fontsize=8, bbox_to_anchor=(0.5, 0.005))
-    fig.subplots_adjust(left=0.065, right=0.985, top=0.80, bottom=0.2, wspace=0.07)
+    set_title(fig, subtitle(run, mesh) + (f" ({sweep})" if sweep else ""))
+    lay_out(fig, draw_legend(fig, handles))
     return save(fig, folder, file_name("histogram", mesh, sweep))
 
 
@@ -132,8 +131,8 @@ def draw_all_histograms(run, claim, mesh, groups, folder, sweep=""):
         ax.set_ylabel("tetrahedra, %" if i % columns == 0 else "")
     grid[0][0].set_ylim(0, None)
     place = f" ({contest.short_sweep(sweep)})" if sweep else ""
-    fig.suptitle(subtitle(run, mesh) + place + "; dashed: input", x=0.01, ha="left", fontsize=11, fontweight="bold")
-    fig.tight_layout(rect=(0, 0, 1, 1 - 0.1 / height))
+    set_title(fig, subtitle(run, mesh) + place + "; dashed: input")
+    lay_out(fig)
     return save(fig, folder, file_name("histograms_all", mesh, sweep))
 
 
@@ -146,15 +145,24 @@ def color_of(group, claim, families=()):
     return OTHERS if claim else BETTER
 
 
+def draw_spread(ax, y, values, color):
+    """The range of several values as a line; the quartiles as a bar where there are enough for one, else each value as a tick."""
+    if len(values) < 2:
+        return
+    ax.plot([min(values), max(values)], [y, y], color=color, linewidth=1.3, zorder=3, solid_capstyle="butt")
+    if len(values) >= BOX_FROM:
+        ax.plot([quantile(values, 0.25), quantile(values, 0.75)], [y, y], color=color, linewidth=6, alpha=0.55, zorder=3,
+                solid_capstyle="butt")
+    else:
+        ax.plot(values, [y] * len(values), "|", color=color, markersize=10, markeredgewidth=1.3, zorder=3)
+
+
 def draw_values(ax, y, values, color, note=""):
-    """A dot at the median; with several seeds also the range as a line and the quartiles as a bar.
+    """A dot at the median; with several seeds also what `draw_spread` shows.
 
     A label that is not to be compared has a hollow dot, with its note on the side that has more room.
     """
-    if len(values) > 1:
-        ax.plot([min(values), max(values)], [y, y], color=color, linewidth=1.3, zorder=3, solid_capstyle="butt")
-        ax.plot([quantile(values, 0.25), quantile(values, 0.75)], [y, y], color=color, linewidth=6, alpha=0.55, zorder=3,
-                solid_capstyle="butt")
+    draw_spread(ax, y, values, color)
     if not note:
         ax.plot(median(values), y, "o", color=color, markersize=5.5, markeredgecolor="white", markeredgewidth=0.7, zorder=4)
         return
@@ -189,20 +197,17 @@ def draw_overview(run, claim, folder):
             ax.set_xlabel(MEASURE_NAMES.get(measure, measure))
             ax.tick_params(labelbottom=True)
     handles = [plt.Line2D([], [], color=INK, linewidth=1.2, linestyle=(0, (3, 2)), label="input")]
-    handles.append(plt.Line2D([], [], color=FAINT, marker="o", linewidth=1.3, markersize=5, label="median, range over seeds"))
+    handles.append(plt.Line2D([], [], color=FAINT, marker="o", linewidth=1.3, markersize=5, label="median, range over seeds; bar: quartiles"))
     if any(group.count_note for group in run.groups):
         handles.append(plt.Line2D([], [], color=FAINT, marker="o", markerfacecolor="white", linewidth=0, markersize=5,
                                   label=f"hollow: count not within {100 * tolerance_of(run):g}%, not to be compared"))
     if claim and claim.published_difference is not None:
         for value, color, side in ((claim.published_better, BETTER, claim.better), (claim.published_than, THAN, claim.than)):
             handles.append(plt.Line2D([], [], color=color, linewidth=1.2, label=f"published, {side}: {value:.2f}"))
-    legend_columns = min(columns + 1, len(handles), 3)
-    legend_height = 0.1 + 0.2 * -(-len(handles) // legend_columns)
-    fig.legend(handles=handles, loc="lower center", ncol=legend_columns, fontsize=8)
+    foot = draw_legend(fig, handles)
     if run.plan_data.get("question"):
-        question = textwrap.fill(str(run.plan_data["question"]), int((width + 2.9 * columns) * 11))
-        fig.suptitle(question, x=0.01, ha="left", fontsize=11, fontweight="bold")
-    fig.tight_layout(rect=(0, legend_height / height, 1, 1))
+        set_title(fig, str(run.plan_data["question"]))
+    lay_out(fig, foot)
     return save(fig, folder, "overview")
 
 
@@ -252,13 +257,11 @@ def draw_timing(run, claim, folder):
         rows.append((len(rows) + 0.9 * len(marks), group, timing))
     width = 0.072 * max(len(group.name) for group, _ in entries) + 6.2
     last = rows[-1][0]
-    fig, ax = plt.subplots(figsize=(width, 0.22 * (last + 2) + 0.8))
+    fig, ax = plt.subplots(figsize=(width, 0.22 * (last + 2) + 0.95))
     for y, group, timing in rows:
         color = color_of(group, claim)
-        times = {name: 1000 * timing[f"kernel_{name}_s"] for name in ("min", "q1", "median", "q3", "max")}
-        ax.plot([times["min"], times["max"]], [y, y], color=color, linewidth=1.3, solid_capstyle="butt")
-        ax.plot([times["q1"], times["q3"]], [y, y], color=color, linewidth=6, alpha=0.55, solid_capstyle="butt")
-        ax.plot(times["median"], y, "o", markersize=5.5, markerfacecolor="white" if group.count_note else color,
+        draw_spread(ax, y, [1000 * value for value in present(figure(record, "kernel_s") for record in group.accepted())], color)
+        ax.plot(1000 * timing["kernel_median_s"], y, "o", markersize=5.5, zorder=4, markerfacecolor="white" if group.count_note else color,
                 markeredgecolor=color if group.count_note else "white", markeredgewidth=1.2 if group.count_note else 0.7)
         if timing["tets_removed_per_s"] is not None:
             ax.annotate(f"{timing['tets_removed_per_s']:,.0f}", (1.02, y), xycoords=("axes fraction", "data"), fontsize=8,
@@ -274,7 +277,7 @@ def draw_timing(run, claim, folder):
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="x", which="both")
     hollow = "; hollow: at another count" if any(group.count_note for group, _ in entries) else ""
-    ax.set_xlabel(f"time of the method, ms (median, quartiles, range over repeats and seeds{hollow})")
+    ax.set_xlabel(f"time of the method, ms: median and range over repeats and seeds,\nquartiles from {BOX_FROM} on, else each as a tick{hollow}")
     ax.annotate("tets removed\na second", (1.02, 1), xycoords="axes fraction", fontsize=8, va="bottom", color=FAINT)
     fig.tight_layout()
     return save(fig, folder, "timing")

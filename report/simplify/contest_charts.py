@@ -4,7 +4,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import FAINT, INK, draw_legend, file_name, save, set_time_axis
+from shared.chart_style import FAINT, INK, draw_legend, file_name, lay_out, save, set_time_axis, set_title, short_name
 from shared.equal_count import tolerance_of
 from shared.records import figure, median
 from simplify.contest import NONE, RANKED, short_sweep
@@ -48,7 +48,7 @@ def name_points(ax, family, found):
         down, left = place % 2 == 1, x < middle
         at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
             (-7 if left else 7, 0), "right" if left else "left", "center")
-        ax.annotate(family.names[label], (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
+        ax.annotate(short_name(family.names[label]), (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
                     color=family.color, zorder=7, path_effects=[withStroke(linewidth=2, foreground="white")])
 
 
@@ -108,10 +108,9 @@ def draw_quality_time(run, sections, families, folder):
                     ax.set_xlabel("time of the method (kernel, median)")
                 if column == 0:
                     ax.set_ylabel(title)
-        foot = draw_legend(fig, legend_handles(run, shown, own), height)
+        foot = draw_legend(fig, legend_handles(run, shown, own))
         tets = figure(run.inputs.get(mesh, {}), "judge", "tets")
-        fig.suptitle(f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"),
-                     x=0.01, ha="left", fontsize=11, fontweight="bold")
-        fig.tight_layout(rect=(0, foot, 1, 1 - 0.05 / height))
+        set_title(fig, f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"))
+        lay_out(fig, foot)
         drawn += save(fig, folder, file_name("quality_time", mesh))
     return drawn

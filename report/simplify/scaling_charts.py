@@ -3,7 +3,7 @@
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import FAINT, INK, save
+from shared.chart_style import FAINT, INK, draw_legend, lay_out, save, set_title
 from shared.families import family_of
 from simplify.scaling import slope_text
 
@@ -55,9 +55,7 @@ def draw_scaling(series, families, folder):
     shown = [entry for entry in series if any(size.seconds or size.limit_s for size in entry.sizes)]
     if not any(entry.time for entry in shown):
         return []
-    rows = -(-(len(shown) + 2) // 2)
-    height = 4.1 + 0.19 * rows
-    fig, (left, right) = plt.subplots(1, 2, figsize=(9.6, height))
+    fig, (left, right) = plt.subplots(1, 2, figsize=(9.6, 4.6))
     limits, handles = {}, []
     for entry in shown:
         family = family_of(families, entry.label)
@@ -75,10 +73,8 @@ def draw_scaling(series, families, folder):
                                   markersize=6.5, label="hollow: timed out, at the limit"))
     finish(left, "time of the method (kernel, median), s", lambda value: f"{value:g}")
     finish(right, "greatest memory of the process, bytes", byte_text)
-    fig.suptitle("Growth with the mesh; lines on the left and in the legend: slope of time, with its 95% interval", x=0.01, ha="left", fontsize=11,
-                 fontweight="bold", color=INK)
-    fig.legend(handles=handles, loc="lower left", ncol=2, fontsize=8, bbox_to_anchor=(0.03, 0.0), handlelength=3)
-    fig.tight_layout(rect=(0, (0.1 + 0.19 * rows) / height, 1, 1))
+    set_title(fig, "Growth with the mesh; lines on the left and in the legend: slope of time, with its 95% interval", color=INK)
+    lay_out(fig, draw_legend(fig, handles))
     return save(fig, folder, "scaling")
 
 

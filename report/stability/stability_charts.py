@@ -6,7 +6,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from shared.chart_style import FAINT, INK, STYLE, file_name, save
+from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_title
 from stability.stability import AGREEMENT, NO_ANSWER, SHORT, as_number, plain_label, worst
 
 ENDING_COLORS = {"steady": "#0072B2", "oscillating": "#56B4E9", "inverted": "#CC79A7", "energy_growing": "#E69F00", "growing_slowly": "#F0E442",
@@ -79,7 +79,7 @@ def draw_maps(cases, folder):
                     Line2D([], [], marker="o", linestyle="none", color="none", markeredgecolor=INK, markersize=8, label="measured")]
         fig.legend(handles=handles, loc="lower center", ncol=len(handles), fontsize=8, bbox_to_anchor=(0.5, 0.0),
                    columnspacing=1.4, handletextpad=0.5)
-        fig.suptitle(f"{mesh}, damping: {law}", x=0.02, ha="left", fontsize=9, color=FAINT)
+        set_title(fig, f"{mesh}, damping: {law}", x=0.02, fontsize=9, fontweight="normal", color=FAINT)
         fig.tight_layout(rect=(0, 0.07, 1, 0.98))
         drawn += save(fig, folder, file_name("stability_map", mesh, law))
     return drawn
@@ -176,6 +176,11 @@ def ending_of(case):
     return str((case.runs[2] if case.measures and len(case.runs) > 2 else case.runs[-1]).get("outcome"))
 
 
+def row_name(extreme, setting):
+    """"factors: stiffness factor 1, mass ratio 1e-09": a number alone says nothing."""
+    return f"{extreme}: {setting}".replace("_", " ") if setting else extreme.replace("_", " ")
+
+
 def draw_endings(cases, folder):
     """A table in colours: a row an extreme and setting, a column an integrator; over meshes the worst."""
     own = [case for case in cases if not sweeps(case, "step_factor", "damping_ratio")]
@@ -188,15 +193,15 @@ def draw_endings(cases, folder):
     names = [*reversed(list(ENDING_MARKS)), NO_ANSWER]
     rows = list(cells)
     grid = [[names.index(worst(cells[row][label])) if label in cells[row] else -1 for label in labels] for row in rows]
-    fig, ax = plt.subplots(figsize=(2.9 + 0.62 * len(labels), 1.7 + 0.165 * len(rows)))
+    longest = max(len(row_name(extreme, setting)) for extreme, setting in rows)
+    fig, ax = plt.subplots(figsize=(max(2.9, 0.4 + 0.05 * longest) + 0.62 * len(labels), 1.7 + 0.165 * len(rows)))
     palette = ListedColormap(["#f4f4f4", *(ENDING_COLORS[name] for name in names)])
     ax.pcolormesh([[value + 1 for value in line] for line in grid], cmap=palette, vmin=-0.5, vmax=len(names) + 0.5,
                   edgecolors="white", linewidth=0.8)
     ax.set_xticks([i + 0.5 for i in range(len(labels))], [plain_label(label).replace("_", "\n") for label in labels], fontsize=7)
     ax.xaxis.tick_top()
     ax.set_yticks([i + 0.5 for i in range(len(rows))],
-                  [f"{extreme.replace('_', ' ')}  {', '.join(part.split(' ', 1)[-1] for part in setting.split(', '))}".strip()
-                   for extreme, setting in rows], fontsize=6.5)
+                  [row_name(extreme, setting) for extreme, setting in rows], fontsize=6.5)
     ax.set_ylim(len(rows), 0)
     ax.tick_params(length=0)
     for place, (extreme, _) in enumerate(rows):
@@ -207,7 +212,7 @@ def draw_endings(cases, folder):
     seen = {names[value] for line in grid for value in line if value >= 0}
     handles = [Line2D([], [], marker="s", linestyle="none", markersize=7, markeredgewidth=0, color=ENDING_COLORS[name], label=SHORT[name])
                for name in ENDING_MARKS if name in seen]
-    fig.legend(handles=handles, loc="lower center", ncol=4, fontsize=7.5, bbox_to_anchor=(0.5, 0.0), columnspacing=1.4)
+    fig.legend(handles=handles, loc="lower center", ncol=max(4, int(fig.get_figwidth() / 1.3)), fontsize=7.5, bbox_to_anchor=(0.5, 0.0), columnspacing=1.4)
     height = fig.get_figheight()
     fig.text(0.01, 1 - 0.1 / height, "How bodies end: runs as set; measured ones at twice their longest stable step (implicit: 100 times a\n"
              "reference). Of several meshes the worst.", fontsize=7.5, color=FAINT, va="top")

@@ -5,11 +5,13 @@ import csv
 import io
 import json
 import math
+import os
 import pathlib
 import random
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "report")]
@@ -86,6 +88,9 @@ class Rule(unittest.TestCase):
 
 class Runs(unittest.TestCase):
     def setUp(self):
+        wide = unittest.mock.patch.dict(os.environ, {"COLUMNS": "1000"})
+        wide.start()
+        self.addCleanup(wide.stop)
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)

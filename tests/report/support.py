@@ -3,10 +3,12 @@
 import contextlib
 import csv
 import io
+import os
 import pathlib
 import sys
 import tempfile
 import unittest
+import unittest.mock
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "report")]
@@ -14,7 +16,12 @@ import make_report
 
 
 class ReportTest(unittest.TestCase):
+    columns = 1000  # of the terminal: wide enough that nothing is folded (terminal_test.py has the narrow ones)
+
     def setUp(self):
+        wide = unittest.mock.patch.dict(os.environ, {"COLUMNS": str(self.columns)})
+        wide.start()
+        self.addCleanup(wide.stop)
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name) / "run"

@@ -313,6 +313,30 @@ TEST(CommandLine, CheckListAndCases) {
   EXPECT_GT(json::parse(run_program({"list", "meshes", "--json"}).out).at("meshes").size(), 0U);
 }
 
+TEST(CommandLine, ListContestantsTakesAPartOfAName) {
+  const test::ExperimentFixture fixture;
+  const auto methods_of = [](const std::string& part) {
+    std::vector<std::string> names;
+    const json listed = json::parse(run_program({"list", "contestants", part, "--json"}).out);
+    for (const json& contestant : listed.at("contestants"))
+      for (const json& method : contestant.at("methods")) names.push_back(method.at("name"));
+    return names;
+  };
+  const std::vector<std::string> all = methods_of("");
+  ASSERT_THAT(all, testing::IsSupersetOf({"test.copy", "palpate.refined", "springs.van_gelder"}));
+  EXPECT_THAT(methods_of("Refined"), testing::ElementsAre("palpate.refined"));
+  EXPECT_THAT(methods_of("tetfusion"), testing::ElementsAre("tetfusion.sequential"));
+  const std::vector<std::string> simplifiers = methods_of("simplify");  // a contest
+  EXPECT_THAT(simplifiers, testing::IsSupersetOf({"test.copy", "palpate.refined"}));
+  EXPECT_THAT(simplifiers, testing::Not(testing::Contains("springs.van_gelder")));
+  const ProgramResult text = run_program({"list", "contestants", "van_gelder"});
+  EXPECT_THAT(text.out, HasSubstr("springs.van_gelder"));
+  EXPECT_EQ(text.out.find("palpate.refined"), std::string::npos);
+  expect_refusal(run_program({"list", "contestants", "no_such_thing"}), 2,
+                 "expected a part of the name of a contestant, a contest or a method, found \"no_such_thing\"");
+  expect_refusal(run_program({"list", "contestants", "palpate.refinde"}), 2, "did you mean \"palpate.refined\"?");
+}
+
 TEST(CommandLine, RunAndGateExitCodes) {
   const test::ExperimentFixture fixture;
   const auto run = [&](const std::string& contestants, const std::string& folder) {
