@@ -2,13 +2,14 @@
 import { linkCameras, OrganView, type ViewMode } from "../view/organ_view";
 import { frameOf } from "../view/framing";
 import { Playback } from "../view/playback";
-import { DISPLACEMENT, displacementRange, lengthsOf, moved, sharedRange, unpackBody, type Body } from "./body_data";
+import { DISPLACEMENT, displacementRange, lengthsOf, moved, sharedRange, unpackBody, unpackMesh, type Body } from "./body_data";
 import { download } from "./charts";
-import { readBlock, showFault, type BodyData } from "./page_data";
+import type { OrganMesh } from "../view/skin";
+import { readBlock, showFault, type BodiesData, type BodyData } from "./page_data";
 import { isDark, onTheme, pageColour } from "./theme";
 
 const MOST_VIEWS = 8; // a browser gives a page some sixteen
-const FIRST_VIEWS = 4;
+const FIRST_VIEWS = 3;
 const MODES: Record<ViewMode, string> = { surface: "surface", edges: "surface and edges", wireframe: "wireframe", cut: "cut open" };
 
 interface Shown {
@@ -24,8 +25,7 @@ export function enlivenBodies(place: HTMLElement): void {
     started = true;
     observer.disconnect();
     try {
-      const { bodies } = readBlock<{ bodies: BodyData[] }>(place.dataset["bodies"]!);
-      new BodyStage(place, bodies).open();
+      new BodyStage(place, readBlock<BodiesData>(place.dataset["bodies"]!)).open();
     } catch (error) {
       showFault(place, "The meshes could not be shown", error);
     }
@@ -45,14 +45,16 @@ class BodyStage {
   private readonly scale = slider("Deformation times", 0, 20, 0.5, 1);
   private readonly texture = Object.assign(document.createElement("input"), { type: "checkbox", checked: true });
   private readonly unpacked = new Map<BodyData, Promise<Body>>();
+  private readonly unpackedMeshes = new Map<number, Promise<OrganMesh>>();
   private shown: Shown[] = [];
   private unlink: (() => void) | null = null;
   private playback: Playback | null = null;
   private frame = 0;
   private turn = 0;
+  private chosenColour: string | null = null;
 
-  constructor(private readonly place: HTMLElement, private readonly bodies: BodyData[]) {
-    this.groups = [...new Set(bodies.map((body) => body.group))];
+  constructor(private readonly place: HTMLElement, private readonly data: BodiesData) {
+    this.groups = [...new Set(data.bodies.map((body) => body.group))];
     for (const name of this.groups) this.group.append(new Option(name, name));
     for (const [mode, title] of Object.entries(MODES)) this.mode.append(new Option(title, mode));
     this.bar.className = this.choices.className = "body-bar";
@@ -63,7 +65,10 @@ class BodyStage {
       labelled("Texture", this.texture), reset, save);
     this.group.addEventListener("change", () => this.openGroup());
     this.mode.addEventListener("change", () => this.restyle());
-    this.colour.addEventListener("change", () => this.restyle());
+    this.colour.addEventListener("change", () => {
+      this.chosenColour = this.colour.value;
+      this.restyle();
+    });
     this.texture.addEventListener("change", () => this.restyle());
     this.cut.input.addEventListener("input", () => this.restyle());
     this.scale.input.addEventListener("input", () => this.reshape());
@@ -76,7 +81,7 @@ class BodyStage {
   }
 
   private own(): BodyData[] {
-    return this.bodies.filter((body) => body.group === this.group.value);
+    return this.data.bodies.filter((body) => body.group === this.group.value);
   }
 
   private openGroup(): void {
@@ -105,7 +110,15 @@ class BodyStage {
 
   private unpack(data: BodyData): Promise<Body> {
     let found = this.unpacked.get(data);
-    if (!found) this.unpacked.set(data, (found = unpackBody(data)));
+    if (!found) this.unpacked.set(data, (found = this.unpackMesh(data.mesh).then((mesh) => unpackBody(data, mesh))));
+    return found;
+  }
+
+  private unpackMesh(place: number): Promise<OrganMesh> {
+    const data = this.data.meshes[place];
+    if (!data) return Promise.reject(new Error(`the page has no mesh ${place}`));
+    let found = this.unpackedMeshes.get(place);
+    if (!found) this.unpackedMeshes.set(place, (found = unpackMesh(data)));
     return found;
   }
 
@@ -116,7 +129,7 @@ class BodyStage {
       const figure = document.createElement("figure");
       const caption = document.createElement("figcaption");
       caption.append(Object.assign(document.createElement("strong"), { textContent: body.data.title }),
-        ` ${body.data.vertices.toLocaleString("en")} vertices, ${body.data.tets.toLocaleString("en")} tetrahedra${body.data.note ? `; ${body.data.note}` : ""}`);
+        ` ${(body.mesh.positions.length / 3).toLocaleString("en")} vertices, ${(body.mesh.tets.length / 4).toLocaleString("en")} tetrahedra${body.data.note ? `; ${body.data.note}` : ""}`);
       const container = Object.assign(document.createElement("div"), { className: "organ-view" });
       figure.append(caption, container);
       this.views.append(figure);
@@ -146,11 +159,14 @@ class BodyStage {
   }
 
   private offerColours(): void {
-    const before = this.colour.value;
+    const before = this.chosenColour;
     const titles = new Set(this.shown.flatMap(({ body }) => [...body.fields.keys()]));
     if (this.shown.some(({ body }) => body.frames.length || body.displacement)) titles.add(DISPLACEMENT);
     this.colour.replaceChildren(new Option("nothing", ""), ...[...titles].map((title) => new Option(title, title)));
-    this.colour.value = titles.has(before) || before === "" ? before : "";
+    // At first a loaded or moving body shows where it goes, any other one its first figure on a cut.
+    const first = titles.has(DISPLACEMENT) ? DISPLACEMENT : ([...titles][0] ?? "");
+    if (before === null) this.mode.value = titles.has(DISPLACEMENT) || !first ? "surface" : "cut";
+    this.colour.value = before !== null && (titles.has(before) || before === "") ? before : first;
   }
 
   private offerPlayback(): void {

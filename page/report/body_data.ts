@@ -1,7 +1,7 @@
 // A body of the page, unpacked: its mesh, its figures, and its shape at a moment.
 import { rangeOf, type Scalars } from "../view/colour_scale";
 import type { OrganMesh } from "../view/skin";
-import { unpack, unpackField, type BodyData } from "./page_data";
+import { unpack, unpackField, type BodyData, type MeshData } from "./page_data";
 
 /** The figure that a moving or loaded body has besides those it came with. */
 export const DISPLACEMENT = "displacement";
@@ -17,24 +17,29 @@ export interface Body {
 }
 
 /** Throws: Error where the data is broken. */
-export async function unpackBody(data: BodyData): Promise<Body> {
+export async function unpackMesh(data: MeshData): Promise<OrganMesh> {
   const positions = new Float32Array(await unpack(data.positions.data));
   const packed = await unpack(data.indices.data);
   const tets = data.indices.type === "u16" ? Uint32Array.from(new Uint16Array(packed)) : new Uint32Array(packed);
-  if (positions.length !== 3 * data.vertices || tets.length !== 4 * data.tets) throw new Error(`${data.title}: vertices or tetrahedra are missing`);
+  if (positions.length !== 3 * data.vertices || tets.length !== 4 * data.tets) throw new Error("vertices or tetrahedra are missing");
+  return { positions, tets };
+}
+
+/** A body on its mesh. Throws: Error where the data is broken. */
+export async function unpackBody(data: BodyData, mesh: OrganMesh): Promise<Body> {
   const fields = new Map<string, Scalars>();
   for (const field of data.fields) {
     const values = await unpackField(field);
     fields.set(field.title, { values, on: field.on, name: field.title, unit: field.unit, range: [field.low, field.high], scale: field.scale });
   }
   const displacement = data.displacement ? new Float32Array(await unpack(data.displacement.data)) : null;
-  const frames = data.motion ? await unpackFrames(data) : [];
-  if (displacement && displacement.length !== positions.length) throw new Error(`${data.title}: displacements are missing`);
-  return { data, mesh: { positions, tets }, fields, displacement, frames };
+  const frames = data.motion ? await unpackFrames(data, mesh.positions.length / 3) : [];
+  if (displacement && displacement.length !== mesh.positions.length) throw new Error(`${data.title}: displacements are missing`);
+  return { data, mesh, fields, displacement, frames };
 }
 
-async function unpackFrames(data: BodyData): Promise<Float32Array[]> {
-  const { motion, vertices } = data;
+async function unpackFrames(data: BodyData, vertices: number): Promise<Float32Array[]> {
+  const { motion } = data;
   const steps = new Int16Array(await unpack(motion!.data));
   if (steps.length !== 3 * vertices * motion!.times_s.length) throw new Error(`${data.title}: frames are missing`);
   const size = motion!.most / 32767;

@@ -37,18 +37,28 @@ export interface FieldData {
   data: string;
 }
 
+export interface MeshData {
+  vertices: number;
+  tets: number;
+  positions: { type: "f32"; data: string };
+  indices: { type: "u16" | "u32"; data: string };
+}
+
 export interface BodyData {
   title: string;
   group: string;
   unit: string;
   note: string;
-  vertices: number;
-  tets: number;
-  positions: { type: "f32"; data: string };
-  indices: { type: "u16" | "u32"; data: string };
+  /** The place of its mesh. */
+  mesh: number;
   fields: FieldData[];
   displacement?: { type: "f32"; data: string };
   motion?: { times_s: number[]; most: number; of: number; data: string };
+}
+
+export interface BodiesData {
+  meshes: MeshData[];
+  bodies: BodyData[];
 }
 
 export interface RunData {

@@ -201,7 +201,7 @@ export class OrganView {
 
   resetCamera(): void {
     const { centre, radius, toEye } = this.frame;
-    const distance = (1.08 * radius) / Math.sin((FIELD_DEG * Math.PI) / 360);
+    const distance = (0.94 * radius) / Math.sin((FIELD_DEG * Math.PI) / 360);
     this.camera.position.set(...toEye).multiplyScalar(distance).add(new THREE.Vector3(...centre));
     this.camera.near = distance / 200;
     this.camera.far = distance * 20;

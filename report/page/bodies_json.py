@@ -5,6 +5,7 @@ A body has a few hundred kilobytes, so a page takes as many as there is room for
 
 import base64
 import zlib
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -51,15 +52,18 @@ def motion_data(moves, count):
             "data": packed(np.rint(frames / most * 32767).astype("<i2"))}
 
 
+def mesh_data(mesh):
+    return {"vertices": len(mesh.points), "tets": len(mesh.tets), "positions": floats(mesh.points), "indices": indices(mesh.tets, len(mesh.points))}
+
+
 def body_data(body):
-    """One body as it stands in the page. Throws ValueError where its figures do not fit it."""
+    """One body as it stands in the page, without its mesh. Throws ValueError where its figures do not fit it."""
     points, tets = body.mesh.points, body.mesh.tets
     for field in body.fields:
         wanted = len(points) if field.on == "vertex" else len(tets)
         if len(field.values) != wanted:
             raise ValueError(f"{body.title}: {field.title}: expected {wanted} figures, found {len(field.values)}")
-    data = {"title": body.title, "group": body.group, "unit": body.unit, "vertices": len(points), "tets": len(tets), "note": body.note,
-            "positions": floats(points), "indices": indices(tets, len(points)), "fields": [field_data(field) for field in body.fields]}
+    data = {"title": body.title, "group": body.group, "unit": body.unit, "note": body.note, "fields": [field_data(field) for field in body.fields]}
     if body.displacement is not None:
         data["displacement"] = floats(np.asarray(body.displacement, dtype=float).reshape(-1, 3))
     if len(body.moves) > 1:
@@ -81,27 +85,42 @@ def in_turn(bodies):
     return [group[place] for place in range(most) for group in groups.values() if place < len(group)]
 
 
+@dataclass
+class Chosen:
+    """What of the bodies stands in the page: each mesh once, each body with the place of its mesh; and a sentence on what was left out."""
+
+    meshes: list
+    bodies: list
+    note: str
+
+
 def choose_bodies(bodies, room=MOST_BYTES):
-    """The bodies that there is room for, in their own order, and a sentence on those that were left out."""
+    """The bodies that there is room for, in their own order."""
     bodies = list(bodies)
-    kept, left, large, used = {}, 0, 0, 0
+    kept, meshes, places = {}, [], {}
+    left, large, used = 0, 0, 0
     for body in in_turn(bodies):
         if len(body.mesh.tets) > MOST_TETS:
             large += 1
             continue
-        # A guess before the work: compressed, a body takes some seven bytes a tetrahedron.
-        if used + 7 * len(body.mesh.tets) > room:
+        if used >= room:  # before the work
             left += 1
             continue
+        mark = (body.mesh.points.tobytes(), body.mesh.tets.tobytes())
+        mesh = None if mark in places else mesh_data(body.mesh)
         data = body_data(body)
-        if used + size_of(data) > room:
+        size = size_of(data) + (size_of(mesh) if mesh else 0)
+        if used + size > room:
             left += 1
             continue
-        used += size_of(data)
-        kept[id(body)] = data
+        used += size
+        if mesh:
+            places[mark] = len(meshes)
+            meshes.append(mesh)
+        kept[id(body)] = {**data, "mesh": places[mark]}
     notes = []
     if left:
         notes.append(f"{left} of {len(bodies)} meshes are left out, so that the page stays small; they are in the run's folder.")
     if large:
         notes.append(f"{large} with over {MOST_TETS:,} tetrahedra are too large to show here.")
-    return [kept[id(body)] for body in bodies if id(body) in kept], " ".join(notes)
+    return Chosen(meshes, [kept[id(body)] for body in bodies if id(body) in kept], " ".join(notes))

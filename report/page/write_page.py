@@ -142,15 +142,15 @@ class PageWriter:
             from page.bodies_json import choose_bodies  # needs numpy
         except ImportError as error:
             return tag("p", f"No 3D: {error} (packages.txt: python3-matplotlib brings it).")
-        bodies, note = choose_bodies(self.parts.bodies())
-        notes = [tag("p", note, class_="note")] if note else []
-        if not bodies:
+        chosen = choose_bodies(self.parts.bodies())
+        notes = [tag("p", chosen.note, class_="note")] if chosen.note else []
+        if not chosen.bodies:
             return join([tag("p", "The run's folder has no meshes to show."), *notes])
         if not self.scripts.script:
-            return tag("p", f"{len(bodies)} meshes could be shown here in 3D; this page was written without its scripts. They are in the run's folder.")
-        groups = list(dict.fromkeys(body["group"] for body in bodies))
-        return join([tag("div", tag("p", f"{len(bodies)} meshes in 3D take JavaScript and WebGL: {'; '.join(groups)}."), id="bodies", data_bodies="bodies-data"), *notes,
-                     json_block("bodies-data", {"bodies": bodies})])
+            return tag("p", f"{len(chosen.bodies)} meshes could be shown here in 3D; this page was written without its scripts. They are in the run's folder.")
+        groups = list(dict.fromkeys(body["group"] for body in chosen.bodies))
+        return join([tag("div", tag("p", f"{len(chosen.bodies)} meshes in 3D take JavaScript and WebGL: {'; '.join(groups)}."), id="bodies", data_bodies="bodies-data"), *notes,
+                     json_block("bodies-data", {"meshes": chosen.meshes, "bodies": chosen.bodies})])
 
 
 def page_html(run, parts, scripts, failed=()):
