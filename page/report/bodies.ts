@@ -2,7 +2,7 @@
 import { linkCameras, OrganView, type ViewMode } from "../view/organ_view";
 import { frameOf } from "../view/framing";
 import { Playback } from "../view/playback";
-import { DISPLACEMENT, displacementRange, lengthsOf, moved, sharedRange, unpackBody, unpackMesh, type Body } from "./body_data";
+import { DISPLACEMENT, displacementRange, largestFrame, lengthsOf, moved, sharedRange, unpackBody, unpackMesh, type Body } from "./body_data";
 import { download } from "./charts";
 import type { OrganMesh } from "../view/skin";
 import { readBlock, showFault, type BodiesData, type BodyData } from "./page_data";
@@ -177,6 +177,7 @@ class BodyStage {
       this.reshape();
     });
     this.below.append(this.playback.element);
+    this.playback.goTo(largestFrame(moving.body)); // a still picture of a body at rest says little
   }
 
   // Mode, cut, colours and texture, as the controls say.
@@ -193,7 +194,7 @@ class BodyStage {
       const displacement = this.displacementOf(body);
       if (field) view.setScalars({ ...field, range: sharedRange(bodies, field.name) });
       else if (this.colour.value === DISPLACEMENT && displacement)
-        view.setScalars({ values: lengthsOf(displacement), on: "vertex", name: DISPLACEMENT, unit: body.data.unit, range: displacementRange(bodies) });
+        view.setScalars({ values: lengthsOf(displacement, body.factor), on: "vertex", name: DISPLACEMENT, unit: body.unit, range: displacementRange(bodies) });
       else view.setScalars(null);
     }
   }
@@ -208,7 +209,7 @@ class BodyStage {
       const displacement = this.displacementOf(body);
       if (!displacement) continue;
       view.setPositions(moved(body, displacement, body.frames.length ? 1 : Number(this.scale.input.value)));
-      if (this.colour.value === DISPLACEMENT) view.updateScalarValues(lengthsOf(displacement));
+      if (this.colour.value === DISPLACEMENT) view.updateScalarValues(lengthsOf(displacement, body.factor));
     }
   }
 

@@ -14,6 +14,10 @@ export interface Body {
   displacement: Float32Array | null;
   /** Displacements of each frame of a motion. */
   frames: Float32Array[];
+  /** Displacements are shown in this unit: in mm where the mesh is in m. */
+  unit: string;
+  /** What a length of the mesh is multiplied by for it. */
+  factor: number;
 }
 
 /** Throws: Error where the data is broken. */
@@ -35,7 +39,8 @@ export async function unpackBody(data: BodyData, mesh: OrganMesh): Promise<Body>
   const displacement = data.displacement ? new Float32Array(await unpack(data.displacement.data)) : null;
   const frames = data.motion ? await unpackFrames(data, mesh.positions.length / 3) : [];
   if (displacement && displacement.length !== mesh.positions.length) throw new Error(`${data.title}: displacements are missing`);
-  return { data, mesh, fields, displacement, frames };
+  const isInMetres = data.unit === "m";
+  return { data, mesh, fields, displacement, frames, unit: isInMetres ? "mm" : data.unit, factor: isInMetres ? 1000 : 1 };
 }
 
 async function unpackFrames(data: BodyData, vertices: number): Promise<Float32Array[]> {
@@ -51,16 +56,22 @@ export function moved(body: Body, displacement: Float32Array, scale: number): Fl
   return body.mesh.positions.map((value, i) => value + scale * displacement[i]!);
 }
 
-/** The length of the displacement of each vertex. */
-export function lengthsOf(displacement: Float32Array): Float32Array {
-  return Float32Array.from({ length: displacement.length / 3 }, (_, i) => Math.hypot(displacement[3 * i]!, displacement[3 * i + 1]!, displacement[3 * i + 2]!));
+/** The length of the displacement of each vertex, times `factor`. */
+export function lengthsOf(displacement: Float32Array, factor = 1): Float32Array {
+  return Float32Array.from({ length: displacement.length / 3 }, (_, i) => factor * Math.hypot(displacement[3 * i]!, displacement[3 * i + 1]!, displacement[3 * i + 2]!));
+}
+
+/** The frame of a motion in which some vertex is farthest from rest. */
+export function largestFrame(body: Body): number {
+  const sizes = body.frames.map((frame) => rangeOf(lengthsOf(frame))[1]);
+  return sizes.indexOf(Math.max(...sizes));
 }
 
 /** The largest displacement of any frame or load of these bodies: what the ends of a scale that all share stand for. */
 export function displacementRange(bodies: readonly Body[]): [number, number] {
   let most = 0;
   for (const body of bodies)
-    for (const field of [...body.frames, ...(body.displacement ? [body.displacement] : [])]) most = Math.max(most, rangeOf(lengthsOf(field))[1]);
+    for (const field of [...body.frames, ...(body.displacement ? [body.displacement] : [])]) most = Math.max(most, rangeOf(lengthsOf(field, body.factor))[1]);
   return [0, most || 1];
 }
 

@@ -71,6 +71,7 @@ function drawPanel(chart: ChartData, panel: Panel, width: number, domains: { x?:
   const options = optionsOf(chart, panel, width, domains, marks);
   const plot = Plot.plot({
     ...options,
+    symbol: { domain: style.names, range: style.marks },
     style: { background: "transparent", color: pageColour("--ink"), fontSize: "12px", overflow: "visible" },
     marks: [...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
   });
@@ -141,7 +142,7 @@ const at = (axis: AxisData, end = "") => (row: Row) => {
 
 function ground(chart: ChartData, marks: MarkData[]): Plot.Markish[] {
   const faint = pageColour("--faint");
-  const found: Plot.Markish[] = [Plot.axisX({ anchor: "bottom", tickSize: 4 })];
+  const found: Plot.Markish[] = [];
   if (chart.kind === "bars") found.push(Plot.ruleY([0]));
   const x = (mark: MarkData) => mark.value * chart.x.factor;
   if (marks.length && chart.kind !== "bars") {
@@ -156,15 +157,15 @@ function marksOf(chart: ChartData, rows: Row[], style: SeriesStyle): Plot.Markis
   const colour = (row: Row) => style.colours[place(row)]!;
   const paper = pageColour("--paper");
   const fill = (row: Row) => (row["hollow"] ? paper : colour(row));
-  const symbol = (row: Row) => style.marks[place(row)]!;
-  const plain = { symbol: { value: symbol, scale: null }, stroke: { value: colour, scale: null }, fill: { value: fill, scale: null } } as unknown as Plot.DotOptions;
+  const symbol = (row: Row) => style.names[place(row)]!;
+  const plain = { symbol, stroke: { value: colour, scale: null }, fill: { value: fill, scale: null } } as unknown as Plot.DotOptions;
   const [x, y] = [at(chart.x), at(chart.y)];
   const line = { stroke: { value: colour, scale: null } } as unknown as Plot.RuleYOptions;
   switch (chart.kind) {
     case "ranges":
       return [
         Plot.ruleY(rows, { ...line, x1: at(chart.x, "_low"), x2: at(chart.x, "_high"), y: chart.y.key, strokeWidth: 2 } as Plot.RuleYOptions),
-        Plot.dot(rows, { ...plain, symbol: "circle", x, y: chart.y.key, r: 4.5, strokeWidth: 1.5 } as Plot.DotOptions),
+        Plot.dot(rows, { ...plain, x, y: chart.y.key, r: 4.5, strokeWidth: 1.5 } as Plot.DotOptions),
       ];
     case "points":
       return [
@@ -175,7 +176,7 @@ function marksOf(chart: ChartData, rows: Row[], style: SeriesStyle): Plot.Markis
     case "lines":
       return [
         Plot.line(rows, { x, y, z: chart.series || undefined, stroke: { value: colour, scale: null }, strokeWidth: 1.6 } as unknown as Plot.LineOptions),
-        ...(rows.length <= 400 ? [Plot.dot(rows, { ...plain, x, y, r: 2.6 } as Plot.DotOptions)] : []),
+        ...(rows.length <= 60 ? [Plot.dot(rows, { ...plain, x, y, r: 2.6 } as Plot.DotOptions)] : []),
       ];
     case "bars":
       return barMarks(chart, rows, x, y, colour);

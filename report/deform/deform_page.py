@@ -242,7 +242,7 @@ def bodies_of(run):
                 yield Body("reference", title, mesh, [quality_field(mesh)], displacement=references[folder], unit="m")
         fields = [quality_field(mesh)]
         if references[folder] is not None:
-            fields.insert(0, Field("error against the reference", "m", "vertex", np.linalg.norm(field - references[folder], axis=1), scale="cividis"))
+            fields.insert(0, Field("error against the reference", "mm", "vertex", 1000 * np.linalg.norm(field - references[folder], axis=1), scale="cividis"))
         count += 1
         yield Body(group.label, title, mesh, fields, displacement=field, unit="m")
 

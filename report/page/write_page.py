@@ -126,7 +126,7 @@ class PageWriter:
             if picture:
                 others.append(drawn_html(stem, self.name("chart"), picture, self.pictures.endings(stem)))
         if others:
-            found.append(join([tag("h3", "As drawn for print") if any(found) else "", tag("div", *others, class_="charts")]))
+            found.append(tag("details", tag("summary", f"As drawn for print ({len(others)})"), tag("div", *others, class_="charts"), open=not any(found)))
         if self.pictures.left:
             found.append(tag("p", f"Not shown here, so that the page stays small; they are in charts/: {', '.join(self.pictures.left)}.", class_="note"))
         return join(found) or tag("p", "There is nothing to draw: no accepted answers.")
