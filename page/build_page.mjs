@@ -30,10 +30,26 @@ function bringPackages(withTests) {
   return true;
 }
 
+/** The licences of the packages whose sources went into a bundle, each text once: they ask to be copied along. */
+function licencesOf(inputs) {
+  const holders = new Map();
+  for (const input of inputs) {
+    const [, name] = input.match(/node_modules\/((?:@[^/]+\/)?[^/]+)\//) ?? [];
+    if (!name) continue;
+    const file = ["LICENSE", "LICENSE.md", "LICENSE.txt"].map((ending) => join(here, "node_modules", name, ending)).find(existsSync);
+    const text = file ? readFileSync(file, "utf8").trim() : JSON.parse(readFileSync(join(here, "node_modules", name, "package.json"), "utf8")).license;
+    holders.set(text, [...(holders.get(text) ?? []), name].filter((each, place, all) => all.indexOf(each) === place));
+  }
+  const parts = [...holders].map(([text, names]) => `${names.sort().join(", ")}:\n\n${text}`).sort();
+  return parts.length ? `/*\nOf others in this script:\n\n${parts.join("\n\n").replaceAll("*/", "* /")}\n*/\n` : "";
+}
+
 async function bundle(page, folder) {
   const { build } = await import("esbuild");
   const common = { absWorkingDir: here, bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning", target: ["es2022"] };
-  await build({ ...common, entryPoints: [page.script], outfile: join(folder, `${page.name}.js`), format: "iife", loader: { ".css": "empty" } });
+  const script = join(folder, `${page.name}.js`);
+  const { metafile } = await build({ ...common, entryPoints: [page.script], outfile: script, format: "iife", loader: { ".css": "empty" }, metafile: true });
+  writeFileSync(script, licencesOf(Object.keys(metafile.inputs)) + readFileSync(script, "utf8"));
   await build({ ...common, entryPoints: [page.style], outfile: join(folder, `${page.name}.css`) });
 }
 

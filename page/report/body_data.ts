@@ -1,5 +1,5 @@
 // A body of the page, unpacked: its mesh, its figures, and its shape at a moment.
-import { rangeOf, type Scalars } from "../view/colour_scale";
+import type { Scalars } from "../view/colour_scale";
 import type { OrganMesh } from "../view/skin";
 import { unpack, unpackField, type BodyData, type MeshData } from "./page_data";
 
@@ -61,9 +61,13 @@ export function lengthsOf(displacement: Float32Array, factor = 1): Float32Array 
   return Float32Array.from({ length: displacement.length / 3 }, (_, i) => factor * Math.hypot(displacement[3 * i]!, displacement[3 * i + 1]!, displacement[3 * i + 2]!));
 }
 
+function mostOf(values: Float32Array): number {
+  return values.reduce((most, value) => Math.max(most, value), 0);
+}
+
 /** The frame of a motion in which some vertex is farthest from rest. */
 export function largestFrame(body: Body): number {
-  const sizes = body.frames.map((frame) => rangeOf(lengthsOf(frame))[1]);
+  const sizes = body.frames.map((frame) => mostOf(lengthsOf(frame)));
   return sizes.indexOf(Math.max(...sizes));
 }
 
@@ -71,7 +75,7 @@ export function largestFrame(body: Body): number {
 export function displacementRange(bodies: readonly Body[]): [number, number] {
   let most = 0;
   for (const body of bodies)
-    for (const field of [...body.frames, ...(body.displacement ? [body.displacement] : [])]) most = Math.max(most, rangeOf(lengthsOf(field, body.factor))[1]);
+    for (const field of [...body.frames, ...(body.displacement ? [body.displacement] : [])]) most = Math.max(most, mostOf(lengthsOf(field, body.factor)));
   return [0, most || 1];
 }
 
