@@ -3,7 +3,6 @@
 from page.markup import data_uri, json_block, join, tag, void
 
 MOST_POINTS = 4000  # of a chart
-CHART_KEYS = ("title", "unit", "is_log", "factor")
 
 
 def axis_data(axis):
@@ -23,7 +22,7 @@ def chart_data(chart):
     columns = {}
     for key in dict.fromkeys(keys_of(chart)):
         values = [row.get(key) for row in rows]
-        if any(value not in (None, "", False) for value in values):
+        if any(value is not None and value is not False and value != "" for value in values):
             columns[key] = values
     return {"kind": chart.kind, "title": chart.title, "x": axis_data(chart.x), "y": axis_data(chart.y), "series": chart.series,
             "facet": chart.facet, "shown": [axis_data(axis) for axis in chart.shown], "marks": chart.marks, "rows": len(rows), "columns": columns}

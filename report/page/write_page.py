@@ -42,11 +42,11 @@ class Pictures:
         self.folder = folder
         self.room = MOST_PICTURE_BYTES
         self.left = []
-        self.stems = sorted({path.stem for path in folder.glob("*") if path.suffix in (".svg", ".png")}) if folder.is_dir() else []
+        self.stems = sorted({path.stem for path in folder.glob("*") if path.suffix in (".svg", ".png")}) if folder and folder.is_dir() else []
         self.taken = set()
 
     def endings(self, stem):
-        return [ending for ending in ("svg", "png") if stem and (self.folder / f"{stem}.{ending}").is_file()]
+        return [ending for ending in ("svg", "png") if stem and self.folder and (self.folder / f"{stem}.{ending}").is_file()]
 
     def take(self, stem):
         """The PNG, or None without one or without room."""
@@ -163,7 +163,7 @@ def page_html(run, parts, scripts, failed=()):
                 ("charts", "Charts", writer.charts_html()), ("tables", "Tables", writer.tables_html()), ("organs", "In 3D", writer.bodies_html()),
                 ("provenance", "Provenance", facts.provenance_html(run))]
     warning = tag("p", scripts.missing, class_="warning") if scripts.missing else ""
-    return document(run.plan, question, chapters, warning, scripts, facts.repeat_command(run))
+    return document(f"plan {run.plan}", question, chapters, warning, scripts, facts.repeat_command(run))
 
 
 def verdict_html(run, parts, failed):
@@ -172,17 +172,17 @@ def verdict_html(run, parts, failed):
     return join([tag("div", tag("p", parts.verdict), *more, class_=f"verdict {parts.state}"), *notes])
 
 
-def document(name, question, chapters, warning, scripts, command):
+def document(kind, question, chapters, warning, scripts, command):
     base = (HERE / "page.css").read_text(encoding="utf-8")
     head = [void("meta", charset="utf-8"), void("meta", name="viewport", content="width=device-width, initial-scale=1"),
             void("meta", http_equiv="Content-Security-Policy", content=POLICY), void("meta", name="color-scheme", content="light dark"),
-            tag("title", f"{question} - {name}"), tag("style", Markup(base)), tag("style", Markup(scripts.style)) if scripts.style else ""]
+            tag("title", f"{question} - {kind}"), tag("style", Markup(base)), tag("style", Markup(scripts.style)) if scripts.style else ""]
     links = [tag("a", title, href=f"#{place}") for place, title, _ in chapters]
-    body = [tag("a", "To the verdict", href="#verdict", class_="skip"), tag("header", tag("p", f"Palpate, plan {name}", class_="kind"), tag("h1", question), warning),
+    body = [tag("a", "To the verdict", href="#verdict", class_="skip"), tag("header", tag("p", f"Palpate, {kind}", class_="kind"), tag("h1", question), warning),
             tag("nav", tag("div", *links, id="tools"), aria_label="Parts of the page"),
             tag("main", *(tag("section", tag("h2", title), content, id=place) for place, title, content in chapters)),
-            tag("footer", "Written by palpate report from the run's folder alone. docs/report_page.md says how to read it."),
-            json_block("run-data", {"plan": name, "command": command}) if scripts.script else "",
+            tag("footer", "Written by palpate report from the files of runs alone. docs/report_page.md says how to read it."),
+            json_block("run-data", {"plan": kind, "command": command}) if scripts.script else "",
             tag("script", script_text(scripts.script)) if scripts.script else ""]
     return "<!doctype html>\n" + tag("html", tag("head", *head), "\n", tag("body", *(join([part, "\n"]) for part in body)), lang="en") + "\n"
 
@@ -190,3 +190,13 @@ def document(name, question, chapters, warning, scripts, command):
 def write_page(run, parts, path, scripts_folder=None, failed=()):
     """Writes the page."""
     write_atomically(path, page_html(run, parts, Scripts(scripts_folder), failed))
+
+
+def write_parts(parts, question, path, scripts_folder=None):
+    """Writes a page of parts that belong to no single run: verdict, charts and tables."""
+    scripts = Scripts(scripts_folder)
+    writer = PageWriter(None, parts, scripts, Pictures(None))
+    verdict = tag("div", tag("p", parts.verdict), class_=f"verdict {parts.state}")
+    chapters = [("verdict", "Verdict", verdict), ("charts", "Charts", writer.charts_html()), ("tables", "Tables", writer.tables_html())]
+    warning = tag("p", scripts.missing, class_="warning") if scripts.missing else ""
+    write_atomically(path, document("runs compared", question, chapters, warning, scripts, "./palpate run PLAN"))
