@@ -1,26 +1,29 @@
 #!/usr/bin/env python3
-"""Tables, charts and verdict of a run, from its folder alone.
+"""Tables, charts, page and verdict of a run, from its folder alone.
 
-    make_report.py RUN_DIR [--no-charts]
+    make_report.py RUN_DIR [--no-charts] [-o FILE] [--scripts DIR]
 
-Writes RUN_DIR/tables/*.csv and RUN_DIR/charts/*.svg|png, and prints a summary. Exit codes: 0 done; 1 done, but a comparison, a
+Writes RUN_DIR/tables/*.csv, RUN_DIR/charts/*.svg|png and the page RUN_DIR/report.html (or FILE), and prints a summary. DIR is where the
+build left the page's scripts (else build/*/page). Exit codes: 0 done; 1 done, but a comparison, a
 target or a claim that the plan marks `required: true` does not hold (the last lines say which); 2 the folder is no run folder or a
 record is broken; 3 matplotlib is missing, a file could not be written, or a fault of the report itself.
 """
 
 import argparse
+import pathlib
 import sys
 import traceback
 from dataclasses import dataclass
 
-from deform import convergence, cost, deform, deform_tables, frontier, targets
-from engine import engine
-from motion import motion, stages
+from deform import convergence, cost, deform, deform_page, deform_tables, frontier, targets
+from engine import engine, engine_page
+from motion import motion, motion_page, stages
+from page import write_page
 from shared import equal_count, load, records, tables
 from shared.terminal import say
-from simplify import comparisons, contest, scaling, verdict
-from stability import stability
-from verify import verification
+from simplify import comparisons, contest, scaling, simplify_page, verdict
+from stability import stability, stability_page
+from verify import verification, verification_page
 
 
 @dataclass
@@ -148,9 +151,9 @@ def draw_motions(run, sections):
     return motion_charts.draw_charts(run, sections, run.folder / "charts")
 
 
-def draw_simplifiers(run, claim):
+def draw_simplifiers(run, found):
     from simplify import charts  # needs matplotlib
-    return charts.draw_charts(run, claim, run.folder / "charts")
+    return charts.draw_charts(run, found[0], run.folder / "charts")
 
 
 def report_motions(run):
@@ -169,14 +172,14 @@ def report_motions(run):
 
 
 def report_simplifiers(run):
-    """Tables and summary of a contest of simplifiers; returns its claim, and what is required and does not hold."""
+    """Tables and summary of a contest of simplifiers; returns its claim and what it found, and what is required and does not hold."""
     claim = verdict.read_claim(run.plan_data)
     equal_count.add_count_notes(run, claim)
     found = find(run, claim)
     write_tables(run, claim, found)
     print_summary(run, claim, found)
     failed = [*comparisons.failed_requirements(run, found.comparisons), *verdict.failed_requirements(claim, found.verdicts)]
-    return claim, failed
+    return (claim, found), failed
 
 
 def draw_engine(run, found):
@@ -184,41 +187,60 @@ def draw_engine(run, found):
     return engine_charts.draw_charts(run, found, run.folder / "charts")
 
 
+@dataclass(frozen=True)
+class ContestReport:
+    """What a contest's room does: `tables` writes and prints them and returns (found, failed requirements), `draw` draws the charts, and
+    `page` says what the page has, both from what was found."""
+
+    tables: object
+    draw: object
+    page: object
+
+
 def choose_report(run):
-    """What writes the tables and what draws the charts of this contest."""
+    """The report of this contest."""
     of_contest = {
-        "engine": (report_cases(engine.read_cases, engine.write_tables, engine.engine_text), draw_engine),
-        "motion": (report_motions, draw_motions),
-        "stability": (report_cases(stability.read_cases, stability.write_tables, stability.summary_text), draw_extremes),
-        "verify": (report_cases(verification.read_rows, verification.write_tables, verification.verification_text), draw_known_answers),
+        "engine": ContestReport(report_cases(engine.read_cases, engine.write_tables, engine.engine_text), draw_engine, engine_page.page_parts),
+        "motion": ContestReport(report_motions, draw_motions, motion_page.page_parts),
+        "stability": ContestReport(report_cases(stability.read_cases, stability.write_tables, stability.summary_text), draw_extremes,
+                                   stability_page.page_parts),
+        "verify": ContestReport(report_cases(verification.read_rows, verification.write_tables, verification.verification_text), draw_known_answers,
+                                verification_page.page_parts),
     }.get(run.plan_data.get("contest"))
     if of_contest is not None:
         return of_contest
     if run.judges_displacements:
-        return report_displacements, draw_displacements
-    return report_simplifiers, draw_simplifiers
+        return ContestReport(report_displacements, draw_displacements, deform_page.page_parts)
+    return ContestReport(report_simplifiers, draw_simplifiers, lambda run, found: simplify_page.page_parts(run, *found))
 
 
-def make_report(folder, with_charts):
+def print_notes(notes):
+    for note in notes:
+        say(f"\nnote: {note}")
+
+
+def make_report(options):
     """Does all of it; returns the exit code. What is required and does not hold is said last."""
-    run = records.read_run(folder)
-    report, draw = choose_report(run)
-    found, failed = report(run)
+    run = records.read_run(options.run_dir)
+    contest_report = choose_report(run)
+    found, failed = contest_report.tables(run)
     run.notes += load.run_notes(run)
     said = len(run.notes)
-    for note in run.notes:
-        say(f"\nnote: {note}")
-    if with_charts:
+    print_notes(run.notes)
+    if not options.no_charts:
         try:
-            drawn = draw(run, found)
+            drawn = contest_report.draw(run, found)
         except ImportError as error:
             print(f"report: no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
             return 3
         remove_old(run.folder / "charts", set(drawn))
-        for note in run.notes[said:]:
-            say(f"\nnote: {note}")
+        print_notes(run.notes[said:])
+        said = len(run.notes)
         if not drawn:
             say("\nnote: no accepted answers: no charts")
+    page = options.output or run.folder / "report.html"
+    write_page.write_page(run, contest_report.page(run, found), page, options.scripts, failed)
+    print_notes(run.notes[said:])
     for what in failed:
         say(f"\nrequired, and does not hold: {what}")
     return 1 if failed else 0
@@ -227,10 +249,12 @@ def make_report(folder, with_charts):
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="make_report.py", description="Tables, charts and verdict of a run.")
     parser.add_argument("run_dir", metavar="RUN_DIR")
-    parser.add_argument("--no-charts", action="store_true", help="tables and summary only")
+    parser.add_argument("--no-charts", action="store_true", help="tables, summary and page only")
+    parser.add_argument("-o", "--output", type=pathlib.Path, metavar="FILE", help="the page, instead of RUN_DIR/report.html")
+    parser.add_argument("--scripts", metavar="DIR", help="where the build left the page's scripts")
     options = parser.parse_args(arguments)
     try:
-        return make_report(options.run_dir, not options.no_charts)
+        return make_report(options)
     except records.BadRun as error:
         print(f"report: {error}", file=sys.stderr)
         return 2

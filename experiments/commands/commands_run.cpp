@@ -53,7 +53,7 @@ fs::path choose_folder(const RunArguments& arguments, const Plan& plan) {
 /// Runs the report over a finished run and prints what it says. Returns kDone, kNotAccepted if something that
 /// the plan requires does not hold, or kCouldNotRun.
 int make_report(const fs::path& folder) {
-  ProcessSpec spec = report_script("make_report.py", {folder.string()});
+  ProcessSpec spec = page_script("make_report.py", {folder.string()});
   spec.standard_output = folder / "report.txt";
   spec.standard_error = folder / "report_errors.txt";
   const ProcessResult result = run_process(spec);
@@ -122,6 +122,8 @@ int run(const RunArguments& arguments) {
     std::cout << chosen.size() << " of the plan's " << cases.size()
               << " cases; --resume without --only and --case runs the rest\n";
   std::cout << "Run: " << options.folder.string() << '\n';
+  if (fs::exists(options.folder / "report.html"))
+    std::cout << "Page: " << (options.folder / "report.html").string() << '\n';
   if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
   return result.required_rejected ? kNotAccepted : reported;
 }
@@ -249,7 +251,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
-  command->add_flag("--no-report", arguments->no_report, "Leave tables and charts out");
+  command->add_flag("--no-report", arguments->no_report, "Leave tables, charts and page out");
   command->footer(
       "Exit codes: 0 done and accepted; 1 a required answer was rejected, or a comparison, a target or\n"
       "the claim with required: true does not hold (the report's last lines say which); 3 a required case\n"

@@ -21,6 +21,12 @@ ProcessSpec report_script(const std::string& name, const std::vector<std::string
   return spec;
 }
 
+ProcessSpec page_script(const std::string& name, std::vector<std::string> arguments) {
+  arguments.emplace_back("--scripts");
+  arguments.push_back((std::filesystem::path(program_folder()).parent_path() / "page").string());
+  return report_script(name, arguments);
+}
+
 std::string last_line(const std::filesystem::path& file) {
   std::string text = read_bytes(file).value_or("");
   while (!text.empty() && text.back() == '\n') text.pop_back();

@@ -6,7 +6,6 @@ last one before the first that does not.
 
 from dataclasses import dataclass
 
-from shared.chart_style import time_text
 from shared.records import figure
 from shared.tables import first_reason, pad_columns, seconds_text, write_atomically, write_csv
 

@@ -9,7 +9,7 @@ rooms in the order of PLAN. Wings of the third floor never include each other, a
 core/mesh/tet_mesh.h alone. In reference the door and what models and simplifiers share come first; a contestant's folder includes no other
 one. A contest's room includes no other contest's. No file includes, over others, itself. A room has at most MOST_FILES sources and
 a README.md whose first paragraph says what is in it. Nothing but tests includes tests. The report is Python that reads files: its
-rooms import report/shared and themselves.
+rooms import report/shared and themselves. The pages are TypeScript that imports nothing of other wings; page/view imports no other page.
 """
 
 import collections
@@ -18,6 +18,7 @@ import re
 import sys
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+PAGE_IMPORT = re.compile(r"""(?:from|import)\s*\(?\s*["'](\.[^"']*)["']""")
 IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import|import\s+([\w.]+))", re.MULTILINE)
 OUR_FOLDERS = ("core", "reference", "experiments", "tests", "report", "cmake")
 MOST_FILES = 17
@@ -35,9 +36,10 @@ PLAN = {
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit", "envelope",
                     "commands", "."],
     "report": ["shared", "*", "."],
+    "page": ["view", "*"],
 }
 FLOOR = {"core/base": 0, "core/mesh": 1, "core/simplify": 2, "core/springs": 2, "core/dynamics": 2, "core/judge": 2,
-         "reference": 3, "experiments": 4, "report": 5, "tests": 6}
+         "reference": 3, "experiments": 4, "report": 5, "page": 5, "tests": 6}
 JUDGE_MAY_SEE = "core/mesh/tet_mesh.h"
 
 
@@ -151,6 +153,23 @@ def check_report(root):
     return found
 
 
+def check_pages(root):
+    """Violations of the pages' scripts, and their rooms without a README."""
+    found = []
+    for room in sorted(path.parent for path in (root / "page").glob("*/*.ts")):
+        if "node_modules" not in room.parts and not (room / "README.md").is_file():
+            found.append(f"{room.relative_to(root).as_posix()}: no README.md says what is in it")
+    for path in sorted((root / "page").glob("*/*.ts")):
+        name = path.relative_to(root).as_posix()
+        for match in PAGE_IMPORT.finditer(path.read_text(encoding="utf-8")):
+            target = (path.parent / match.group(1)).resolve()
+            if not target.is_relative_to((root / "page").resolve()):
+                found.append(f"{name}: imports {match.group(1)}: a page imports nothing of other wings")
+            elif path.parent.name == "view" and target.parent.name != "view":
+                found.append(f"{name}: imports {match.group(1)}: the view is below the pages")
+    return list(dict.fromkeys(found))
+
+
 def check_sources(root):
     """All violations below `root`, one line each."""
     found, sources, includes = [], list(list_sources(root)), {}
@@ -167,7 +186,7 @@ def check_sources(root):
             if reason:
                 line = text.count("\n", 0, match.start(1)) + 1
                 found.append(f"{source}:{line}: includes {target}: {reason}")
-    return found + find_cycles(includes) + check_rooms(root, sources) + check_report(root)
+    return found + find_cycles(includes) + check_rooms(root, sources) + check_report(root) + check_pages(root)
 
 
 def plan_lines():
@@ -175,6 +194,7 @@ def plan_lines():
     lines = ["| floor | wing | rooms, from the bottom up |", "|---|---|---|"]
     for wing, rooms in PLAN.items():
         shown = ", ".join("one a contestant" if (wing, room) == ("reference", "*") else
+                          "one a page" if (wing, room) == ("page", "*") else
                           "one a contest" if room.endswith("*") else room for room in rooms if room != ".")
         lines.append(f"| {FLOOR[wing]} | `{wing}` | {shown or 'one'} |")
     return lines

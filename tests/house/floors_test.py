@@ -112,6 +112,18 @@ class Floors(unittest.TestCase):
             self.write(root, "report/a.py", "import csv\nimport records\nfrom experiments import plan\n")
             self.assertEqual(len(floors.check_sources(root)), 1)
 
+    def test_the_view_is_below_the_pages_and_pages_import_nothing_else(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.write(root, "page/view/a.ts", 'import * as THREE from "three";\nimport { b } from "./b";\n')
+            self.write(root, "page/report/c.ts", 'import { a } from "../view/a";\n')
+            (root / "page/view/README.md").write_text("x", encoding="utf-8")
+            (root / "page/report/README.md").write_text("x", encoding="utf-8")
+            self.assertEqual(floors.check_sources(root), [])
+            self.write(root, "page/view/b.ts", 'import { c } from "../report/c";\n')
+            self.write(root, "page/report/d.ts", 'const e = await import("../../experiments/e");\n')
+            self.assertEqual([line.split(":")[0] for line in floors.check_sources(root)], ["page/report/d.ts", "page/view/b.ts"])
+
     def test_rooms_of_the_report_import_the_shared_one_alone(self):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)
