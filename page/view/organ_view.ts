@@ -1,0 +1,340 @@
+// A tetrahedral organ in 3D: skin, wireframe or cut open, coloured by a figure, turned by the mouse or the arrow keys. Knows nothing of
+// reports or engines: it is given positions and figures.
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { rangeOf, type Scalars } from "./colour_scale";
+import { frameOf, type CutPlane, type Frame } from "./framing";
+import { drawLegend, showLegend } from "./legend";
+import { organMaterial, scaleTexture } from "./organ_material";
+import { pickTriangle, type Hit } from "./pick";
+import { TriangleSoup } from "./triangle_soup";
+import type { OrganMesh } from "./skin";
+
+THREE.ColorManagement.enabled = false; // colours are shown as they are written
+
+/** `surface`: shaded skin; `edges`: the same with its edges; `wireframe`: edges alone, seen through; `cut`: tetrahedra behind a plane. */
+export type ViewMode = "surface" | "edges" | "wireframe" | "cut";
+
+export interface OrganViewOptions {
+  /** What the view is called, for those who cannot see it. */
+  label?: string;
+  /** Where the eye stands at first; the same for views side by side. Found from the mesh if it is not given. */
+  frame?: Frame;
+  mode?: ViewMode;
+  /** The speckled skin of section 4.2.8 of the thesis. */
+  texture?: boolean;
+  /** Of the organ where no figure colours it. */
+  tint?: string;
+}
+
+export interface ViewColours {
+  background: string;
+  edges: string;
+}
+
+const TINT = "#c4766a";
+const FIELD_DEG = 28;
+const KEY_TURN = Math.PI / 24;
+
+/**
+ * One view in a container, whose size it takes; the page's style sheet has to give it one (view.css). It draws only when something
+ * has changed. Several views of one body turn together by `linkCameras`.
+ */
+export class OrganView {
+  readonly canvas: HTMLCanvasElement;
+  readonly camera: THREE.PerspectiveCamera;
+  /** Turning and zooming by the mouse; `enabled = false` while something else is dragged. */
+  readonly controls: OrbitControls;
+  readonly frame: Frame;
+  /** Called after the camera has moved by hand. */
+  readonly cameraListeners = new Set<() => void>();
+  /** Called after each picture. */
+  readonly renderListeners = new Set<() => void>();
+
+  private readonly renderer: THREE.WebGLRenderer;
+  private readonly scene = new THREE.Scene();
+  private readonly soup: TriangleSoup;
+  private readonly material: THREE.ShaderMaterial;
+  private readonly skin: THREE.Mesh;
+  private readonly lines: THREE.LineSegments<THREE.BufferGeometry, THREE.LineBasicMaterial>;
+  private readonly legend: HTMLElement;
+  private readonly resizing: ResizeObserver;
+  private scalars: Scalars | null = null;
+  private mode: ViewMode;
+  private plane: CutPlane;
+  private colours: ViewColours = { background: "#ffffff", edges: "#26323c" };
+  private waiting = 0;
+
+  /** Throws: Error, in words for a reader, where the mesh is broken or the browser has no WebGL. */
+  constructor(readonly container: HTMLElement, mesh: OrganMesh, options: OrganViewOptions = {}) {
+    this.soup = new TriangleSoup(mesh);
+    this.frame = options.frame ?? frameOf(mesh.positions);
+    this.mode = options.mode ?? "surface";
+    this.plane = { normal: this.frame.toEye, offset: 0 };
+    this.canvas = document.createElement("canvas");
+    this.canvas.className = "organ-canvas";
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", `${options.label ?? "Organ"}, in 3D. Arrow keys turn it, plus and minus come nearer and go away, 0 looks as at first.`);
+    this.renderer = openRenderer(this.canvas);
+    this.legend = Object.assign(document.createElement("div"), { className: "organ-legend", hidden: true });
+    container.append(this.canvas, this.legend);
+
+    this.material = organMaterial(options.tint ?? TINT);
+    this.material.uniforms["textured"]!.value = options.texture === false ? 0 : 1;
+    this.skin = new THREE.Mesh(this.soup.geometry, this.material);
+    this.lines = new THREE.LineSegments(this.soup.edgeGeometry, new THREE.LineBasicMaterial({ color: this.colours.edges, transparent: true }));
+    this.skin.frustumCulled = this.lines.frustumCulled = false;
+    this.scene.add(this.skin, this.lines);
+
+    this.camera = new THREE.PerspectiveCamera(FIELD_DEG, 1, 0.01, 100);
+    this.camera.up.set(...this.frame.up);
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener("change", () => {
+      this.requestRender();
+      for (const listener of this.cameraListeners) listener();
+    });
+    this.canvas.addEventListener("keydown", (event) => this.turnByKey(event));
+    this.resizing = new ResizeObserver(() => this.resize());
+    this.resizing.observe(container);
+    this.resetCamera();
+    this.setMode(this.mode);
+    this.resize();
+  }
+
+  get vertexCount(): number {
+    return this.soup.positions.length / 3;
+  }
+
+  /** The triangles of the boundary: what `pick` counts. */
+  get boundary(): Uint32Array {
+    return this.soup.boundary;
+  }
+
+  /** Where the vertices are now. */
+  get positions(): Float32Array {
+    return this.soup.positions;
+  }
+
+  /** Moves the vertices; the texture sticks to the rest shape. Throws: Error if their number differs. */
+  setPositions(positions: Float32Array): void {
+    this.soup.setPositions(positions);
+    this.requestRender();
+  }
+
+  /** Colours the organ by a figure, or by none. Throws: Error if there are more or fewer figures than vertices or tetrahedra. */
+  setScalars(scalars: Scalars | null): void {
+    this.soup.setScalars(scalars);
+    this.scalars = scalars;
+    const [low, high] = scalars ? (scalars.range ?? rangeOf(scalars.values)) : [0, 1];
+    const { uniforms } = this.material;
+    uniforms["hasScalar"]!.value = scalars ? 1 : 0;
+    uniforms["low"]!.value = low;
+    uniforms["high"]!.value = high > low ? high : low + 1;
+    const table = uniforms["scaleMap"]!.value as THREE.DataTexture;
+    const name = scalars?.scale ?? "viridis";
+    if (table.name !== name) {
+      table.dispose();
+      uniforms["scaleMap"]!.value = Object.assign(scaleTexture(name), { name });
+    }
+    showLegend(this.legend, scalars);
+    this.requestRender();
+  }
+
+  /** A new set of the same figures, such as each frame of a motion has: neither legend nor range change. */
+  updateScalarValues(values: Float32Array): void {
+    if (!this.scalars) return;
+    this.scalars = { ...this.scalars, values };
+    this.soup.setScalars(this.scalars);
+    this.requestRender();
+  }
+
+  setMode(mode: ViewMode): void {
+    this.mode = mode;
+    this.soup.showCut(mode === "cut" ? this.plane : null, this.frame);
+    this.skin.visible = mode !== "wireframe";
+    this.lines.visible = mode !== "surface";
+    this.lines.material.opacity = mode === "wireframe" ? 0.75 : 0.4;
+    this.requestRender();
+  }
+
+  /** Where `cut` cuts. */
+  setCut(plane: CutPlane): void {
+    this.plane = plane;
+    if (this.mode === "cut") this.setMode("cut");
+  }
+
+  setTexture(on: boolean): void {
+    this.material.uniforms["textured"]!.value = on ? 1 : 0;
+    this.requestRender();
+  }
+
+  setColours(colours: ViewColours): void {
+    this.colours = colours;
+    this.lines.material.color.set(colours.edges);
+    this.requestRender();
+  }
+
+  /** What is under a point of the window: the nearest triangle of the boundary that faces the eye, as it is now. */
+  pick(clientX: number, clientY: number): Hit | null {
+    const { origin, direction } = this.rayAt(clientX, clientY);
+    return pickTriangle(this.soup.positions, this.soup.boundary, origin.toArray(), direction.toArray());
+  }
+
+  /** The ray from the eye through a point of the window. */
+  rayAt(clientX: number, clientY: number): THREE.Ray {
+    const box = this.canvas.getBoundingClientRect();
+    const x = (2 * (clientX - box.left)) / box.width - 1;
+    const y = 1 - (2 * (clientY - box.top)) / box.height;
+    this.camera.updateMatrixWorld();
+    const origin = new THREE.Vector3().setFromMatrixPosition(this.camera.matrixWorld);
+    return new THREE.Ray(origin, new THREE.Vector3(x, y, 0.5).unproject(this.camera).sub(origin).normalize());
+  }
+
+  /** Where a point of the body is in the window, in pixels of the client area. */
+  clientPoint(point: readonly [number, number, number]): { x: number; y: number } {
+    this.camera.updateMatrixWorld();
+    const flat = new THREE.Vector3(...point).project(this.camera);
+    const box = this.canvas.getBoundingClientRect();
+    return { x: box.left + ((flat.x + 1) / 2) * box.width, y: box.top + ((1 - flat.y) / 2) * box.height };
+  }
+
+  resetCamera(): void {
+    const { centre, radius, toEye } = this.frame;
+    const distance = (1.08 * radius) / Math.sin((FIELD_DEG * Math.PI) / 360);
+    this.camera.position.set(...toEye).multiplyScalar(distance).add(new THREE.Vector3(...centre));
+    this.camera.near = distance / 200;
+    this.camera.far = distance * 20;
+    this.controls.target.set(...centre);
+    this.controls.minDistance = distance / 30;
+    this.controls.maxDistance = distance * 6;
+    this.fitToShape();
+    this.controls.update();
+  }
+
+  /** Looks as another view does, each relative to its own frame. */
+  copyCamera(other: OrganView): void {
+    const scale = this.frame.radius / other.frame.radius;
+    const from = new THREE.Vector3(...other.frame.centre);
+    const to = new THREE.Vector3(...this.frame.centre);
+    this.camera.position.copy(other.camera.position).sub(from).multiplyScalar(scale).add(to);
+    this.controls.target.copy(other.controls.target).sub(from).multiplyScalar(scale).add(to);
+    this.camera.up.copy(other.camera.up);
+    this.camera.lookAt(this.controls.target);
+    this.requestRender();
+  }
+
+  requestRender(): void {
+    if (this.waiting) return;
+    this.waiting = requestAnimationFrame(() => this.render());
+  }
+
+  /** Draws now. */
+  render(): void {
+    if (this.waiting) cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    this.soup.upload();
+    this.renderer.setClearColor(this.colours.background, 1);
+    this.renderer.render(this.scene, this.camera);
+    for (const listener of this.renderListeners) listener();
+  }
+
+  /** The view as a picture of `width` pixels, with its legend. */
+  picture(width = 1600): HTMLCanvasElement {
+    const shown = this.renderer.getSize(new THREE.Vector2());
+    const ratio = this.renderer.getPixelRatio();
+    const height = Math.round((width * shown.y) / Math.max(1, shown.x));
+    this.renderer.setPixelRatio(1);
+    this.renderer.setSize(width, height, false);
+    this.render();
+    const picture = Object.assign(document.createElement("canvas"), { width, height });
+    const context = picture.getContext("2d")!;
+    context.drawImage(this.canvas, 0, 0);
+    if (this.scalars) drawLegend(context, this.scalars, this.colours.edges, Math.round(width / 50));
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(shown.x, shown.y, false);
+    this.render();
+    return picture;
+  }
+
+  /** Takes the view away and gives its memory back. */
+  dispose(): void {
+    if (this.waiting) cancelAnimationFrame(this.waiting);
+    this.resizing.disconnect();
+    this.controls.dispose();
+    this.soup.dispose();
+    this.material.dispose();
+    this.lines.material.dispose();
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+    this.canvas.remove();
+    this.legend.remove();
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas.parentElement === this.container ? this.container : this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.fitToShape();
+    this.requestRender();
+  }
+
+  // In a window that is higher than it is broad, the field of view is that across.
+  private fitToShape(): void {
+    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
+    this.camera.fov = this.camera.aspect >= 1 ? FIELD_DEG : (360 / Math.PI) * Math.atan(half / this.camera.aspect);
+    this.camera.updateProjectionMatrix();
+  }
+
+  private turnByKey(event: KeyboardEvent): void {
+    const turns: Record<string, [number, number]> = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+    const zooms: Record<string, number> = { "+": 0.9, "=": 0.9, "-": 1 / 0.9 };
+    const turn = turns[event.key];
+    const zoom = zooms[event.key];
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (turn) this.turn(turn[0] * KEY_TURN, turn[1] * KEY_TURN);
+    else if (zoom) this.zoom(zoom);
+    else if (event.key === "0") this.resetCamera();
+    else return;
+    event.preventDefault();
+  }
+
+  /** Turns the eye around the body: to the right and upwards, in radians. */
+  turn(right: number, up: number): void {
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const sideways = new THREE.Vector3().crossVectors(this.camera.up, offset).normalize();
+    const tilt = offset.angleTo(this.camera.up);
+    offset.applyAxisAngle(sideways, Math.max(0.05, Math.min(Math.PI - 0.05, tilt + up)) - tilt);
+    offset.applyAxisAngle(this.camera.up.clone().normalize(), right);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+  }
+
+  zoom(factor: number): void {
+    this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
+    this.controls.update();
+  }
+}
+
+function openRenderer(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
+  if (!canvas.getContext("webgl2", { antialias: true })) throw new Error("this browser has no WebGL 2, so nothing is drawn in 3D");
+  return new THREE.WebGLRenderer({ canvas, antialias: true });
+}
+
+/** Makes views turn together. Returns what undoes it. */
+export function linkCameras(views: readonly OrganView[]): () => void {
+  let busy = false;
+  const undo = views.map((view) => {
+    const follow = () => {
+      if (busy) return;
+      busy = true;
+      for (const other of views) if (other !== view) other.copyCamera(view);
+      busy = false;
+    };
+    view.cameraListeners.add(follow);
+    return () => view.cameraListeners.delete(follow);
+  });
+  return () => undo.forEach((each) => each());
+}

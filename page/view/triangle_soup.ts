@@ -1,0 +1,203 @@
+// What of a mesh is drawn: the triangles of the skin or of a cut, corner by corner, so that each corner has the normal and the figure that
+// belong to its triangle. A skin is smooth (normals at its vertices), the faces of a cut are flat.
+import * as THREE from "three";
+import type { Scalars } from "./colour_scale";
+import type { CutPlane, Frame } from "./framing";
+import { UNKNOWN } from "./organ_material";
+import { buildFaces, meshFault, outerFaces, uniqueEdges, vertexNormals, type Faces, type OrganMesh } from "./skin";
+
+export class TriangleSoup {
+  readonly geometry = new THREE.BufferGeometry();
+  readonly edgeGeometry = new THREE.BufferGeometry();
+  /** Where the vertices are now. */
+  readonly positions: Float32Array;
+  /** Three vertices of each triangle of the boundary. */
+  readonly boundary: Uint32Array;
+
+  private readonly rest: Float32Array;
+  private readonly restNormals: Float32Array;
+  private readonly normals: Float32Array;
+  private readonly faces: Faces;
+  private readonly skinFaces: Uint32Array;
+  private readonly tetCount: number;
+  private centroids: Float32Array | null = null;
+  private scalars: Scalars | null = null;
+  private corners: Uint32Array = new Uint32Array(); // vertex of each drawn corner
+  private owners = new Int32Array(); // tetrahedron of each drawn triangle
+  private isFlat = new Uint8Array(); // of each drawn triangle
+  private edges: Uint32Array = new Uint32Array();
+  private isMoved = true;
+  private isRecoloured = true;
+
+  /** Throws: Error, in words for a reader, where the mesh is broken. */
+  constructor(mesh: OrganMesh) {
+    const fault = meshFault(mesh);
+    if (fault) throw new Error(fault);
+    const vertices = mesh.positions.length / 3;
+    this.positions = mesh.positions.slice();
+    this.rest = mesh.positions.slice();
+    this.tetCount = mesh.tets.length / 4;
+    this.faces = this.tetCount > 0 ? buildFaces(mesh.tets, vertices) : surfaceFaces(mesh.triangles!);
+    this.skinFaces = outerFaces(this.faces, () => true);
+    this.boundary = mesh.triangles ?? gather(this.faces.corners, this.skinFaces);
+    this.normals = new Float32Array(mesh.positions.length);
+    vertexNormals(this.positions, this.boundary, this.normals);
+    this.restNormals = this.normals.slice();
+    if (this.tetCount > 0) this.centroids = centroidsOf(mesh);
+  }
+
+  /** Throws: Error if the number of vertices differs. */
+  setPositions(positions: Float32Array): void {
+    if (positions.length !== this.positions.length)
+      throw new Error(`expected ${this.positions.length / 3} vertices, found ${positions.length / 3}`);
+    this.positions.set(positions);
+    this.isMoved = true;
+  }
+
+  /** Throws: Error if there are more or fewer figures than vertices or tetrahedra. */
+  setScalars(scalars: Scalars | null): void {
+    const expected = scalars?.on === "tet" ? this.tetCount : this.positions.length / 3;
+    if (scalars && scalars.values.length !== expected)
+      throw new Error(`${scalars.name}: expected ${expected} figures, found ${scalars.values.length}`);
+    this.scalars = scalars;
+    this.isRecoloured = true;
+  }
+
+  /** Draws what lies behind the plane, whole tetrahedra by their middles, or the whole skin without a plane. */
+  showCut(plane: CutPlane | null, frame: Frame): void {
+    const { centroids } = this;
+    let shown = this.skinFaces;
+    let isKept: (tet: number) => boolean = () => true;
+    if (plane && centroids) {
+      const [nx, ny, nz] = plane.normal;
+      const bound = plane.offset * frame.radius + nx * frame.centre[0] + ny * frame.centre[1] + nz * frame.centre[2];
+      isKept = (tet) => nx * centroids[3 * tet]! + ny * centroids[3 * tet + 1]! + nz * centroids[3 * tet + 2]! < bound;
+      shown = outerFaces(this.faces, isKept);
+    }
+    this.choose(shown, isKept);
+  }
+
+  /** Brings what has changed to the graphics memory. */
+  upload(): void {
+    if (this.isMoved) this.fillPlaces();
+    if (this.isRecoloured) this.fillScalars();
+    this.isMoved = this.isRecoloured = false;
+  }
+
+  dispose(): void {
+    this.geometry.dispose();
+    this.edgeGeometry.dispose();
+  }
+
+  private choose(shown: Uint32Array, isKept: (tet: number) => boolean): void {
+    const { corners, inner, outer } = this.faces;
+    this.corners = new Uint32Array(3 * shown.length);
+    this.owners = new Int32Array(shown.length);
+    this.isFlat = new Uint8Array(shown.length);
+    shown.forEach((face, i) => {
+      const isTurned = !isKept(inner[face]!);
+      const [a, b, c] = [corners[3 * face]!, corners[3 * face + 1]!, corners[3 * face + 2]!];
+      this.corners.set(isTurned ? [a, c, b] : [a, b, c], 3 * i);
+      this.owners[i] = isTurned ? outer[face]! : inner[face]!;
+      this.isFlat[i] = outer[face]! >= 0 ? 1 : 0;
+    });
+    this.edges = uniqueEdges(this.corners, this.positions.length / 3);
+    this.allot();
+    this.isMoved = this.isRecoloured = true;
+  }
+
+  private allot(): void {
+    const count = this.corners.length;
+    this.geometry.dispose();
+    for (const [name, width] of [["position", 3], ["normal", 3], ["rest", 3], ["restNormal", 3], ["scalar", 1]] as const)
+      this.geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(width * count), width).setUsage(THREE.DynamicDrawUsage));
+    this.edgeGeometry.dispose();
+    this.edgeGeometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * this.edges.length), 3).setUsage(THREE.DynamicDrawUsage));
+    const [rest, restNormal] = [this.array("rest"), this.array("restNormal")];
+    const size = extentOf(this.rest);
+    for (let i = 0; i < count; i++) {
+      for (let axis = 0; axis < 3; axis++) {
+        rest[3 * i + axis] = this.rest[3 * this.corners[i]! + axis]! / size;
+        restNormal[3 * i + axis] = this.restNormals[3 * this.corners[i]! + axis]!;
+      }
+    }
+  }
+
+  private array(name: string): Float32Array {
+    return (this.geometry.getAttribute(name) as THREE.BufferAttribute).array as Float32Array;
+  }
+
+  private fillPlaces(): void {
+    vertexNormals(this.positions, this.boundary, this.normals);
+    const [place, normal] = [this.array("position"), this.array("normal")];
+    copyVertices(this.corners, this.positions, place);
+    copyVertices(this.corners, this.normals, normal);
+    for (let i = 0; i < this.isFlat.length; i++) if (this.isFlat[i]) flatten(place, normal, 9 * i);
+    copyVertices(this.edges, this.positions, this.edgeGeometry.getAttribute("position").array as Float32Array);
+    for (const name of ["position", "normal"]) this.geometry.getAttribute(name).needsUpdate = true;
+    this.edgeGeometry.getAttribute("position").needsUpdate = true;
+  }
+
+  private fillScalars(): void {
+    const scalar = this.array("scalar");
+    const { scalars } = this;
+    for (let i = 0; i < scalar.length; i++) {
+      const value = scalars ? scalars.values[scalars.on === "tet" ? this.owners[Math.floor(i / 3)]! : this.corners[i]!]! : 0;
+      scalar[i] = Number.isFinite(value) ? value : UNKNOWN;
+    }
+    this.geometry.getAttribute("scalar").needsUpdate = true;
+  }
+}
+
+// A surface without tetrahedra: each triangle bounds something of its own.
+function surfaceFaces(triangles: Uint32Array): Faces {
+  const count = triangles.length / 3;
+  return { corners: triangles, inner: Int32Array.from({ length: count }, (_, i) => i), outer: new Int32Array(count).fill(-1) };
+}
+
+function gather(corners: Uint32Array, faces: Uint32Array): Uint32Array {
+  const found = new Uint32Array(3 * faces.length);
+  faces.forEach((face, i) => found.set(corners.subarray(3 * face, 3 * face + 3), 3 * i));
+  return found;
+}
+
+function centroidsOf(mesh: OrganMesh): Float32Array {
+  const found = new Float32Array((3 * mesh.tets.length) / 4);
+  for (let i = 0; i < mesh.tets.length; i++) {
+    for (let axis = 0; axis < 3; axis++) {
+      const at = 3 * Math.floor(i / 4) + axis;
+      found[at] = found[at]! + mesh.positions[3 * mesh.tets[i]! + axis]! / 4;
+    }
+  }
+  return found;
+}
+
+function copyVertices(vertices: Uint32Array, from: Float32Array, to: Float32Array): void {
+  for (let i = 0; i < vertices.length; i++) {
+    const at = 3 * vertices[i]!;
+    to[3 * i] = from[at]!;
+    to[3 * i + 1] = from[at + 1]!;
+    to[3 * i + 2] = from[at + 2]!;
+  }
+}
+
+// The normal of the triangle whose nine coordinates begin at `at`, for all of its corners.
+function flatten(place: Float32Array, normal: Float32Array, at: number): void {
+  const d = (corner: number, axis: number) => place[at + 3 * corner + axis]! - place[at + axis]!;
+  const n = [d(1, 1) * d(2, 2) - d(1, 2) * d(2, 1), d(1, 2) * d(2, 0) - d(1, 0) * d(2, 2), d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)];
+  const length = Math.hypot(...n) || 1;
+  for (let i = 0; i < 9; i++) normal[at + i] = n[i % 3]! / length;
+}
+
+function extentOf(positions: Float32Array): number {
+  let size = 0;
+  for (let axis = 0; axis < 3; axis++) {
+    let [low, high] = [Infinity, -Infinity];
+    for (let i = axis; i < positions.length; i += 3) {
+      low = Math.min(low, positions[i]!);
+      high = Math.max(high, positions[i]!);
+    }
+    size = Math.max(size, high - low);
+  }
+  return size || 1;
+}
