@@ -12,7 +12,11 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 // A page: its script and its style sheet below this folder.
-const PAGES = [{ name: "report", script: "report/report.ts", style: "report/report.css" }];
+const PAGES = [
+  { name: "report", script: "report/report.ts", style: "report/report.css" },
+  { name: "live", script: "live/live.ts", style: "live/live.css" },
+  { name: "live_worker", script: "live/worker.ts" },
+];
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -34,7 +38,7 @@ async function bundle(page, folder) {
   const { build } = await import("esbuild");
   const common = { absWorkingDir: here, bundle: true, minify: true, charset: "ascii", legalComments: "none", logLevel: "warning", target: ["es2022"] };
   await build({ ...common, entryPoints: [page.script], outfile: join(folder, `${page.name}.js`), format: "iife", loader: { ".css": "empty" } });
-  await build({ ...common, entryPoints: [page.style], outfile: join(folder, `${page.name}.css`) });
+  if (page.style) await build({ ...common, entryPoints: [page.style], outfile: join(folder, `${page.name}.css`) });
 }
 
 const [folder, ...flags] = process.argv.slice(2);

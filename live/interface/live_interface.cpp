@@ -250,6 +250,10 @@ int live_release() {
   return guarded([] { body().release(); });
 }
 
+int live_pad(double* by_m) {
+  return guarded([&] { palpate::live::write(body().pad_by_m(), by_m); });
+}
+
 int live_step(double step_s, uint32_t steps, int* is_whole) {
   return guarded([&] { *is_whole = body().step(step_s, steps) ? 1 : 0; });
 }
@@ -312,9 +316,9 @@ int live_answer_release() {
   return guarded([] { palpate::live::answer().release(); });
 }
 
-int live_answer(float* displacement_m, double* force_n) {
+int live_answer(double x_m, double y_m, double z_m, float* displacement_m, double* force_n) {
   return guarded([&] {
-    const palpate::Vec3 by_m = body().pad_by_m();
+    const palpate::Vec3 by_m{x_m, y_m, z_m};
     for (const palpate::Vec3& u : palpate::live::answer().displacement(by_m)) {
       *displacement_m++ = static_cast<float>(u.x);
       *displacement_m++ = static_cast<float>(u.y);
