@@ -46,7 +46,6 @@ export class Finger {
     this.pointer = event.pointerId;
     this.view.controls.enabled = false;
     this.view.canvas.setPointerCapture(event.pointerId);
-    this.view.canvas.focus();
     this.start.set(...hit.point);
     this.normal.set(...hit.normal);
     const eye = this.view.camera.getWorldDirection(new THREE.Vector3());

@@ -6,7 +6,7 @@ export type Configured = Extract<FromWorker, { type: "configured" }>;
 /** Three digits and a unit that fits. */
 export function withUnit(value: number, unit: string): string {
   if (!Number.isFinite(value)) return "\u2013";
-  if (value === 0) return `0 ${unit}`;
+  if (Math.abs(value) < 1e-9) return value === 0 ? `0 ${unit}` : `below 1 n${unit}`;
   const prefixes: [number, string][] = [[1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
   const [scale, prefix] = prefixes.find(([size]) => Math.abs(value) >= size) ?? [1e-9, "n"];
   const shown = value / scale;
@@ -79,6 +79,6 @@ export class Readouts {
   }
 
   showDifference(relative: number | null): void {
-    this.say("difference", relative === null ? "\u2013" : `${(100 * relative).toFixed(1)}% of their displacement`, relative ?? -1);
+    this.say("difference", relative === null ? "\u2013" : `${(100 * relative).toFixed(1)}% of their displacement, over the skin`, relative ?? -1);
   }
 }
