@@ -20,14 +20,14 @@ export interface ControlEvents {
 }
 
 const SMOOTHED: Record<string, { title: string; theta: number; domain: string; rest: string }> = {
-  edge_node: { title: "nodes and edges (edge_node)", theta: 0, domain: "node", rest: "edge" },
-  blend: { title: "nodes and tetrahedra (blend)", theta: 0.7, domain: "node", rest: "tet" },
-  tets: { title: "none: linear tetrahedra", theta: 1, domain: "tet", rest: "tet" },
+  edge_node: { title: "nodes and edges", theta: 0, domain: "node", rest: "edge" },
+  blend: { title: "nodes and tets: blend", theta: 0.7, domain: "node", rest: "tet" },
+  tets: { title: "nothing: linear tets", theta: 1, domain: "tet", rest: "tet" },
 };
 const VOLUMES: Record<string, string> = {
   none: "none",
-  thesis: "volume force of the thesis",
-  tet: "each tetrahedron",
+  thesis: "the thesis's force",
+  tet: "tets, each",
   node_average: "averaged at nodes",
   node_smoothed: "smoothed at nodes",
 };
@@ -36,11 +36,11 @@ const INTEGRATORS: Record<string, string> = {
   explicit_euler: "explicit Euler",
   velocity_verlet: "velocity Verlet",
   runge_kutta_4: "Runge-Kutta 4",
-  implicit_euler: "implicit Euler (linearised)",
-  backward_euler: "backward Euler (Newton)",
-  bdf2: "BDF2 (Newton)",
-  trapezoidal: "trapezoidal (Newton)",
-  prefactored: "projective (prefactored)",
+  implicit_euler: "implicit Euler",
+  backward_euler: "backward Euler",
+  bdf2: "BDF2",
+  trapezoidal: "trapezoidal",
+  prefactored: "projective",
   xpbd: "XPBD",
   vbd: "vertex block descent",
 };
@@ -60,7 +60,7 @@ export class Controls {
 
   constructor(private readonly body: BodyDescription, private readonly events: ControlEvents) {
     const { start } = body;
-    const models: Record<string, string> = { springs: "springs", smoothed: "smoothed elements", ...(body.table ? { reduced: "reduced: table of compliances" } : {}) };
+    const models: Record<string, string> = { springs: "springs", smoothed: "smoothed elements", ...(body.table ? { reduced: "reduced: a table" } : {}) };
     this.panel.addEventListener("submit", (event) => event.preventDefault());
     this.group("Model");
     this.select("model", "Model", models, start.model in models ? start.model : "springs");
@@ -68,19 +68,19 @@ export class Controls {
     this.select("smoothing", "Strain averaged over", { ...Object.fromEntries(Object.entries(SMOOTHED).map(([key, { title }]) => [key, title])), ...(custom ? { own: "as in the scene" } : {}) },
       start.model === "smoothed" ? (this.namedSmoothing() ?? "own") : "edge_node");
     this.select("volume", "Volume model", VOLUMES, start.volume ?? "none");
-    this.select("strain", "Strain", { large: "large: turns with the body", small: "small: linear" }, start.strain);
+    this.select("strain", "Strain", { large: "large", small: "small: linear" }, start.strain);
     this.select("level", "Mesh", Object.fromEntries(body.levels.map((level, k) => [String(k), levelTitle(level.removed_ratio, level.points.count / 3)])), "0");
     this.group("Time");
     this.select("integrator", "Integrator", INTEGRATORS, start.integrator);
     this.number("step", "Step, ms", "", "0.9 of the bound", 1e-4, 1000, "any");
-    this.number("damping", "Damping, 1/s of mass", String(body.damping_mass_per_s), "", 0, 1e4, "any");
+    this.number("damping", "Damping, 1/s", String(body.damping_mass_per_s), "", 0, 1e4, "any");
     this.select("pace", "Pace", PACES, "1");
     this.group("Finger");
     this.number("depth", "Depth, mm", shortMm(0.4 * body.pad_radius_m), "", 0.01, 1000, "any");
     this.number("radius", "Radius, mm", shortMm(body.pad_radius_m), "", 0.01, 1000, "any");
     this.buttons();
     this.group("Beside it");
-    this.check("beside", "Finite elements (small strain)", body.table !== null, body.table === null);
+    this.check("beside", "Finite elements", body.table !== null, body.table === null);
     this.check("error", "Colour by the difference", body.table !== null, body.table === null);
     if (!body.table) this.panel.append(element("p", { className: "live-missing", textContent: `No finite elements beside it: ${body.no_table}.` }));
     this.showFitting();
@@ -193,7 +193,7 @@ export class Controls {
 
 function levelTitle(ratio: number, vertices: number): string {
   const count = vertices.toLocaleString("en");
-  return ratio === 0 ? `${count} vertices, as it is` : `${count} vertices, ${Math.round(100 * ratio)}% of tetrahedra gone`;
+  return ratio === 0 ? `${count} vertices: whole` : `${count} vertices: ${Math.round(100 * ratio)}% less`;
 }
 
 function shortMm(metres: number): string {

@@ -50,7 +50,7 @@ class Stage {
       return new OrganView(add(frame, "div", `organ-view live-${name}`), { positions: this.rest.slice(), tets }, { label, texture: name === "own" });
     };
     this.own = view("own", title);
-    this.other = wishes.isBeside && vertices && wishes.config.model !== "reduced" ? view("other", "Quadratic finite elements, small strain, same finger") : null;
+    this.other = wishes.isBeside && vertices && wishes.config.model !== "reduced" ? view("other", "Finite elements, same finger") : null;
     this.unlink = this.other ? linkCameras([this.own, this.other]) : () => {};
     this.touch = add(this.own.container, "div", "live-mark live-touch");
     this.mark = add(this.own.container, "div", "live-mark");
@@ -89,12 +89,10 @@ class Stage {
   /** Shows displacements; the answer's are of the table's vertices. Returns what they differ by. */
   show(displacement: Float32Array, answer: Float32Array, hasAnswer: boolean, wishes: Wishes): number | null {
     const isReduced = wishes.config.model === "reduced";
-    let isFinite = true;
-    for (let i = 0; i < displacement.length; i++) {
-      const x = this.rest[i]! + displacement[i]!;
-      isFinite = isFinite && Number.isFinite(x) && Math.abs(displacement[i]!) < 100 * this.own.frame.radius;
-    }
-    if (isFinite) for (let i = 0; i < displacement.length; i++) this.positions[i] = this.rest[i]! + displacement[i]!;
+    // Of a body that breaks, the last picture that shows something stays.
+    const bound = 2 * this.own.frame.radius;
+    const isShowable = displacement.every((u) => Math.abs(u) < bound);
+    if (isShowable) for (let i = 0; i < displacement.length; i++) this.positions[i] = this.rest[i]! + displacement[i]!;
     if (this.vertices && (isReduced || this.other)) {
       const into = isReduced ? this.positions : this.otherPositions;
       this.vertices.forEach((v, k) => {
@@ -103,7 +101,7 @@ class Stage {
       this.other?.setPositions(this.otherPositions);
     }
     this.own.setPositions(this.positions);
-    return isFinite && !isReduced && this.other ? this.colour(displacement, answer, hasAnswer, wishes) : null;
+    return isShowable && !isReduced && this.other ? this.colour(displacement, answer, hasAnswer, wishes) : null;
   }
 
   private colour(displacement: Float32Array, answer: Float32Array, hasAnswer: boolean, wishes: Wishes): number | null {
