@@ -86,8 +86,9 @@ TEST(LiveBody, PressedMovesWithTheFingerAndComesBackOnceItIsLetGo) {
     EXPECT_LT(body.report().pad_force_n.z, -0.01);
     body.release();
     ASSERT_TRUE(body.step(1e-4, 20000));  // 2 s: exp(-30 x 2) of the slowest overdamped mode is below rounding
-    // Single precision knows places to 1e-7 of the body's half side, 3 nm; a spring's rest to a few of them.
-    EXPECT_LT(body.report().largest_m, 2e-7);
+    // In single precision a vertex stands still once it moves by less than half a last bit of its place in a step:
+    // 1 nm in 0.1 ms. Its drag, 60 m v, then holds it off by 60 v / omega^2, with omega = 40 / s of the slowest mode.
+    EXPECT_LT(body.report().largest_m, 60.0 * 1e-5 / (40.0 * 40.0) * 5.0);
     EXPECT_EQ(length(body.report().pad_force_n), 0.0);
   }
 }
@@ -133,8 +134,8 @@ TEST(LiveBody, TheFastEnginesFeelThePadAsTheGeneralForcesDo) {
 
 TEST(LiveBody, BreaksWithAStepThatIsTooLongAndSaysWhere) {
   const BodySetup setup = make_live_cube(4);
-  LiveBody body(setup, ModelChoice{});
-  const double bound_s = body.predict_step(kPadPaPerM).step_s;
+  LiveBody body(setup, linear_tets());  // whose growth nothing ends
+  const double bound_s = body.predict_step(0.0).step_s;
   body.press(top_vertex(setup.mesh), kRadiusM, kPadPaPerM);
   body.aim({0.0, 0.0, -0.003}, 0.1);
   EXPECT_FALSE(body.step(1.5 * bound_s, 100000));
