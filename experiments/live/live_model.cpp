@@ -60,6 +60,16 @@ bool is_identified(const json& model) {
          text_of(model.at("options"), "mean_n_per_m").empty();
 }
 
+/// The law that the page starts with. At small strain a scene at rest moves with the corotated one, which is
+/// the same there and turns with the body.
+std::string law_of(const Scene& scene, const json& model) {
+  if (scene.is_dynamic && scene.strain == StrainSize::kSmall) return "linear";
+  if (model.is_null() || scene.strain == StrainSize::kSmall) return "corotated";
+  const std::string law = text_of(model.at("options"), "law");
+  if (!law.empty() && law != "default") return law;
+  return model.at("method").get<std::string>().starts_with("springs.") ? "corotated" : "neo_hookean";
+}
+
 json usual_start(const LiveBodyData& out) {
   if (out.levels.front().mesh.points.size() > kMostSmoothedVertices)
     return {{"model", "springs"}, {"volume", "none"}};
@@ -80,9 +90,9 @@ void choose_start(const Scene& scene, const Registry& registry, LiveBodyData& ou
                  {"theta", options.value("theta", 0.6)},
                  {"shear", options.value("shear", "node")}};
   } else if (!model.is_null() && model.at("method").get<std::string>().starts_with("smoothed.")) {
-    out.start = model.at("options");
-    for (const char* key : {"theta", "domain", "rest", "stabilise"}) out.start[key] = model["options"].at(key);
-    out.start["model"] = "smoothed";
+    out.start = {{"model", "smoothed"}};
+    for (const char* key : {"theta", "domain", "rest", "stabilise"})
+      out.start[key] = model["options"].at(key);
   } else if (!model.is_null() && model.at("method") == "reduced.compliance") {
     out.start = {{"model", "reduced"}};
   } else if (!model.is_null()) {
@@ -90,7 +100,8 @@ void choose_start(const Scene& scene, const Registry& registry, LiveBodyData& ou
                         ", does not move live: another one starts in its place.");
   }
   if (!model.is_null()) out.start["method"] = model.at("method");
-  out.start["strain"] = scene.is_dynamic && scene.strain == StrainSize::kSmall ? "small" : "large";
+  out.start["law"] = law_of(scene, model);
+  if (scene.is_dynamic && scene.dynamic.time_step_s) out.start["step_s"] = *scene.dynamic.time_step_s;
   out.start["integrator"] =
       scene.is_dynamic ? dynamics::integrator_name(scene.dynamic.integrator) : "symplectic_euler";
   for (LiveLevel& level : out.levels) level.springs = identify(level, out.spring_source, out);

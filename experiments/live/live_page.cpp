@@ -80,11 +80,20 @@ std::string escape_html(const std::string& text) {
   std::string out;
   for (const char c : text) {
     switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
     }
   }
   return out;
@@ -112,7 +121,8 @@ std::string base64_of(const std::string& bytes) {
 
 std::string escape_for_script(std::string text, bool is_json) {
   // Within strings of JSON and of scripts alike "\/" is "/"; a script has "</" and "<!--" in strings alone.
-  for (const auto& [what, with] : {std::pair{"</", "<\\/"}, std::pair{"<!--", is_json ? "\\u003c!--" : "<\\!--"}}) {
+  for (const auto& [what, with] :
+       {std::pair{"</", "<\\/"}, std::pair{"<!--", is_json ? "\\u003c!--" : "<\\!--"}}) {
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 2))
       text.replace(at, std::strlen(what), with);
   }
@@ -165,13 +175,16 @@ std::string write_live_page(const LiveBodyData& body) {
       "'wasm-unsafe-eval' blob:; worker-src blob:; style-src 'unsafe-inline'; img-src data: "
       "blob:\">\n"
       "<link rel=\"icon\" href=\"data:,\">\n";
-  out += "<title>" + escape_html(body.title) + " under the finger</title>\n<style>\n" + style + "</style>\n</head>\n";
-  out += "<body>\n<main id=\"live\"></main>\n<noscript>This page is a program: it needs JavaScript.</noscript>\n";
+  out += "<title>" + escape_html(body.title) + " under the finger</title>\n<style>\n" + style +
+         "</style>\n</head>\n";
+  out +=
+      "<body>\n<main id=\"live\"></main>\n<noscript>This page is a program: it needs "
+      "JavaScript.</noscript>\n";
   out += "<script type=\"application/json\" id=\"live-body\">" +
          escape_for_script(packed.description.dump(), true) + "</script>\n";
   out += "<script type=\"text/plain\" id=\"live-arrays\">" + base64_of(packed.bytes) + "</script>\n";
-  out += "<script type=\"text/plain\" id=\"live-engine\">" + escape_for_script(engine + "\n" + worker, false) +
-         "</script>\n";
+  out += "<script type=\"text/plain\" id=\"live-engine\">" +
+         escape_for_script(engine + "\n" + worker, false) + "</script>\n";
   out += "<script>" + escape_for_script(script, false) + "</script>\n</body>\n</html>\n";
   return out;
 }

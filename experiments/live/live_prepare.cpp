@@ -163,7 +163,8 @@ LiveBodyData prepare_live(const LiveWish& wish, const Registry& registry) {
   LiveBodyData out;
   Found found = find_source(wish, out.notes);
   const Scene placed = place_scene(found.scene, found.mesh);
-  out.title = found.kind == "scene" ? placed.name : fs::absolute(wish.source).lexically_normal().stem().string();
+  out.title =
+      found.kind == "scene" ? placed.name : fs::absolute(wish.source).lexically_normal().stem().string();
   out.kind = found.kind;
   out.material = placed.material;
   out.damping_mass_per_s = kUsualDampingPerS;

@@ -20,7 +20,8 @@ struct LiveWish {
 };
 
 /// Makes it. A mesh without a scene gets the supports and the unit that `palpate scene` finds. Throws:
-/// InputError for what is no such source, and as read_scene and build_scene_mesh; UnavailableError as they do.
+/// InputError for what is no such source, and as read_scene and build_scene_mesh; UnavailableError as they
+/// do.
 LiveBodyData prepare_live(const LiveWish& wish, const Registry& registry);
 
 }  // namespace palpate::experiments

@@ -10,7 +10,8 @@ namespace {
 
 std::string lower(std::string_view text) {
   std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return out;
 }
 
@@ -61,11 +62,16 @@ std::optional<LiveRequest> parse(std::string_view head) {
 
 const char* reason_of(int status) {
   switch (status) {
-    case 200: return "OK";
-    case 403: return "Forbidden";
-    case 404: return "Not Found";
-    case 405: return "Method Not Allowed";
-    default: return "Bad Request";
+    case 200:
+      return "OK";
+    case 403:
+      return "Forbidden";
+    case 404:
+      return "Not Found";
+    case 405:
+      return "Method Not Allowed";
+    default:
+      return "Bad Request";
   }
 }
 
@@ -95,7 +101,8 @@ LiveReply answer_live_request(std::string_view head, std::uint16_t port, std::si
   reply.head = "HTTP/1.1 " + line + "\r\nContent-Type: " + (is_good ? "text/html" : "text/plain") +
                "; charset=utf-8\r\nContent-Length: " + std::to_string(bytes) +
                "\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\n"
-               "Cross-Origin-Resource-Policy: same-origin\r\nX-Frame-Options: DENY\r\nReferrer-Policy: no-referrer\r\n" +
+               "Cross-Origin-Resource-Policy: same-origin\r\nX-Frame-Options: DENY\r\nReferrer-Policy: "
+               "no-referrer\r\n" +
                (reply.status == 405 ? "Allow: GET, HEAD\r\n" : "") + "Connection: close\r\n\r\n";
   return reply;
 }

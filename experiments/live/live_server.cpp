@@ -67,7 +67,8 @@ Socket open_socket(std::uint16_t port) {
   if (socket.fd() >= 0) ::setsockopt(socket.fd(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   if (socket.fd() < 0 || ::bind(socket.fd(), reinterpret_cast<sockaddr*>(&address), sizeof address) != 0 ||
       ::listen(socket.fd(), 16) != 0)
-    throw UnavailableError("127.0.0.1:" + std::to_string(port) + " cannot be served: " + std::strerror(errno));
+    throw UnavailableError("127.0.0.1:" + std::to_string(port) +
+                           " cannot be served: " + std::strerror(errno));
   return socket;
 }
 
@@ -87,8 +88,7 @@ bool read_some(Visitor& visitor, std::uint16_t port, std::size_t page_bytes) {
   visitor.request.append(buffer.data(), static_cast<std::size_t>(got));
   const std::size_t end = visitor.request.find("\r\n\r\n");
   if (end == std::string::npos) return visitor.request.size() <= kMostHeadBytes;
-  visitor.reply =
-      answer_live_request(std::string_view(visitor.request).substr(0, end + 4), port, page_bytes);
+  visitor.reply = answer_live_request(std::string_view(visitor.request).substr(0, end + 4), port, page_bytes);
   visitor.is_answered = true;
   return true;
 }

@@ -35,7 +35,8 @@ std::size_t number_of(const std::string& head, const std::string& key, const std
 }
 
 template <typename Item>
-std::vector<Item> take(const std::string& bytes, std::size_t at, std::size_t count, const std::string& where) {
+std::vector<Item> take(const std::string& bytes, std::size_t at, std::size_t count,
+                       const std::string& where) {
   if (at > bytes.size() || count > (bytes.size() - at) / sizeof(Item))
     throw InputError(where, 0, "a whole table", "one that ends early");
   std::vector<Item> out(count);
@@ -73,7 +74,8 @@ LiveTable read_live_table(const std::string& bytes, const std::string& where) {
   const std::string head = bytes.substr(0, end + 1);
   const std::size_t rows = number_of(head, "rows", where);
   const std::size_t n = number_of(head, "skin_vertices", where);
-  if (head.find("\nprecision single\n") == std::string::npos || number_of(head, "skin_edges", where) != 0 || n > rows)
+  if (head.find("\nprecision single\n") == std::string::npos || number_of(head, "skin_edges", where) != 0 ||
+      n > rows)
     throw InputError(where, 0, "a table of single precision with linear reactions", "another one");
   const std::size_t numbers = std::size_t{9} * n * n;
   LiveTable table;

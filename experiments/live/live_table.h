@@ -13,8 +13,8 @@ inline constexpr std::size_t kMostTableVertices = 900;
 /// are kept, by the mesh and the contestant's hash.
 void make_live_table(const Registry& registry, LiveBodyData& out);
 
-/// The skin's part of a table's file (docs/reduced.md). Throws: InputError with `where` for a file that is none
-/// of single precision with linear reactions.
+/// The skin's part of a table's file (docs/reduced.md). Throws: InputError with `where` for a file that is
+/// none of single precision with linear reactions.
 LiveTable read_live_table(const std::string& bytes, const std::string& where);
 
 }  // namespace palpate::experiments

@@ -43,10 +43,10 @@ struct LiveReport {
   double load_j = 0.0;  ///< of supports and pad
   Vec3 pad_force_n;     ///< of the pad on the body
   double largest_m = 0.0;
-  std::size_t inverted = 0;    ///< tets that are not positive
-  bool is_broken = false;      ///< a displacement is not finite or beyond twice the body's longest side
-  Index vertex = kNoIndex;     ///< broken: the first that is not finite, else the farthest; inverted: of the
-                               ///< first inverted tet the vertex that moved farthest
+  std::size_t inverted = 0;  ///< tets that are not positive
+  bool is_broken = false;    ///< a displacement is not finite or beyond twice the body's longest side
+  Index vertex = kNoIndex;   ///< broken: the first that is not finite, else the farthest; inverted: of the
+                             ///< first inverted tet the vertex that moved farthest
 };
 
 /// A body under a finger.
@@ -79,8 +79,8 @@ class LiveBody {
   const dynamics::MotionModel& model() const { return model_; }
   const std::vector<Triangle>& skin() const { return skin_; }
 
-  /// The longest stable step at rest, predicted, with a pad of that stiffness on all of the skin: it then holds
-  /// for a pad anywhere on it. 0 for no pad. Infinite for implicit integrators.
+  /// The longest stable step at rest, predicted, with a pad of that stiffness on all of the skin: it then
+  /// holds for a pad anywhere on it. 0 for no pad. Infinite for implicit integrators.
   dynamics::StableStep predict_step(double pad_pa_per_m) const;
 
  private:

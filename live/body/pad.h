@@ -9,10 +9,10 @@
 
 namespace palpate::live {
 
-/// The part of the skin that a round pad takes hold of: the weight of a face is the share of 64 equal parts of
-/// it whose centroids lie within `radius_m` of `center_m`. Faces that look away from `outward` are left out, so
-/// that a pad on a thin part does not hold its other side too. If that is nothing, the face nearest to the
-/// centre of those that look outward is taken whole.
+/// The part of the skin that a round pad takes hold of: the weight of a face is the share of 64 equal parts
+/// of it whose centroids lie within `radius_m` of `center_m`. Faces that look away from `outward` are left
+/// out, so that a pad on a thin part does not hold its other side too. If that is nothing, the face nearest
+/// to the centre of those that look outward is taken whole.
 ///
 /// Requires: at least one face; a radius above zero.
 FacePatch find_pad(std::span<const Vec3> rest, std::span<const Triangle> skin, const Vec3& center_m,

@@ -14,8 +14,8 @@ class PadStepper {
  public:
   virtual ~PadStepper() = default;
 
-  /// Takes `steps` steps of `step_s` > 0. Returns: whether all displacements are finite and none is beyond the
-  /// bound; if not, it may have stopped early.
+  /// Takes `steps` steps of `step_s` > 0. Returns: whether all displacements are finite and none is beyond
+  /// the bound; if not, it may have stopped early.
   virtual bool step(double step_s, std::uint64_t steps) = 0;
   /// Another pad, at rest; none: no faces.
   virtual void set_pad(const std::vector<dynamics::SupportFace>& faces) = 0;
@@ -33,9 +33,9 @@ struct StepperChoice {
   std::string why_general;
 };
 
-/// The fastest stepper that takes the model and the integrator. A displacement beyond `escape_m` is an escape.
-/// The last group of the model's loads is the pad's own, and has none of its own: the general stepper writes
-/// its faces there. `model` must outlive it. Throws: as Integrator.
+/// The fastest stepper that takes the model and the integrator. A displacement beyond `escape_m` is an
+/// escape. The last group of the model's loads is the pad's own, and has none of its own: the general stepper
+/// writes its faces there. `model` must outlive it. Throws: as Integrator.
 std::unique_ptr<PadStepper> make_pad_stepper(dynamics::MotionModel& model, dynamics::IntegratorKind kind,
                                              double escape_m, StepperChoice& choice);
 

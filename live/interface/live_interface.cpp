@@ -307,9 +307,7 @@ int live_table(uint32_t skin, const uint32_t* skin_vertices, const float* skin_c
 }
 
 int live_answer_press(double stiffness_pa_per_m) {
-  return guarded([&] {
-    palpate::live::answer().press(palpate::live::pad_of_answer(), stiffness_pa_per_m);
-  });
+  return guarded([&] { palpate::live::answer().press(palpate::live::pad_of_answer(), stiffness_pa_per_m); });
 }
 
 int live_answer_release() {

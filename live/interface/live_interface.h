@@ -1,4 +1,5 @@
-// A body under a finger for callers that know numbers and arrays alone: C, and JavaScript through WebAssembly.
+// A body under a finger for callers that know numbers and arrays alone: C, and JavaScript through
+// WebAssembly.
 //
 // Every function that may fail returns 0, or 1 with a message in live_message(). Arrays are read at once and
 // may be freed. SI units; vertices count from 0. There is one body and one answer at a time.
@@ -58,8 +59,8 @@ PALPATE_LIVE int live_reset();
 
 /// How many numbers live_report writes.
 #define PALPATE_LIVE_REPORT 14
-/// time, kinetic, elastic and load energy, the pad's force x, y, z, largest displacement, inverted tets, broken
-/// (1) or not (0), the vertex or -1, the pad's displacement x, y, z.
+/// time, kinetic, elastic and load energy, the pad's force x, y, z, largest displacement, inverted tets,
+/// broken (1) or not (0), the vertex or -1, the pad's displacement x, y, z.
 PALPATE_LIVE int live_report(double* numbers);
 /// Displacements of all vertices, three numbers each, rounded to single precision.
 PALPATE_LIVE int live_displacement(float* numbers);
@@ -70,10 +71,11 @@ PALPATE_LIVE int live_state(double* displacement_m, double* velocity_m_s);
 /// vertices, 3 n x 3 n numbers for skin and for the skin's rows of field (docs/reduced.md).
 PALPATE_LIVE int live_table(uint32_t skin, const uint32_t* skin_vertices, const float* skin_compliance,
                             const float* field, uint32_t element_order, uint32_t refine);
-/// Presses with the body's pad; call after each live_press. The pad's faces are looked for by the places of their vertices: the body may be a simplified one with the same skin.
+/// Presses with the body's pad; call after each live_press. The pad's faces are looked for by the places of
+/// their vertices: the body may be a simplified one with the same skin.
 PALPATE_LIVE int live_answer_press(double stiffness_pa_per_m);
 PALPATE_LIVE int live_answer_release();
-/// Displacements of the skin's vertices, three numbers each, and the pad's force, three numbers, with the pad moved
-/// there.
+/// Displacements of the skin's vertices, three numbers each, and the pad's force, three numbers, with the pad
+/// moved there.
 PALPATE_LIVE int live_answer(double x_m, double y_m, double z_m, float* displacement_m, double* force_n);
 }

@@ -1,5 +1,5 @@
 // The controls of the page: what moves the body, how it is pressed, and what is seen of it.
-import type { BodyDescription, LiveConfig, ModelKind, Pace } from "./protocol";
+import type { BodyDescription, LiveConfig, ModelKind, Pace, StrainLaw } from "./protocol";
 
 /** What a reader can change. */
 export interface Wishes {
@@ -68,11 +68,11 @@ export class Controls {
     this.select("smoothing", "Strain averaged over", { ...Object.fromEntries(Object.entries(SMOOTHED).map(([key, { title }]) => [key, title])), ...(custom ? { own: "as in the scene" } : {}) },
       start.model === "smoothed" ? (this.namedSmoothing() ?? "own") : "edge_node");
     this.select("volume", "Volume model", VOLUMES, start.volume ?? "none");
-    this.select("strain", "Strain", { large: "large", small: "small: linear" }, start.strain);
+    this.select("law", "Strain", { corotated: "large, corotated", neo_hookean: "large, neo-Hookean", linear: "small, linear" }, start.law);
     this.select("level", "Mesh", Object.fromEntries(body.levels.map((level, k) => [String(k), levelTitle(level.removed_ratio, level.points.count / 3)])), "0");
     this.group("Time");
     this.select("integrator", "Integrator", INTEGRATORS, start.integrator);
-    this.number("step", "Step, ms", "", "0.9 of the bound", 1e-4, 1000, "any");
+    this.number("step", "Step, ms", start.step_s ? String(1000 * start.step_s) : "", "0.9 of the bound", 1e-4, 1000, "any");
     this.number("damping", "Damping, 1/s", String(body.damping_mass_per_s), "", 0, 1e4, "any");
     this.select("pace", "Pace", PACES, "1");
     this.group("Finger");
@@ -96,7 +96,7 @@ export class Controls {
       config: {
         level: Number(this.value("level")), model, volume: this.value("volume"), shear: start.shear ?? "node", theta,
         domain: own ? (start.domain ?? "node") : smoothing!.domain, rest: own ? (start.rest ?? "edge") : smoothing!.rest,
-        stabilise: own && model === "smoothed" ? (start.stabilise ?? 0) : 0, strain: this.value("strain") as "small" | "large",
+        stabilise: own && model === "smoothed" ? (start.stabilise ?? 0) : 0, law: this.value("law") as StrainLaw,
         integrator: this.value("integrator"), dampingPerS: this.positive("damping", 0), stepS: this.value("step") === "" ? null : this.positive("step", 0) / 1000,
       },
       depthM: this.positive("depth", 1) / 1000,
@@ -175,7 +175,7 @@ export class Controls {
 
   private tell(name: string): void {
     this.showFitting();
-    const rebuilds = ["model", "smoothing", "volume", "strain", "level", "integrator", "step", "damping"].includes(name);
+    const rebuilds = ["model", "smoothing", "volume", "law", "level", "integrator", "step", "damping"].includes(name);
     if (rebuilds) this.events.configured(this.wishes);
     else this.events.changed(this.wishes);
   }
@@ -185,7 +185,7 @@ export class Controls {
     const model = this.value("model");
     const isShown: Record<string, boolean> = {
       smoothing: model === "smoothed", volume: model === "springs", integrator: model !== "reduced", step: model !== "reduced", damping: model !== "reduced",
-      strain: model === "smoothed" || (model === "springs" && this.value("volume") !== "none"), level: model !== "reduced",
+      law: model === "smoothed" || (model === "springs" && this.value("volume") !== "none"), level: model !== "reduced",
     };
     for (const [name, shown] of Object.entries(isShown)) this.rows.get(name)!.hidden = !shown;
   }

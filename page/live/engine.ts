@@ -81,14 +81,12 @@ export class LiveEngine {
   }
 
   build(config: LiveConfig): void {
-    const isLarge = config.strain === "large" ? 1 : 0;
+    // Springs alone turn with the body whatever the strain is: the fast engine takes them so.
+    const isLarge = config.law !== "linear" || (config.model === "springs" && config.volume === "none") ? 1 : 0;
+    const law = config.law === "neo_hookean" ? "neo_hookean" : "corotated";
     if (config.model === "smoothed")
-      this.call("live_build_smoothed", config.theta, config.domain, config.rest, isLarge ? 0 : config.stabilise, isLarge, "corotated", config.integrator);
-    else {
-      // Springs alone turn with the body whatever the strain is: the fast engine takes them so.
-      const largeToo = config.volume === "none" ? 1 : isLarge;
-      this.call("live_build_springs", config.volume, config.theta, config.shear, largeToo, "corotated", config.integrator);
-    }
+      this.call("live_build_smoothed", config.theta, config.domain, config.rest, isLarge ? 0 : config.stabilise, isLarge, law, config.integrator);
+    else this.call("live_build_springs", config.volume, config.theta, config.shear, isLarge, law, config.integrator);
   }
 
   get engine(): string {

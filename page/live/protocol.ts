@@ -27,9 +27,13 @@ export interface StartModel {
   domain?: string;
   rest?: string;
   stabilise?: number;
-  strain: "small" | "large";
+  law: StrainLaw;
   integrator: string;
+  step_s?: number;
 }
+
+/** Of strain energies; `linear` is that of small strain, with linear springs. */
+export type StrainLaw = "linear" | "corotated" | "neo_hookean";
 
 /** `palpate/live/1`: the body of a page. */
 export interface BodyDescription {
@@ -63,7 +67,7 @@ export interface LiveConfig {
   domain: string;
   rest: string;
   stabilise: number;
-  strain: "small" | "large";
+  law: StrainLaw;
   integrator: string;
   dampingPerS: number;
   /** Nothing: `SAFETY` of the predicted bound. */

@@ -44,9 +44,9 @@ console.log("| model | pace | a step, us | steps a second, median | 5% below | r
 for (const pace of ["0", "1"]) {
   await measure("springs", pace, { model: "springs", volume: "none" });
   await measure("springs, node_average", pace, { volume: "node_average" });
-  await measure("edge_node, large strain", pace, { model: "smoothed", smoothing: "edge_node", strain: "large" });
-  await measure("edge_node, small strain", pace, { strain: "small" });
-  await measure("linear tets, large strain", pace, { smoothing: "tets", strain: "large" });
+  await measure("edge_node, large strain", pace, { model: "smoothed", smoothing: "edge_node", law: "corotated" });
+  await measure("edge_node, small strain", pace, { law: "linear" });
+  await measure("linear tets, large strain", pace, { smoothing: "tets", law: "corotated" });
 }
 if (await page.locator("#live-model option[value=reduced]").count()) await measure("table", "1", { model: "reduced" });
 await browser.close();

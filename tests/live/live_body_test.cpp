@@ -55,7 +55,8 @@ TEST(LivePad, HoldsNothingThatLooksAway) {
   const BodySetup setup = make_live_cube(4);
   const std::vector<Triangle> skin = build_boundary(setup.mesh);
   const Vec3 up{0.0, 0.0, 1.0};
-  const FacePatch patch = find_pad(setup.mesh.points, skin, {0.03, 0.03, 0.06}, up, 0.2);  // larger than the body
+  const FacePatch patch =
+      find_pad(setup.mesh.points, skin, {0.03, 0.03, 0.06}, up, 0.2);  // larger than the body
   for (const auto& [a, b, c] : patch.faces) {
     const std::vector<Vec3>& p = setup.mesh.points;
     EXPECT_GT(dot(cross(p[b] - p[a], p[c] - p[a]), up), 0.0);
@@ -66,8 +67,7 @@ TEST(LivePad, HoldsNothingThatLooksAway) {
 TEST(LivePad, OfARadiusBelowAFaceTakesTheNearestFace) {
   const BodySetup setup = make_live_cube(2);
   const std::vector<Triangle> skin = build_boundary(setup.mesh);
-  const FacePatch patch =
-      find_pad(setup.mesh.points, skin, {0.03, 0.03, 0.06}, {0.0, 0.0, 1.0}, 1e-6);
+  const FacePatch patch = find_pad(setup.mesh.points, skin, {0.03, 0.03, 0.06}, {0.0, 0.0, 1.0}, 1e-6);
   EXPECT_EQ(patch.faces.size(), 1u);
   EXPECT_EQ(patch.weight, std::vector<double>{1.0});
 }
@@ -85,9 +85,11 @@ TEST(LiveBody, PressedMovesWithTheFingerAndComesBackOnceItIsLetGo) {
     EXPECT_LT(body.state().displacement_m[top].z, -0.002);
     EXPECT_LT(body.report().pad_force_n.z, -0.01);
     body.release();
-    ASSERT_TRUE(body.step(1e-4, 20000));  // 2 s: exp(-30 x 2) of the slowest overdamped mode is below rounding
-    // In single precision a vertex stands still once it moves by less than half a last bit of its place in a step:
-    // 1 nm in 0.1 ms. Its drag, 60 m v, then holds it off by 60 v / omega^2, with omega = 40 / s of the slowest mode.
+    ASSERT_TRUE(
+        body.step(1e-4, 20000));  // 2 s: exp(-30 x 2) of the slowest overdamped mode is below rounding
+    // In single precision a vertex stands still once it moves by less than half a last bit of its place in a
+    // step: 1 nm in 0.1 ms. Its drag, 60 m v, then holds it off by 60 v / omega^2, with omega = 40 / s of the
+    // slowest mode.
     EXPECT_LT(body.report().largest_m, 60.0 * 1e-5 / (40.0 * 40.0) * 5.0);
     EXPECT_EQ(length(body.report().pad_force_n), 0.0);
   }
@@ -157,8 +159,9 @@ TEST(LiveBody, TheBoundHoldsForAFingerAnywhere) {
   LiveBody pressed(setup, linear_tets());
   for (const Index v : {Index{0}, top_vertex(setup.mesh)}) {
     pressed.press(v, 0.05, kPadPaPerM);
-    EXPECT_LE(with_s, predict_stable_step(pressed.model(), dynamics::IntegratorKind::kSymplecticEuler).step_s *
-                          (1.0 + 1e-3));
+    EXPECT_LE(with_s,
+              predict_stable_step(pressed.model(), dynamics::IntegratorKind::kSymplecticEuler).step_s *
+                  (1.0 + 1e-3));
   }
 }
 

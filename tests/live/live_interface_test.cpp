@@ -1,4 +1,5 @@
-// The interface of numbers and arrays, and the same sources compiled to WebAssembly: both builds hold one state.
+// The interface of numbers and arrays, and the same sources compiled to WebAssembly: both builds hold one
+// state.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,9 +9,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "live/interface/live_interface.h"
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "live/interface/live_interface.h"
 #include "tests/support/live_cases.h"
 #include "tests/support/scratch_folder.h"
 
@@ -41,10 +42,9 @@ json make_request(const BodySetup& setup, const json& model, const json& actions
            {{"ends", flat<std::uint32_t>(setup.springs.springs)},
             {"rest_length_m", setup.springs.rest_length_m},
             {"stiffness_n_per_m", setup.springs.stiffness_n_per_m}}},
-          {"supports",
-           json::array({{{"faces", flat<std::uint32_t>(support.patch.faces)},
-             {"weights", support.patch.weight},
-             {"stiffness_pa_per_m", support.stiffness_pa_per_m}}})},
+          {"supports", json::array({{{"faces", flat<std::uint32_t>(support.patch.faces)},
+                                     {"weights", support.patch.weight},
+                                     {"stiffness_pa_per_m", support.stiffness_pa_per_m}}})},
           {"model", model},
           {"actions", actions}};
 }
@@ -64,7 +64,8 @@ void set_up(const json& request) {
   const auto ends = springs.at("ends").get<std::vector<std::uint32_t>>();
   const auto rest = springs.at("rest_length_m").get<std::vector<double>>();
   const auto stiffness = springs.at("stiffness_n_per_m").get<std::vector<double>>();
-  expect_done(live_springs(static_cast<std::uint32_t>(rest.size()), ends.data(), rest.data(), stiffness.data()));
+  expect_done(
+      live_springs(static_cast<std::uint32_t>(rest.size()), ends.data(), rest.data(), stiffness.data()));
   for (const json& support : request.at("supports")) {
     const auto faces = support.at("faces").get<std::vector<std::uint32_t>>();
     const auto weights = support.at("weights").get<std::vector<double>>();
@@ -130,9 +131,9 @@ json press_and_release(const BodySetup& setup, double step_s) {
                       json::array({"live_step", step_s, 300})});
 }
 
-/// The same bits after 1,000 steps: no fast-math and no contraction on either side, sums in one order, square roots
-/// and quotients that IEEE rounds in one way; and no function of the C library, which need not. So the tolerance is
-/// zero, and one bit that differs anywhere is a difference of the sources as they were compiled.
+/// The same bits after 1,000 steps: no fast-math and no contraction on either side, sums in one order, square
+/// roots and quotients that IEEE rounds in one way; and no function of the C library, which need not. So the
+/// tolerance is zero, and one bit that differs anywhere is a difference of the sources as they were compiled.
 TEST(LiveWebAssembly, HoldsTheStateOfTheNativeBuildToTheBitOverAThousandSteps) {
   const BodySetup setup = testing_support::make_live_cube(5);
   const std::vector<json> models{
@@ -145,7 +146,7 @@ TEST(LiveWebAssembly, HoldsTheStateOfTheNativeBuildToTheBitOverAThousandSteps) {
   for (const json& model : models) {
     const json request = make_request(setup, model, press_and_release(setup, 2e-4));
     const std::vector<double> native = run_native(request);
-    ASSERT_EQ(native[native.size() - 5], 0.0) << model;  // not broken
+    ASSERT_EQ(native[native.size() - 5], 0.0) << model;   // not broken
     ASSERT_GT(native[native.size() - 7], 1e-5) << model;  // and in motion
     EXPECT_EQ(run_wasm(request), native) << model;
   }

@@ -110,6 +110,18 @@ async function testKeyboardAndModels(browser) {
     await page.keyboard.press("r");
     await until(page, "force", "===", 0);
   }
+  await page.selectOption("#live-model", "springs");
+  const levels = await page.locator("#live-level option").count();
+  assert.ok(levels > 1, "there is a simplified mesh");
+  const title = page.locator(".live-own").locator("xpath=../h2");
+  const before = await title.textContent();
+  await page.selectOption("#live-level", String(levels - 1));
+  await page.waitForFunction((text) => document.querySelector(".live-view h2")?.textContent !== text, before);
+  await isWhole(page);
+  await page.locator("button", { hasText: "Press" }).click();
+  await until(page, "difference", ">", 0); // the table is that of the whole mesh, whose skin it has
+  await page.selectOption("#live-model", "reduced");
+  await page.waitForFunction(() => !document.querySelector(".live-other"));
   assert.equal(await page.locator(".live-other").count(), 0, "the table needs no table beside it");
   assert.deepEqual(complaints, []);
   await page.close();
@@ -200,7 +212,7 @@ async function testServer(browser) {
 let code = 0;
 const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM ?? "/usr/bin/chromium", args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"] });
 try {
-  run("make", "bar", "--vertices", "300", "-o", mesh);
+  run("make", "bar", "--vertices", "900", "-o", mesh);
   run("live", mesh, "--unit-m", "0.03", "-o", file);
   for (const test of [testPressAndRelease, testKeyboardAndModels, testBreaking, testBadData, testServer]) {
     await test(browser);

@@ -5,8 +5,8 @@
 
 namespace palpate::testing_support {
 
-/// A jittered Kuhn cube of 60 mm with springs of van Gelder's kind, E = 10 kPa, nu = 0.45, on elastic supports
-/// under z = 0, damped by mass.
+/// A jittered Kuhn cube of 60 mm with springs of van Gelder's kind, E = 10 kPa, nu = 0.45, on elastic
+/// supports under z = 0, damped by mass.
 live::BodySetup make_live_cube(int cells_per_side);
 
 /// The vertex of the skin nearest to the middle of the cube's top.

@@ -77,7 +77,8 @@ int live(const LiveArguments& arguments) {
 void add_live_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<LiveArguments>();
   CLI::App* command = app.add_subcommand("live", "Press an organ with the mouse, in a browser");
-  command->add_option("SOURCE", arguments->source, "Mesh or surface, scene (.yaml), or folder of a fit")->required();
+  command->add_option("SOURCE", arguments->source, "Mesh or surface, scene (.yaml), or folder of a fit")
+      ->required();
   command->add_option("-o,--output", arguments->out, "Write the page to a file instead of serving it")
       ->type_name("FILE");
   command->add_option("--port", arguments->port, "Port on 127.0.0.1 (a free one)")
@@ -89,7 +90,9 @@ void add_live_command(CLI::App& app, int& exit_code) {
   command->add_option("--vertices", arguments->vertices, "Of a surface's filling (1500)")
       ->check(whole_number_from(10, 1000000))
       ->type_name("N");
-  command->add_option("--young-pa", arguments->material.young_modulus_pa, "Young's modulus of a mesh, Pa (10000)")
+  command
+      ->add_option("--young-pa", arguments->material.young_modulus_pa,
+                   "Young's modulus of a mesh, Pa (10000)")
       ->check(number_from(1e-6, kMostNumber));
   command->add_option("--poisson", arguments->material.poisson_ratio, "Poisson's ratio of a mesh (0.45)")
       ->check(number_from(-0.99, 0.4999));
@@ -98,9 +101,11 @@ void add_live_command(CLI::App& app, int& exit_code) {
   command->add_flag("--no-table", arguments->no_table,
                     "Leave out the finite elements' answer (seconds to make, megabytes in the page)");
   command->footer(
-      "Prints the address of the page, which only this machine can open, and serves it until Ctrl-C. The page "
+      "Prints the address of the page, which only this machine can open, and serves it until Ctrl-C. The "
+      "page "
       "holds\n"
-      "the engine itself, compiled to WebAssembly, and asks for nothing else: with -o it opens offline anywhere.\n"
+      "the engine itself, compiled to WebAssembly, and asks for nothing else: with -o it opens offline "
+      "anywhere.\n"
       "docs/live.md says what can be done in it.");
   command->callback([arguments, &exit_code] { exit_code = live(*arguments); });
 }

@@ -1,4 +1,5 @@
-// What palpate live writes and serves: the body's bytes, texts that stand inside of scripts, tables, the server's answers.
+// What palpate live writes and serves: the body's bytes, texts that stand inside of scripts, tables, the
+// server's answers.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <future>
 #include <thread>
 
@@ -66,7 +68,8 @@ TEST(LivePage, PackedArraysAreWhereTheDescriptionSays) {
   EXPECT_EQ(number(described.at("spring_n_per_m"), 2), 6.0);
   EXPECT_EQ(number(described.at("supports")[0].at("weights"), 0), 0.25);
   Index tet = 0;
-  std::memcpy(&tet, packed.bytes.data() + described.at("tets").at("at").get<std::size_t>() + 4 * (4 * 7 + 3), 4);
+  std::memcpy(&tet, packed.bytes.data() + described.at("tets").at("at").get<std::size_t>() + 4 * (4 * 7 + 3),
+              4);
   EXPECT_EQ(tet, level.mesh.tets[7][3]);
   EXPECT_EQ(packed.description.at("table").at("field").at("count"), 2);
 }
@@ -108,6 +111,50 @@ TEST(LivePrepare, LevelsShareSkinAndSupports) {
   EXPECT_EQ(body.no_table, "it was not asked for");
 }
 
+/// The folder of a fit starts with the model that its scene names; a scene that moves, with its damping and
+/// step.
+TEST(LivePrepare, AFitStartsWithWhatWasChosen) {
+  const test::ScratchFolder folder;
+  TetMesh cube = build_kuhn_cube(4, 0.2, 3);
+  for (Vec3& p : cube.points) p = 0.06 * p;
+  write_medit(folder.path() / "organ.mesh", cube);
+  const std::string body =
+      "schema: palpate/scene/1\nmesh: {file: organ.mesh, unit_m: 1}\n"
+      "material: {young_modulus_pa: 5000, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+      "clamp: [{half_space: {normal: [0, 0, 1], share: 0.1}, elastic_pa_per_m: 1.0e6}]\n"
+      "load: [{gravity_m_s2: [0, 0, -9.81]}]\n";
+  const auto write = [&](const std::string& rest) {
+    std::ofstream(folder.path() / "scene.yaml") << body << rest;
+    LiveWish wish;
+    wish.source = folder.path();
+    wish.with_table = false;
+    return prepare_live(wish, load_registry());
+  };
+  std::ofstream(folder.path() / "fit.json") << "{}";
+  const LiveBodyData fit = write("model: {smoothed: blend, theta: 0.6}\nanalysis: static\n");
+  EXPECT_EQ(fit.kind, "fit");
+  EXPECT_EQ(fit.start.at("model"), "smoothed");
+  EXPECT_EQ(fit.start.at("theta"), 0.6);
+  EXPECT_EQ(fit.start.at("rest"), "tet");
+  EXPECT_EQ(fit.start.at("law"), "corotated");
+  EXPECT_EQ(fit.material.young_modulus_pa, 5000.0);
+  EXPECT_EQ(fit.spring_source.at("method"), "springs.isotropy_patch");
+  const LiveBodyData moving = write(
+      "model: {springs: van_gelder, volume: node_average}\n"
+      "analysis: {dynamic: {integrator: bdf2, time_step_s: 0.002, duration_s: 1, damping: {mass_per_s: "
+      "7}}}\n");
+  EXPECT_EQ(moving.start.at("model"), "springs");
+  EXPECT_EQ(moving.start.at("volume"), "node_average");
+  EXPECT_EQ(moving.start.at("integrator"), "bdf2");
+  EXPECT_EQ(moving.start.at("step_s"), 0.002);
+  EXPECT_EQ(moving.start.at("law"), "linear");
+  EXPECT_EQ(moving.damping_mass_per_s, 7.0);
+  EXPECT_EQ(moving.spring_source.at("method"), "springs.van_gelder");
+  const LiveBodyData other = write("model: {finite_elements: p2}\nanalysis: static\n");
+  EXPECT_EQ(other.start.at("model"), "smoothed");
+  EXPECT_THAT(other.notes, testing::Contains(HasSubstr("fem.p2")));
+}
+
 TEST(LivePrepare, RefusesWhatIsNoSource) {
   const test::ScratchFolder folder;
   LiveWish wish;
@@ -120,9 +167,13 @@ TEST(LivePrepare, RefusesWhatIsNoSource) {
 
 /// A table of two vertices of the skin out of three, as docs/reduced.md lays it out.
 std::string small_table(const std::string& precision) {
-  std::string out = "palpate/compliance_table/1\nbody 7\nelements 2\nrefine 0\nreactions 1\npoisson_ratio 0.45\nprecision " +
-                    precision + "\nmidpoints 0\nrows 3\nskin_vertices 2\nskin_edges 0\nend\n";
-  const auto add = [&](const auto& value) { out.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  std::string out =
+      "palpate/compliance_table/1\nbody 7\nelements 2\nrefine 0\nreactions 1\npoisson_ratio "
+      "0.45\nprecision " +
+      precision + "\nmidpoints 0\nrows 3\nskin_vertices 2\nskin_edges 0\nend\n";
+  const auto add = [&](const auto& value) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+  };
   for (const std::uint32_t v : {1U, 2U, 0U}) add(v);
   for (int k = 0; k < 36; ++k) add(static_cast<float>(k));
   for (int k = 0; k < 54; ++k) add(static_cast<float>(100 + k));
@@ -195,7 +246,8 @@ TEST(LiveServer, ServesItsPageWholeWhileOthersSayNothing) {
   const std::string page(3'000'000, 'p');
   std::promise<std::uint16_t> ready;
   stop_serving = 0;
-  std::thread server([&] { serve_live_page(page, 0, stop_serving, [&](std::uint16_t port) { ready.set_value(port); }); });
+  std::thread server(
+      [&] { serve_live_page(page, 0, stop_serving, [&](std::uint16_t port) { ready.set_value(port); }); });
   const std::uint16_t port = ready.get_future().get();
   const int silent = ::socket(AF_INET, SOCK_STREAM, 0);  // a visitor that never asks
   sockaddr_in address{};
