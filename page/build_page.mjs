@@ -12,7 +12,11 @@ import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
 
 // A page: its script and its style sheet below this folder.
-const PAGES = [{ name: "report", script: "report/report.ts", style: "report/report.css" }];
+const PAGES = [
+  { name: "report", script: "report/report.ts", style: "report/report.css" },
+  { name: "live", script: "live/live.ts", style: "live/live.css" },
+  { name: "live_worker", script: "live/worker.ts" },
+];
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -50,7 +54,7 @@ async function bundle(page, folder) {
   const script = join(folder, `${page.name}.js`);
   const { metafile } = await build({ ...common, entryPoints: [page.script], outfile: script, format: "iife", loader: { ".css": "empty" }, metafile: true });
   writeFileSync(script, licencesOf(Object.keys(metafile.inputs)) + readFileSync(script, "utf8"));
-  await build({ ...common, entryPoints: [page.style], outfile: join(folder, `${page.name}.css`) });
+  if (page.style) await build({ ...common, entryPoints: [page.style], outfile: join(folder, `${page.name}.css`) });
 }
 
 const [folder, ...flags] = process.argv.slice(2);

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <exception>
-#include <thread>
 #include <vector>
+
+#include "core/base/threads.h"
 
 namespace palpate {
 
@@ -15,7 +16,7 @@ inline constexpr std::size_t kLeastItemsAThread = 4096;
 
 /// Number of ranges that for_ranges() makes of `count` items.
 inline std::size_t count_ranges(std::size_t count, int threads) {
-  const std::size_t most = std::max<std::size_t>(1, count / kLeastItemsAThread);
+  const std::size_t most = kHasThreads ? std::max<std::size_t>(1, count / kLeastItemsAThread) : 1;
   return std::min(most, static_cast<std::size_t>(std::max(threads, 1)));
 }
 
@@ -34,7 +35,7 @@ void for_ranges(std::size_t count, int threads, Body&& body) {
     }
   };
   {
-    std::vector<std::jthread> others;
+    std::vector<Thread> others;
     others.reserve(ranges - 1);
     for (std::size_t range = 0; range + 1 < ranges; ++range) others.emplace_back(run, range);
     run(ranges - 1);

@@ -42,6 +42,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_scene_command(app, exit_code);
   add_simplify_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_live_command(app, exit_code);
   add_quality_command(app, exit_code);
   add_springs_command(app, exit_code);
   add_export_command(app, exit_code);

@@ -25,6 +25,7 @@ void add_export_command(CLI::App& app, int& exit_code);
 void add_gate_command(CLI::App& app, int& exit_code);
 void add_history_command(CLI::App& app, int& exit_code);
 void add_list_command(CLI::App& app, int& exit_code);
+void add_live_command(CLI::App& app, int& exit_code);
 void add_make_command(CLI::App& app, int& exit_code);
 void add_mesh_command(CLI::App& app, int& exit_code);
 void add_report_command(CLI::App& app, int& exit_code);

@@ -4,7 +4,7 @@
     floors.py ROOT --plan   prints the plan as ARCHITECTURE.md shows it
 
 The house has wings (core/mesh, core/judge, reference, experiments, ...), a wing has rooms, a room is one folder. Lower never
-includes higher: core/base < core/mesh < core/{simplify,springs,dynamics,judge} < reference < experiments, and inside a wing its
+includes higher: core/base < core/mesh < core/{simplify,springs,dynamics,judge} < {live,reference} < experiments, and inside a wing its
 rooms in the order of PLAN. Wings of the third floor never include each other, and the judge sees core/base and
 core/mesh/tet_mesh.h alone. In reference the door and what models and simplifiers share come first; a contestant's folder includes no other
 one. A contest's room includes no other contest's. No file includes, over others, itself. A room has at most MOST_FILES sources and
@@ -20,7 +20,7 @@ import sys
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 PAGE_IMPORT = re.compile(r"""(?:from|import)\s*\(?\s*["'](\.[^"']*)["']""")
 IMPORT = re.compile(r"^\s*(?:from\s+([\w.]+)\s+import|import\s+([\w.]+))", re.MULTILINE)
-OUR_FOLDERS = ("core", "reference", "experiments", "tests", "report", "cmake")
+OUR_FOLDERS = ("core", "live", "reference", "experiments", "tests", "report", "cmake")
 MOST_FILES = 17
 # The rooms of each wing from the bottom up; "." is the wing's own folder, "*" any room with the rooms inside it.
 PLAN = {
@@ -31,15 +31,16 @@ PLAN = {
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
                       "time_loop", "stability", "reduced", "enriched"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
+    "live": ["body", "interface"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "scene_writer",
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit", "envelope",
-                    "commands", "."],
+                    "live", "commands", "commands/live", "."],
     "report": ["shared", "*", "."],
     "page": ["view", "*"],
 }
 FLOOR = {"core/base": 0, "core/mesh": 1, "core/simplify": 2, "core/springs": 2, "core/dynamics": 2, "core/judge": 2,
-         "reference": 3, "experiments": 4, "report": 5, "page": 5, "tests": 6}
+         "live": 3, "reference": 3, "experiments": 4, "report": 5, "page": 5, "tests": 6}
 JUDGE_MAY_SEE = "core/mesh/tet_mesh.h"
 
 
@@ -95,7 +96,7 @@ def resolve(root, source, name):
 
 
 def list_sources(root):
-    for folder in ("core", "reference", "experiments", "tests"):
+    for folder in ("core", "live", "reference", "experiments", "tests"):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in (".h", ".cpp") and path.is_file():
                 yield path.relative_to(root).as_posix()

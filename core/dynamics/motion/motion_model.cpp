@@ -1,7 +1,7 @@
 #include "core/dynamics/motion/motion_model.h"
 
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 #include "core/base/component.h"
@@ -141,7 +141,8 @@ VolumeCount count_volume(const MotionModel& model, const MotionState& state) {
 std::uint64_t hash_state(const MotionState& state) {
   std::uint64_t hash = 14695981039346656037ULL;
   const auto add = [&hash](double value) {
-    auto bits = std::bit_cast<std::uint64_t>(value);
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);  // std::bit_cast is not in every library that this is built with
     for (int byte = 0; byte < 8; ++byte, bits >>= 8U) hash = (hash ^ (bits & 0xffU)) * 1099511628211ULL;
   };
   add(state.time_s);

@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <array>
-#include <barrier>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <thread>
 #include <vector>
 
 #include "core/base/lanes.h"
+#include "core/base/threads.h"
 #include "core/dynamics/spring_engine/plain_loads.h"
 #include "core/dynamics/spring_engine/plain_options.h"
 
@@ -82,6 +81,7 @@ struct TeamStep {
 
 /// The number of threads that have blocks to work on; at least 1.
 inline std::size_t team_size(const PlainOptions& options, std::size_t blocks) {
+  if (!kHasThreads) return 1;
   return std::clamp<std::size_t>(static_cast<std::size_t>(std::max(options.threads, 1)), 1,
                                  std::max<std::size_t>(blocks, 1));
 }
@@ -119,8 +119,9 @@ PlainReport step_in_team(const PlainOptions& options, const TeamStep<Real>& step
     cuts_before = sum.speeds_cut;
     if (observer) observer(sum.steps);
   };
-  std::barrier between(static_cast<std::ptrdiff_t>(threads));
-  std::barrier end(static_cast<std::ptrdiff_t>(threads), end_step);
+  const auto go_on = []() noexcept {};
+  Meeting<decltype(go_on)> between(static_cast<std::ptrdiff_t>(threads), go_on);
+  Meeting<decltype(end_step)> end(static_cast<std::ptrdiff_t>(threads), end_step);
   const auto work = [&](std::size_t t) {
     PlainReport mine;  // not beside another thread's in memory
     for (;;) {
@@ -136,7 +137,7 @@ PlainReport step_in_team(const PlainOptions& options, const TeamStep<Real>& step
     }
   };
   {
-    std::vector<std::jthread> others;
+    std::vector<Thread> others;
     for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
     work(0);
   }

@@ -287,6 +287,22 @@ const std::vector<Vec3>& PlainEngine<Real>::group_forces() const {
 }
 
 template <typename Real>
+void PlainEngine<Real>::set_pad(std::span<const SupportFace> faces) {
+  Body& body = *body_;
+  body.loads->set_pad(faces, PlainPlaces{body.order, body.place, kBlockVertices, body.center}, body.rest);
+}
+
+template <typename Real>
+void PlainEngine<Real>::move_pad(const Vec3& by_m) {
+  body_->loads->move_pad(by_m);
+}
+
+template <typename Real>
+Vec3 PlainEngine<Real>::pad_force() const {
+  return body_->loads->pad_force();
+}
+
+template <typename Real>
 bool PlainEngine<Real>::uses_avx2() const {
   return body_->use_avx2;
 }

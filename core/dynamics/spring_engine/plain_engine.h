@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "core/dynamics/motion/motion_model.h"
@@ -45,6 +46,14 @@ class PlainEngine {
   /// The force of each group of loads on the body, in N, at the start of the last step
   /// (MotionForces::group_forces); zero before the first.
   const std::vector<Vec3>& group_forces() const;
+
+  /// Puts an elastic pad on faces of the body between two steps, at rest, in the place of the one before; no
+  /// faces: takes it away. move_pad says how far it is moved; SupportFace::by_m is not read. It acts like the
+  /// supports of a group of loads, but for a last place of rounding.
+  void set_pad(std::span<const SupportFace> faces);
+  void move_pad(const Vec3& by_m);
+  /// The pad's force on the body at the start of the last step, in N; zero without one.
+  Vec3 pad_force() const;
 
   /// Whether springs are computed eight at a time: in single precision, on a processor that can.
   bool uses_avx2() const;

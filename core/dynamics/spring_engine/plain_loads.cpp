@@ -22,9 +22,10 @@ struct SupportRow {
 
 /// By place. A face's energy 1/2 c sum of (1 + delta_ij) (u_i - by) . (u_j - by) has the gradient
 /// c (u_i + sum of u_j - 4 by) at its vertex i.
-std::map<Index, SupportRow> build_support_rows(const Loads& loads, std::span<const Index> place) {
+std::map<Index, SupportRow> build_support_rows(std::span<const SupportFace> supports,
+                                               std::span<const Index> place) {
   std::map<Index, SupportRow> rows;
-  for (const SupportFace& support : loads.supports) {
+  for (const SupportFace& support : supports) {
     for (const Index a : support.face) {
       SupportRow& row = rows[place[a]];
       for (const Index b : support.face)
@@ -68,7 +69,7 @@ PlainLoads::PlainLoads(const MotionModel& model, const PlainPlaces& places)
 
 void PlainLoads::add_rows(const TimedLoads& group, std::uint32_t number, bool is_steady,
                           const MotionModel& model, const PlainPlaces& places) {
-  std::map<Index, SupportRow> rows = build_support_rows(group.loads, places.place);
+  std::map<Index, SupportRow> rows = build_support_rows(group.loads.supports, places.place);
   for (std::size_t k = 0; !is_steady && k < places.order.size(); ++k) {
     if (length_sq(group.loads.force_n[places.order[k]]) > 0.0) rows[static_cast<Index>(k)];
   }
@@ -107,6 +108,45 @@ void PlainLoads::set_times(double time_s, double end_s) {
   }
 }
 
+void PlainLoads::set_pad(std::span<const SupportFace> faces, const PlainPlaces& places,
+                         std::span<const Vec3> rest) {
+  for (Block& block : blocks_) {
+    block.pad.clear();
+    block.pad_force = {};
+  }
+  pad_entries_.clear();
+  pad_by_m_ = {};
+  pad_force_n_ = {};
+  for (const auto& [k, support] : build_support_rows(faces, places.place)) {
+    Block& block = blocks_[k / places.block_vertices];
+    PadRow row{static_cast<Index>(k - block.first), 0.0, {}, pad_entries_.size(), 0};
+    for (const auto& [other, coefficient] : support.coefficient) {
+      pad_entries_.push_back({other, coefficient});
+      row.total_n_per_m += coefficient;
+      row.pull = row.pull + coefficient * places.home(rest[places.order[other]]);
+    }
+    row.last = pad_entries_.size();
+    block.pad.push_back(row);
+  }
+}
+
+template <typename Real>
+void PlainLoads::press_pad(Block& block, const PlainRows<const Real>& x, Real* force) const {
+  block.pad_force = {};
+  for (const PadRow& row : block.pad) {
+    Vec3 f = row.total_n_per_m * pad_by_m_ + row.pull;
+    for (std::size_t k = row.first; k < row.last; ++k) {
+      const Real* at = x.of(pad_entries_[k].place);
+      f = f - pad_entries_[k].coefficient_n_per_m * Vec3{at[0], at[1], at[2]};
+    }
+    block.pad_force = block.pad_force + f;
+    Real* sum = force + std::size_t{4} * row.at;
+    sum[0] = static_cast<Real>(sum[0] + f.x);
+    sum[1] = static_cast<Real>(sum[1] + f.y);
+    sum[2] = static_cast<Real>(sum[2] + f.z);
+  }
+}
+
 template <typename Real>
 void PlainLoads::add_forces(std::size_t b, const PlainRows<const Real>& x, Real* force) {
   Block& block = blocks_[b];
@@ -123,6 +163,7 @@ void PlainLoads::add_forces(std::size_t b, const PlainRows<const Real>& x, Real*
     sum[1] = static_cast<Real>(sum[1] + f.y);
     sum[2] = static_cast<Real>(sum[2] + f.z);
   }
+  if (!block.pad.empty()) press_pad(block, x, force);
   for (const Held& held : block.held) {
     const ProfileValue& profile = start_[held.group];
     const double needed =
@@ -160,6 +201,8 @@ void PlainLoads::gather() {
     for (const Block& block : blocks_) sum = sum + block.forces[g];
     group_forces_[g] = sum;
   }
+  pad_force_n_ = {};
+  for (const Block& block : blocks_) pad_force_n_ = pad_force_n_ + block.pad_force;
 }
 
 template void PlainLoads::add_forces(std::size_t, const PlainRows<const float>&, float*);

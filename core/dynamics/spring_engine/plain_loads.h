@@ -63,6 +63,17 @@ class PlainLoads {
   /// Adds up what the blocks have noted; not while they are at work.
   void gather();
 
+  /// Puts an elastic pad on `faces` in the place of the one before, at rest; no faces: takes it away. Its
+  /// forces are added behind those of the groups. Not while blocks are at work. SupportFace::by_m is not
+  /// read: move_pad says where the pad is. Shape: `rest` one point a vertex.
+  void set_pad(std::span<const SupportFace> faces, const PlainPlaces& places, std::span<const Vec3> rest);
+
+  /// Moves the pad to `by_m`, from where it was put.
+  void move_pad(const Vec3& by_m) { pad_by_m_ = by_m; }
+
+  /// The pad's force on the body at the start of the last step that was gathered, in N.
+  const Vec3& pad_force() const { return pad_force_n_; }
+
   /// As MotionForces::group_forces, at the start of the last step that was gathered: the force of each group
   /// of loads on the body, in N. Zero before the first.
   const std::vector<Vec3>& group_forces() const { return group_forces_; }
@@ -90,12 +101,25 @@ class PlainLoads {
     double mass_kg = 0.0;
     double drag_n_s_per_m = 0.0;
   };
+  /// A vertex under the pad: total x by + pull - sum of coefficient x position.
+  struct PadRow {
+    Index at = 0;
+    double total_n_per_m = 0.0;
+    Vec3 pull;
+    std::size_t first = 0;
+    std::size_t last = 0;
+  };
   struct Block {
     std::size_t first = 0;
     std::vector<Row> rows;
     std::vector<Held> held;
     std::vector<Vec3> forces;  ///< of each group on the block
+    std::vector<PadRow> pad;
+    Vec3 pad_force;
   };
+
+  template <typename Real>
+  void press_pad(Block& block, const PlainRows<const Real>& x, Real* force) const;
 
   void add_rows(const TimedLoads& group, std::uint32_t number, bool is_steady, const MotionModel& model,
                 const PlainPlaces& places);
@@ -110,6 +134,9 @@ class PlainLoads {
   std::vector<ProfileValue> start_;
   std::vector<ProfileValue> end_;
   std::vector<Vec3> group_forces_;
+  std::vector<Entry> pad_entries_;
+  Vec3 pad_by_m_;
+  Vec3 pad_force_n_;
 };
 
 }  // namespace palpate::dynamics

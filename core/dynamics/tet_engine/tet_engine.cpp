@@ -52,7 +52,7 @@ struct TetEngine<Real>::Body {
     LargeVector<Row> damped;  ///< u + damping v
   };
 
-  Body(const MotionModel& model, const PlainOptions& given) : options(given) {
+  Body(const MotionModel& model, const PlainOptions& given) : options(given), rest(model.elastic.rest) {
     validate(model);
     const std::string what = find_more_than_tets(model);
     if (!what.empty()) throw InputError("tet engine", 0, "strain energies alone", what);
@@ -196,6 +196,7 @@ struct TetEngine<Real>::Body {
   }
 
   PlainOptions options;
+  std::vector<Vec3> rest;
   std::vector<Index> order;
   std::vector<Index> place;
   std::size_t block_vertices = 0;
@@ -268,6 +269,22 @@ PlainReport TetEngine<Real>::step(double step_s, std::uint64_t steps, const Plai
 template <typename Real>
 const std::vector<Vec3>& TetEngine<Real>::group_forces() const {
   return body_->loads->group_forces();
+}
+
+template <typename Real>
+void TetEngine<Real>::set_pad(std::span<const SupportFace> faces) {
+  Body& body = *body_;
+  body.loads->set_pad(faces, PlainPlaces{body.order, body.place, body.block_vertices, {}, true}, body.rest);
+}
+
+template <typename Real>
+void TetEngine<Real>::move_pad(const Vec3& by_m) {
+  body_->loads->move_pad(by_m);
+}
+
+template <typename Real>
+Vec3 TetEngine<Real>::pad_force() const {
+  return body_->loads->pad_force();
 }
 
 template <typename Real>

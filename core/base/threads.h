@@ -1,0 +1,56 @@
+// Threads that end with their owner, and the place where they wait for each other; on a platform without
+// threads, such as WebAssembly in a page, the caller's own alone.
+#pragma once
+
+#ifdef __EMSCRIPTEN__
+
+#include <cstddef>
+#include <utility>
+
+namespace palpate {
+
+inline constexpr bool kHasThreads = false;
+
+/// Does its work at once, on the caller's thread.
+class Thread {
+ public:
+  template <typename Work, typename... All>
+  explicit Thread(Work&& work, All&&... all) {
+    std::forward<Work>(work)(std::forward<All>(all)...);
+  }
+};
+
+/// Where one thread meets itself: nobody is waited for.
+template <typename Then>
+class Meeting {
+ public:
+  Meeting(std::ptrdiff_t, Then then) : then_(std::move(then)) {}
+  void arrive_and_wait() { then_(); }
+
+ private:
+  Then then_;
+};
+
+}  // namespace palpate
+
+#else
+
+#include <barrier>
+#include <thread>
+
+namespace palpate {
+
+/// Whether there is more than the caller's thread.
+inline constexpr bool kHasThreads = true;
+
+/// Joined where it ends.
+using Thread = std::jthread;
+
+/// Where as many threads as were said wait for each other; the last one then does `Then`, which must not
+/// throw.
+template <typename Then>
+using Meeting = std::barrier<Then>;
+
+}  // namespace palpate
+
+#endif

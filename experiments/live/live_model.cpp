@@ -1,0 +1,110 @@
+#include "experiments/live/live_model.h"
+
+#include <algorithm>
+
+#include "core/base/error.h"
+#include "core/dynamics/statics/calibration.h"
+#include "core/springs/identification/identify_options.h"
+
+namespace palpate::experiments {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kUsualSprings = "springs.isotropy_patch";
+constexpr std::size_t kMostSmoothedVertices = 4000;  ///< beyond, springs are what is fluent
+
+/// An option as text, as identify_options reads it; empty if it is not there.
+std::string text_of(const json& options, const std::string& key) {
+  if (!options.contains(key) || options.at(key).is_null()) return "";
+  const json& value = options.at(key);
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+SpringNetwork identify(const LiveLevel& level, const json& source, LiveBodyData& out) {
+  const json& options = source.at("options");
+  const std::string name = source.at("method").get<std::string>().substr(std::string("springs.").size());
+  const springs::SpringMethod method = springs::parse_spring_method(name);
+  springs::IdentifyOptions identify;
+  for (const std::string& key : springs::spring_option_names(method)) {
+    const std::string text = text_of(options, key);
+    if (!text.empty()) springs::set_spring_option(method, key, text, "model", identify);
+  }
+  springs::IdentifyReport report;
+  const Material& material = level.holding.material;
+  SpringNetwork net = springs::identify_springs(level.mesh, material, method, identify, report);
+  for (const std::string& warning : report.warnings) {
+    if (&level == &out.levels.front()) out.notes.push_back(warning);
+  }
+  if (options.value("calibrate", false)) {
+    const dynamics::ElasticModel model{level.mesh.points, net, true, {}, {}};
+    const double factor =
+        calibration_factor(measure_moduli(level.mesh, model, {}), material.young_modulus_pa / 2.5);
+    for (double& stiffness : net.stiffness_n_per_m) stiffness *= factor;
+  }
+  return net;
+}
+
+/// The scene's model with all of its options; null without one.
+json read_model(const Scene& scene, const Registry& registry) {
+  if (!scene.model) return nullptr;
+  const MethodEntry entry = find_model(scene, registry);
+  return {{"method", scene.model->method}, {"options", resolve_options(*entry.method, scene.model->set)}};
+}
+
+/// Whether springs of that model are made here.
+bool is_identified(const json& model) {
+  if (model.is_null()) return false;
+  const auto method = model.at("method").get<std::string>();
+  return method.starts_with("springs.") && method != "springs.trained" &&
+         text_of(model.at("options"), "mean_n_per_m").empty();
+}
+
+/// The law that the page starts with. At small strain a scene at rest moves with the corotated one, which is
+/// the same there and turns with the body.
+std::string law_of(const Scene& scene, const json& model) {
+  if (scene.is_dynamic && scene.strain == StrainSize::kSmall) return "linear";
+  if (model.is_null() || scene.strain == StrainSize::kSmall) return "corotated";
+  const std::string law = text_of(model.at("options"), "law");
+  if (!law.empty() && law != "default") return law;
+  return model.at("method").get<std::string>().starts_with("springs.") ? "corotated" : "neo_hookean";
+}
+
+json usual_start(const LiveBodyData& out) {
+  if (out.levels.front().mesh.points.size() > kMostSmoothedVertices)
+    return {{"model", "springs"}, {"volume", "none"}};
+  return {{"model", "smoothed"}, {"theta", 0.0}, {"domain", "node"}, {"rest", "edge"}, {"stabilise", 0.0}};
+}
+
+}  // namespace
+
+void choose_start(const Scene& scene, const Registry& registry, LiveBodyData& out) {
+  const json model = read_model(scene, registry);
+  out.spring_source = {{"method", kUsualSprings}, {"options", json::object()}};
+  out.start = usual_start(out);
+  if (is_identified(model)) {
+    out.spring_source = model;
+    const json& options = model.at("options");
+    out.start = {{"model", "springs"},
+                 {"volume", options.value("volume", "none")},
+                 {"theta", options.value("theta", 0.6)},
+                 {"shear", options.value("shear", "node")}};
+  } else if (!model.is_null() && model.at("method").get<std::string>().starts_with("smoothed.")) {
+    out.start = {{"model", "smoothed"}};
+    for (const char* key : {"theta", "domain", "rest", "stabilise"})
+      out.start[key] = model["options"].at(key);
+  } else if (!model.is_null() && model.at("method") == "reduced.compliance") {
+    out.start = {{"model", "reduced"}};
+  } else if (!model.is_null()) {
+    out.notes.push_back("The scene's own model, " + model.at("method").get<std::string>() +
+                        ", does not move live: another one starts in its place.");
+  }
+  if (!model.is_null()) out.start["method"] = model.at("method");
+  out.start["law"] = law_of(scene, model);
+  if (scene.is_dynamic && scene.dynamic.time_step_s) out.start["step_s"] = *scene.dynamic.time_step_s;
+  out.start["integrator"] =
+      scene.is_dynamic ? dynamics::integrator_name(scene.dynamic.integrator) : "symplectic_euler";
+  for (LiveLevel& level : out.levels) level.springs = identify(level, out.spring_source, out);
+}
+
+}  // namespace palpate::experiments

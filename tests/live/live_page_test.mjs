@@ -1,0 +1,228 @@
+// The live page in a real browser: a press moves what is under the cursor, letting go brings it back, the answer of the finite elements
+// stands beside it, nothing is fetched, and what is broken is said.
+//
+//     node live_page_test.mjs SOURCE_DIR PALPATE [SCREENSHOT_DIR]
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import http from "node:http";
+import { createRequire } from "node:module";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+
+const [source, palpate, shots] = process.argv.slice(2);
+const { chromium } = createRequire(join(source, "page/package.json"))("playwright-core");
+const folder = mkdtempSync(join(tmpdir(), "palpate-live-"));
+const mesh = join(folder, "bar.mesh");
+const file = join(folder, "live.html");
+const PATIENCE_MS = 120_000;
+
+const run = (...words) => execFileSync(palpate, words, { stdio: ["ignore", "pipe", "pipe"], encoding: "utf8" });
+
+/** A page whose console, errors and requests are kept; blobs and data are its own parts. */
+async function open(browser, url, options = {}) {
+  const page = await browser.newPage({ viewport: { width: 1200, height: 800 }, ...options });
+  const complaints = [];
+  const requests = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => /^(blob|data):/.test(request.url()) || requests.push(request.url()));
+  page.setDefaultTimeout(PATIENCE_MS);
+  await page.goto(url);
+  return { page, complaints, requests };
+}
+
+const value = (page, readout, key = "value") => page.locator(`[data-readout=${readout}]`).evaluate((cell, name) => Number(cell.dataset[name]), key);
+/** Waits until a figure of the page is above or below a bound, or equal to it. */
+const until = (page, readout, comparison, bound, key = "value") =>
+  page.waitForFunction(([name, sign, limit, which]) => {
+    const x = Number(document.querySelector(`[data-readout=${name}]`)?.dataset[which] ?? NaN);
+    return sign === ">" ? x > limit : sign === "<" ? x < limit : x === limit;
+  }, [readout, comparison, bound, key], { timeout: PATIENCE_MS });
+const isWhole = (page) => page.waitForFunction(() => document.querySelector("[data-readout=state]")?.textContent === "whole", null, { timeout: PATIENCE_MS });
+
+async function shoot(page, name) {
+  if (!shots) return;
+  mkdirSync(shots, { recursive: true });
+  await page.screenshot({ path: join(shots, `${name}.png`) });
+}
+
+async function middleOf(page) {
+  const box = await page.locator(".live-own canvas").boundingBox();
+  return [box.x + box.width / 2, box.y + box.height / 2];
+}
+
+/** Share of the points of the first view's picture that are not as the one in its corner. */
+async function shareDrawn(page) {
+  const png = await page.locator(".live-own").screenshot();
+  return page.evaluate(async (bytes) => {
+    const picture = await createImageBitmap(new Blob([new Uint8Array(bytes)]));
+    const canvas = new OffscreenCanvas(picture.width, picture.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(picture, 0, 0);
+    const { data } = context.getImageData(0, 0, picture.width, picture.height);
+    let other = 0;
+    for (let i = 0; i < data.length; i += 4) if (Math.abs(data[i] - data[0]) + Math.abs(data[i + 1] - data[1]) + Math.abs(data[i + 2] - data[2]) > 12) other++;
+    return (4 * other) / data.length;
+  }, [...png]);
+}
+
+async function testPressAndRelease(browser) {
+  const { page, complaints, requests } = await open(browser, `file://${file}`);
+  await isWhole(page);
+  assert.ok((await shareDrawn(page)) > 0.05, "the organ is drawn");
+  assert.ok((await value(page, "state", "largest")) < 1e-6, "it is at rest");
+  const [x, y] = await middleOf(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(page, "finger", ">", 0.001);
+  await until(page, "state", ">", 0.0005, "largest");
+  await until(page, "force", ">", 0.01);
+  await until(page, "energy", "<", 1e-7); // it has come to rest under the finger
+  const mark = await page.locator(".live-touch").boundingBox();
+  const away = Math.hypot(mark.x + mark.width / 2 - x, mark.y + mark.height / 2 - y);
+  assert.ok(away < 60, `the touched vertex is under the cursor, ${away} pixels away`);
+  await shoot(page, "live_pressed");
+  assert.ok((await value(page, "difference")) > 0, "the finite elements differ");
+  assert.ok((await value(page, "difference")) < 0.3, "by less than a third");
+  const before = await value(page, "finger");
+  await page.mouse.move(x + 40, y + 10, { steps: 4 });
+  await until(page, "finger", ">", 1.05 * before);
+  await page.mouse.up();
+  await until(page, "force", "===", 0);
+  await until(page, "state", "<", 1e-6, "largest");
+  await shoot(page, "live_released");
+  assert.deepEqual(complaints, []);
+  assert.deepEqual(requests, [`file://${file}`]);
+  await page.close();
+}
+
+async function testKeyboardAndModels(browser) {
+  const { page, complaints } = await open(browser, `file://${file}`, { colorScheme: "dark" });
+  await isWhole(page);
+  for (const model of ["springs", "smoothed", "reduced"]) {
+    await page.selectOption("#live-model", model);
+    await page.locator(".live-own canvas").focus();
+    await page.waitForTimeout(300); // the views are made anew
+    await page.keyboard.press("p");
+    await until(page, "force", ">", 0.01);
+    await shoot(page, `live_${model}_dark`);
+    await page.keyboard.press("r");
+    await until(page, "force", "===", 0);
+  }
+  await page.selectOption("#live-model", "springs");
+  const levels = await page.locator("#live-level option").count();
+  assert.ok(levels > 1, "there is a simplified mesh");
+  const title = page.locator(".live-own").locator("xpath=../h2");
+  const before = await title.textContent();
+  await page.selectOption("#live-level", String(levels - 1));
+  await page.waitForFunction((text) => document.querySelector(".live-view h2")?.textContent !== text, before);
+  await isWhole(page);
+  await page.locator("button", { hasText: "Press" }).click();
+  await until(page, "difference", ">", 0); // the table is that of the whole mesh, whose skin it has
+  await page.selectOption("#live-model", "reduced");
+  await page.waitForFunction(() => !document.querySelector(".live-other"));
+  assert.equal(await page.locator(".live-other").count(), 0, "the table needs no table beside it");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function testBreaking(browser) {
+  const { page, complaints } = await open(browser, `file://${file}`);
+  await isWhole(page);
+  await page.selectOption("#live-model", "springs");
+  await page.fill("#live-step", "20");
+  await page.locator("#live-step").blur();
+  await until(page, "margin", ">", 2);
+  await page.locator("button", { hasText: "Press" }).click();
+  await until(page, "state", "===", 1);
+  assert.match(await page.locator("[data-readout=state]").textContent(), /^broke at vertex \d+/);
+  assert.ok(await page.locator(".live-mark:not(.live-touch)").isVisible(), "the vertex is marked");
+  await shoot(page, "live_broken");
+  await page.fill("#live-step", "");
+  await page.locator("#live-step").blur();
+  await isWhole(page);
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function testBadData(browser) {
+  const whole = readFileSync(file, "utf8");
+  const description = (change) => whole.replace(/(<script type="application\/json" id="live-body">)([^<]*)/, (_, tag, text) => {
+    const body = JSON.parse(text.replaceAll("\\u003c", "<"));
+    return tag + change(body, text);
+  });
+  const cases = {
+    "no JSON": [description(() => "{"), /no JSON/],
+    "another schema": [description((body) => JSON.stringify({ ...body, schema: "palpate/live/9" })), /palpate\/live\/1/],
+    "no mesh": [description((body) => JSON.stringify({ ...body, levels: [] })), /no mesh/],
+    "a short array": [description((body) => (body.levels[0].tets.count = 1e9, JSON.stringify(body))), /tets ends behind/],
+    "a wrong vertex": [description((body) => (body.levels[0].tets.at = body.levels[0].points.at, JSON.stringify(body))), /names vertex/],
+    "no base64": [whole.replace(/(id="live-arrays">)..../, "$1****"), /base64/],
+  };
+  for (const [name, [text, message]] of Object.entries(cases)) {
+    assert.notEqual(text, whole, name);
+    const broken = join(folder, "broken.html");
+    writeFileSync(broken, text);
+    const { page } = await open(browser, `file://${broken}`);
+    const problem = page.locator(".live-problem");
+    await problem.waitFor({ state: "visible" });
+    assert.match(await problem.textContent(), message, name);
+    await page.close();
+  }
+}
+
+/** Status and text of a request with these headers. */
+function ask(port, path, headers) {
+  return new Promise((resolve, reject) => {
+    http.get({ host: "127.0.0.1", port, path, headers }, (answer) => {
+      let text = "";
+      answer.on("data", (part) => (text += part)).on("end", () => resolve({ status: answer.statusCode, text }));
+    }).on("error", reject);
+  });
+}
+
+async function testServer(browser) {
+  const server = spawn(palpate, ["live", mesh, "--no-table"], { stdio: ["ignore", "pipe", "ignore"] });
+  const ended = new Promise((resolve) => server.on("exit", (code) => resolve(code)));
+  try {
+    const url = await new Promise((resolve, reject) => {
+      server.stdout.on("data", (text) => resolve(String(text).trim()));
+      server.on("exit", () => reject(new Error("the server ended")));
+    });
+    assert.match(url, /^http:\/\/127\.0\.0\.1:\d+\/$/);
+    const port = Number(new URL(url).port);
+    assert.equal((await ask(port, "/", {})).status, 200);
+    assert.equal((await ask(port, "/", { Host: `evil.example:${port}` })).status, 403);
+    assert.equal((await ask(port, "/", { Origin: "http://evil.example" })).status, 403);
+    assert.equal((await ask(port, "/", { Origin: `http://127.0.0.1:${port}` })).status, 200);
+    for (const path of ["/etc/passwd", "/../../etc/passwd", "/live.js"]) assert.equal((await ask(port, path, {})).status, 404, path);
+    const { page, complaints, requests } = await open(browser, url);
+    await isWhole(page);
+    assert.match(await page.locator(".live-missing").textContent(), /not asked for/);
+    assert.deepEqual(complaints, []);
+    assert.deepEqual(requests, [url]);
+    await page.close();
+  } finally {
+    server.kill("SIGINT");
+  }
+  assert.equal(await ended, 0, "Ctrl-C ends it in order");
+}
+
+let code = 0;
+const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM ?? "/usr/bin/chromium", args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"] });
+try {
+  run("make", "bar", "--vertices", "900", "-o", mesh);
+  run("live", mesh, "--unit-m", "0.03", "-o", file);
+  for (const test of [testPressAndRelease, testKeyboardAndModels, testBreaking, testBadData, testServer]) {
+    await test(browser);
+    console.log(`${test.name}: ok`);
+  }
+} catch (error) {
+  console.error(error);
+  code = 1;
+} finally {
+  await browser.close();
+  rmSync(folder, { recursive: true, force: true });
+}
+process.exit(code);
