@@ -11,6 +11,8 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "experiments/contestants/input_guard.h"
+#include "experiments/files/disk_room.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/processes/process.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
@@ -35,7 +37,7 @@ constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a 
 /// becomes U+FFFD. Empty if the file is missing.
 std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "";
+  if (!is_plain_file(path)) return "";
   std::ifstream file(path, std::ios::binary);
   const std::size_t size = std::filesystem::file_size(path, error);
   if (error) return "";
@@ -179,9 +181,10 @@ std::string form_error(const json& response) {
 /// What is wrong with what was written, empty if nothing is.
 std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
-  std::error_code error;
-  const bool is_there = std::filesystem::is_regular_file(output, error);
+  const std::string is_no_file = file_complaint(output);
+  const bool is_there = is_no_file != "none";
   const reference::ContestFiles files = files_of(task);
+  if (is_there && !is_no_file.empty()) return std::string("its ") + files.output_word + " is " + is_no_file;
   if (!files.has_problem) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
@@ -193,10 +196,8 @@ std::string output_error(const ContestantTask& task, const json& report,
 
 ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
                              const ProcessResult& process, const std::filesystem::path& response_file) {
-  std::error_code error;
-  if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
-    return bad_answer(std::move(answer), "its answer is larger than 16 MiB");
-  }
+  const std::string is_no_file = file_complaint(response_file, kLargestAnswer);
+  if (!is_no_file.empty()) return bad_answer(std::move(answer), "its answer is " + is_no_file);
   json response;
   try {
     const std::string text = reference::read_text_file(response_file, kLargestAnswer);
@@ -276,11 +277,13 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.arguments.insert(spec.arguments.end(), {request_file.string(), response_file.string()});
   spec.timeout_s = task.timeout_s;
   spec.memory_bytes = task.memory_mib << 20U;
+  spec.file_bytes = kLargestOutput;
   spec.standard_error = error_file;
   spec.stop_flag = task.stop_flag;
   spec.stop_grace_s = task.stop_grace_s;
   spec.threads = task.threads;
   spec.while_waiting = task.while_waiting;
+  const FolderIdentity scratch(task.scratch);
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;
   if (process.has_usage) {
@@ -288,11 +291,12 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
     answer.peak_rss_bytes = process.peak_rss_bytes;
   }
 
+  if (!scratch.is_same()) return failed(std::move(answer), "bad_answer", "it put something else in the place of its folder");
+
   answer.standard_error = read_end(error_file, kKeptError);
   const std::string last = last_lines(answer.standard_error);
   const std::string said = last.empty() ? "" : ": " + last;
   const bool memory = ran_out_of_memory(answer.standard_error);
-  std::error_code error;
   switch (process.end) {
     case ProcessEnd::kInterrupted:
       return failed(std::move(answer), "interrupted", process.message);
@@ -300,12 +304,14 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
       return failed(std::move(answer), "unavailable", process.message);
     case ProcessEnd::kTimedOut:
       return failed(std::move(answer), "timed_out", process.message);
+    case ProcessEnd::kTooMuchMemory:
+      return failed(std::move(answer), "out_of_memory", process.message);
     case ProcessEnd::kSignalled:
       return failed(std::move(answer), memory ? "out_of_memory" : "crashed", process.message + said);
     case ProcessEnd::kExited:
       break;
   }
-  if (!std::filesystem::exists(response_file, error)) {
+  if (file_complaint(response_file, kLargestAnswer) == "none") {
     return failed(std::move(answer), memory ? "out_of_memory" : "crashed",
                   process.message + " without an answer" + said);
   }
@@ -319,7 +325,11 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   if (!why.empty()) return failed({}, "unavailable", why);
   InputGuard guard;
   const std::filesystem::path mesh_in = guard_inputs(task, guard);
-  return hold_to_inputs(run_guarded(task, mesh_in), guard);
+  ContestantAnswer answer = hold_to_inputs(run_guarded(task, mesh_in), guard);
+  if (answer.outcome == "ok" || answer.outcome == "interrupted") return answer;
+  const std::string no_room = room_complaint(task.scratch, answer.message + answer.standard_error);
+  if (!no_room.empty()) throw UnavailableError(no_room + "; " + task.method.method->name + ": " + answer.message);
+  return answer;
 }
 
 }  // namespace palpate::experiments
