@@ -10,6 +10,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "experiments/contestants/answer_form.h"
 #include "experiments/contestants/input_guard.h"
 #include "experiments/files/disk_room.h"
 #include "experiments/files/plain_file.h"
@@ -24,9 +25,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kLargestAnswer = 16U << 20U;
-constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
-constexpr std::size_t kMostTuned = 16;
 constexpr std::size_t kKeptError = 4096;  // bytes of standard error that a record holds
 constexpr double kClockStepSeconds =
     1e-6;                              // both times come from the steady clock, which counts in nanoseconds
@@ -58,17 +56,6 @@ std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
         0, static_cast<std::size_t>(std::find_if_not(valid.begin(), valid.end(), is_rest) - valid.begin()));
   }
   return valid;
-}
-
-/// Text from a contestant as one printable line of at most 300 characters.
-std::string one_line(const std::string& text) {
-  std::string line;
-  for (const char c : text.substr(0, text.find('\n'))) {
-    const auto byte = static_cast<unsigned char>(c);
-    line += byte < 32 || byte >= 127 ? '?' : c;
-    if (line.size() == 300) break;
-  }
-  return line;
 }
 
 /// The last three lines of `text` that say something, as one printable line of at most 300 characters: where
@@ -131,53 +118,6 @@ ContestantAnswer bad_answer(ContestantAnswer answer, const std::string& wrong) {
   return failed(std::move(answer), "bad_answer", wrong + (said.empty() ? "" : "; it wrote: " + said));
 }
 
-/// What is wrong with the parameters that a search found: they are numbers by name, and those that were
-/// handed back stay as they are. Empty if nothing is.
-std::string tuned_error(const json& response, const json& given) {
-  const json tuned = response.value("tuned", json::object());
-  if (!tuned.is_object() || tuned.size() > kMostTuned) {
-    return "its tuned parameters are no list of at most 16 numbers by name";
-  }
-  for (const auto& [name, value] : tuned.items()) {
-    if (!value.is_number() || !std::isfinite(value.get<double>())) {
-      return "its tuned parameter " + one_line(name) + " is no number: " + one_line(value.dump());
-    }
-  }
-  if (!given.empty() && tuned != given) {
-    return "its tuned parameters are not those it was given: " + one_line(tuned.dump());
-  }
-  return "";
-}
-
-/// What is wrong with an answer's form, empty if nothing is.
-std::string form_error(const json& response) {
-  if (!response.is_object()) return "its answer is no JSON object";
-  if (response.value("schema", json()) != "palpate/response/1") {
-    return "its answer's schema is not palpate/response/1";
-  }
-  const json status = response.value("status", json());
-  if (!status.is_string()) return "its answer has no status";
-  const bool ok = status == "ok";
-  if (!ok && status != "bad_input" && status != "error") return "unknown status " + one_line(status.dump());
-  const std::set<std::string> known =
-      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes", "tuned"}
-         : std::set<std::string>{"schema", "status", "message"};
-  for (const auto& [key, value] : response.items()) {
-    if (known.count(key) == 0) return "unknown key \"" + one_line(key) + "\" in its answer";
-  }
-  if (!ok) return response.value("message", json()).is_string() ? "" : "its answer has no message";
-  if (!response.contains("kernel_s")) return "the key \"kernel_s\" is missing in its answer";
-  const json& kernel_s = response.at("kernel_s");
-  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() <= 0.0) {
-    return "kernel_s is no time above zero: " + one_line(kernel_s.dump());
-  }
-  if (!response.value("report", json()).is_object()) return "its answer has no report";
-  const json notes = response.value("notes", json::array());
-  const bool texts = notes.is_array() &&
-                     std::all_of(notes.begin(), notes.end(), [](const json& n) { return n.is_string(); });
-  return texts ? "" : "its notes are no list of texts";
-}
-
 /// What is wrong with what was written, empty if nothing is.
 std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
@@ -200,13 +140,10 @@ ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer
   if (!is_no_file.empty()) return bad_answer(std::move(answer), "its answer is " + is_no_file);
   json response;
   try {
-    const std::string text = reference::read_text_file(response_file, kLargestAnswer);
-    response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
+    response = parse_answer(reference::read_text_file(response_file, kLargestAnswer));
   } catch (const InputError& wrong) {
     return bad_answer(std::move(answer), one_line(wrong.what()));
   }
-  const std::string wrong = form_error(response);
-  if (!wrong.empty()) return bad_answer(std::move(answer), wrong);
   const std::string status = response.at("status").get<std::string>();
   const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
   if (process.exit_code != expected) {

@@ -217,12 +217,13 @@ void order(int orders, ChildOrder what) {
   ::send(orders, &byte, 1, MSG_NOSIGNAL);  // palpate_child may have gone
 }
 
-/// Has all processes below palpate_child killed. It does so itself; one that was stopped or hangs is helped
-/// and then killed too.
+/// Has all processes below palpate_child killed. It does so itself, woken if somebody stopped it; if it does
+/// not, it is helped and then killed too.
 void kill_all(pid_t child, int orders) {
-  constexpr double kPatienceS = 10.0;
+  constexpr double kPatienceS = 20.0;  // longer than its own
   constexpr int kTries = 100;
   order(orders, kKillAll);
+  ::kill(child, SIGCONT);
   if (wait_for_end(child, std::chrono::steady_clock::now() + as_duration(kPatienceS), nullptr, {}) ==
       Wait::kEnded)
     return;

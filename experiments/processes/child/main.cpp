@@ -158,12 +158,15 @@ Watch watch(pid_t program, TreeMemory& memory, int& status) {
 /// Kills what is left and collects it. Gives up on what cannot be killed: it waits for a broken disk, or runs
 /// as another user.
 void clean_up(pid_t program, int& status) {
-  constexpr unsigned kFirstWaitUs = 1000;
-  constexpr int kMostTries = 14;  // 16 s, each twice as long as the one before
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds kPatience{16};
+  constexpr unsigned kLongestWaitUs = 50'000;
   bool has_ended = false;
-  for (int i = 0; i < kMostTries && collect(program, status, has_ended); ++i) {
+  const Clock::time_point end = Clock::now() + kPatience;
+  for (unsigned wait_us = 200; collect(program, status, has_ended) && Clock::now() < end;
+       wait_us = std::min(2 * wait_us, kLongestWaitUs)) {
     kill_descendants(::getpid());
-    ::usleep(kFirstWaitUs << static_cast<unsigned>(i));
+    ::usleep(wait_us);
   }
 }
 

@@ -14,16 +14,17 @@ namespace {
 
 struct Link {
   pid_t process = 0;
-  pid_t parent = 0;
+  pid_t parent = 0;  ///< 0 if it is gone or a zombie
+  pid_t group = 0;
 };
 
-/// The parent of a process from its "pid (name) state ppid ..."; 0 if it is gone or a zombie. The name may
-/// hold anything, parentheses and spaces too.
-pid_t living_parent(pid_t process) {
+/// What a process's "pid (name) state ppid pgrp ..." says. The name may hold anything, parentheses and spaces
+/// too.
+Link read_link(pid_t process) {
   char path[64];
   std::snprintf(path, sizeof path, "/proc/%d/stat", static_cast<int>(process));
   std::FILE* file = std::fopen(path, "r");
-  if (file == nullptr) return 0;
+  if (file == nullptr) return {};
   char text[1024];
   const std::size_t size = std::fread(text, 1, sizeof text - 1, file);
   std::fclose(file);
@@ -31,8 +32,10 @@ pid_t living_parent(pid_t process) {
   const char* name_end = std::strrchr(text, ')');
   char state = 0;
   int parent = 0;
-  if (name_end == nullptr || std::sscanf(name_end + 1, " %c %d", &state, &parent) != 2) return 0;
-  return state == 'Z' || state == 'X' ? 0 : parent;
+  int group = 0;
+  if (name_end == nullptr || std::sscanf(name_end + 1, " %c %d %d", &state, &parent, &group) != 3) return {};
+  if (state == 'Z' || state == 'X') return {};
+  return {process, parent, group};
 }
 
 std::vector<Link> list_processes() {
@@ -43,11 +46,42 @@ std::vector<Link> list_processes() {
     char* end = nullptr;
     const long process = std::strtol(entry->d_name, &end, 10);
     if (process <= 0 || *end != '\0') continue;
-    const pid_t parent = living_parent(static_cast<pid_t>(process));
-    if (parent > 0) links.push_back({static_cast<pid_t>(process), parent});
+    const Link link = read_link(static_cast<pid_t>(process));
+    if (link.parent > 0) links.push_back(link);
   }
   ::closedir(folder);
   return links;
+}
+
+bool is_among(const std::vector<pid_t>& all, pid_t one) {
+  return std::find(all.begin(), all.end(), one) != all.end();
+}
+
+std::vector<pid_t> descendants_among(const std::vector<Link>& links, pid_t root) {
+  std::vector<pid_t> found;
+  std::vector<pid_t> front{root};
+  while (!front.empty()) {
+    const pid_t parent = front.back();
+    front.pop_back();
+    for (const Link& link : links) {
+      if (link.parent != parent || is_among(found, link.process)) continue;
+      found.push_back(link.process);
+      front.push_back(link.process);
+    }
+  }
+  return found;
+}
+
+/// The process groups that have none but these processes.
+std::vector<pid_t> groups_of(const std::vector<Link>& links, const std::vector<pid_t>& processes) {
+  std::vector<pid_t> own;
+  std::vector<pid_t> shared;
+  for (const Link& link : links) (is_among(processes, link.process) ? own : shared).push_back(link.group);
+  std::vector<pid_t> groups;
+  for (const pid_t group : own) {
+    if (!is_among(shared, group) && !is_among(groups, group)) groups.push_back(group);
+  }
+  return groups;
 }
 
 /// The number that a line "Pss:    1234 kB" has, in bytes; 0 if there is none.
@@ -70,37 +104,15 @@ std::uint64_t line_bytes(pid_t process, const char* file_name, const char* key) 
 }  // namespace
 
 std::vector<pid_t> find_descendants(pid_t root) {
-  const std::vector<Link> links = list_processes();
-  std::vector<pid_t> found;
-  std::vector<pid_t> front{root};
-  while (!front.empty()) {
-    const pid_t parent = front.back();
-    front.pop_back();
-    for (const Link& link : links) {
-      if (link.parent != parent || std::find(found.begin(), found.end(), link.process) != found.end())
-        continue;
-      found.push_back(link.process);
-      front.push_back(link.process);
-    }
-  }
-  return found;
+  return descendants_among(list_processes(), root);
 }
 
 std::size_t kill_descendants(pid_t root) {
-  constexpr int kMostRounds = 100;  // one that starts others as fast as they are stopped is killed as it is
-  std::vector<pid_t> stopped;
-  for (int round = 0; round < kMostRounds; ++round) {
-    bool is_new = false;
-    for (const pid_t process : find_descendants(root)) {
-      if (std::find(stopped.begin(), stopped.end(), process) != stopped.end()) continue;
-      ::kill(process, SIGSTOP);
-      stopped.push_back(process);
-      is_new = true;
-    }
-    if (!is_new) break;
-  }
-  for (const pid_t process : stopped) ::kill(process, SIGKILL);
-  return stopped.size();
+  const std::vector<Link> links = list_processes();
+  const std::vector<pid_t> found = descendants_among(links, root);
+  for (const pid_t group : groups_of(links, found)) ::kill(-group, SIGKILL);
+  for (const pid_t process : found) ::kill(process, SIGKILL);
+  return found.size();
 }
 
 std::uint64_t resident_bytes(const std::vector<pid_t>& processes) {

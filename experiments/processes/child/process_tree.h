@@ -12,8 +12,9 @@ namespace palpate::experiments {
 /// Children of `root`, their children, and so on, as /proc has them now; zombies are left out.
 std::vector<pid_t> find_descendants(pid_t root);
 
-/// Stops all descendants of `root`, so that they start no others, and kills them. Those that are no children
-/// of this process are collected by whoever inherits them. Returns: how many were found.
+/// Kills all descendants of `root` that there are now, groups as a whole: one that goes on in a new child every
+/// moment is met in its group, where it can't be met by itself. Returns: how many were found. To be repeated
+/// until there are none; those that are no children of this process are collected by whoever inherits them.
 std::size_t kill_descendants(pid_t root);
 
 /// Resident bytes of the processes together: pages that they share count once for each. 0 of one that is

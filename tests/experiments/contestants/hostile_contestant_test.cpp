@@ -69,17 +69,17 @@ TEST(HostileContestant, WhatLeftItsSessionEndsAtTheTimeOut) {
 TEST(HostileContestant, AStormOfForksEnds) {
   const HostileContestant storm(R"(
 signal.signal(signal.SIGTERM, signal.SIG_IGN)
-for i in range(100):
+open(here + "/storm", "w").write("")
+for i in range(50):
     if os.fork() == 0:
         os.setsid()
         while True:  # starts another and goes on with it
             if os.fork() > 0:
                 os._exit(0)
             time.sleep(0.002)
-open(here + "/storm", "w").write("")
 time.sleep(3600)
 )");
-  EXPECT_EQ(storm.answer(2.0).outcome, "timed_out");
+  EXPECT_EQ(storm.answer(4.0).outcome, "timed_out");
   EXPECT_TRUE(fs::exists(storm.folder() / "hostile/storm"));
   EXPECT_TRUE(storm.all_end());
 }
