@@ -10,14 +10,15 @@
 
 namespace palpate {
 
-/// A file cannot be written because the disk is full, or a quota is used up. No input is to blame: exit code 3.
+/// A file cannot be written because the disk is full, or a quota is used up. No input is to blame: exit
+/// code 3.
 class NoRoomError : public InputError {
  public:
   using InputError::InputError;
 };
 
-/// Throws NoRoomError if `reason` (an errno) says that there is no room, otherwise InputError: "`path`: expected
-/// `expected`, found" the system's words for it.
+/// Throws NoRoomError if `reason` (an errno) says that there is no room, otherwise InputError: "`path`:
+/// expected `expected`, found" the system's words for it.
 [[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& expected, int reason);
 
 /// Writes a file beside its final place and renames it on commit(); without a commit nothing is left behind.

@@ -10,8 +10,8 @@ namespace palpate::experiments {
 /// The largest response that is read.
 inline constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
 
-/// Reads a response. Returns: an object whose keys and types are those of the protocol. Throws: InputError, one
-/// line that is fit for a record, for anything else.
+/// Reads a response. Returns: an object whose keys and types are those of the protocol. Throws: InputError,
+/// one line that is fit for a record, for anything else.
 nlohmann::json parse_answer(const std::string& text);
 
 /// What is wrong with the parameters that a search found: they are numbers by name, and those that were

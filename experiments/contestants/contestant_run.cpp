@@ -12,8 +12,8 @@
 #include "core/base/number_text.h"
 #include "experiments/contestants/answer_form.h"
 #include "experiments/contestants/input_guard.h"
-#include "experiments/files/disk_room.h"
 #include "experiments/files/plain_file.h"
+#include "experiments/processes/disk_room.h"
 #include "experiments/processes/process.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
@@ -228,7 +228,8 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
     answer.peak_rss_bytes = process.peak_rss_bytes;
   }
 
-  if (!scratch.is_same()) return failed(std::move(answer), "bad_answer", "it put something else in the place of its folder");
+  if (!scratch.is_same())
+    return failed(std::move(answer), "bad_answer", "it put something else in the place of its folder");
 
   answer.standard_error = read_end(error_file, kKeptError);
   const std::string last = last_lines(answer.standard_error);
@@ -265,7 +266,8 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   ContestantAnswer answer = hold_to_inputs(run_guarded(task, mesh_in), guard);
   if (answer.outcome == "ok" || answer.outcome == "interrupted") return answer;
   const std::string no_room = room_complaint(task.scratch, answer.message + answer.standard_error);
-  if (!no_room.empty()) throw UnavailableError(no_room + "; " + task.method.method->name + ": " + answer.message);
+  if (!no_room.empty())
+    throw UnavailableError(no_room + "; " + task.method.method->name + ": " + answer.message);
   return answer;
 }
 

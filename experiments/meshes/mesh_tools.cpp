@@ -104,8 +104,10 @@ json run_tool(const MeshTool& tool, const ToolCall& call) {
   }
   const std::string message = status == "error" ? text_of(response, "message") : result.message;
   if (call.contest == "convert" && call.memory_bytes > 0 && gave_up(result, message))
-    throw InputError(call.input.string(), 0, "a file that " + std::string(tool.program) + " can read in " +
-                     short_number(call.timeout_s) + " s and " + std::to_string(call.memory_bytes / kMiB) + " MiB",
+    throw InputError(call.input.string(), 0,
+                     "a file that " + std::string(tool.program) + " can read in " +
+                         short_number(call.timeout_s) + " s and " + std::to_string(call.memory_bytes / kMiB) +
+                         " MiB",
                      "one on which it gave up (" + message + ")");
   throw UnavailableError(std::string(tool.program) + " (" + call.method + "): " + message);
 }

@@ -32,8 +32,8 @@ struct ToolCall {
   std::uint64_t memory_bytes = 0;  ///< of the program; 0: no bound
 };
 
-/// A file that a user brings, to be read by a vendor's library: bounded in time and memory by its size, since a
-/// damaged one may ask for anything. 60 s and a second a MiB; 2 GiB and 64 bytes a byte.
+/// A file that a user brings, to be read by a vendor's library: bounded in time and memory by its size, since
+/// a damaged one may ask for anything. 60 s and a second a MiB; 2 GiB and 64 bytes a byte.
 ToolCall bounded_reading(const std::string& method, const std::filesystem::path& input,
                          const std::filesystem::path& output);
 

@@ -186,7 +186,8 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
     result.message = "timed out after " + limit + " s";
   } else if (reports.too_much_memory) {
     result.end = ProcessEnd::kTooMuchMemory;
-    result.message = "its processes together took more than " + std::to_string(spec.memory_bytes >> 20U) + " MiB";
+    result.message =
+        "its processes together took more than " + std::to_string(spec.memory_bytes >> 20U) + " MiB";
   } else {
     describe_status(reports.end ? reports.end->value : child_status, result);
   }

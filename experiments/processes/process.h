@@ -12,17 +12,18 @@ namespace palpate::experiments {
 
 /// What to start, and its bounds. Nothing goes through a shell.
 struct ProcessSpec {
-  std::vector<std::string> arguments;     ///< program path first
-  double timeout_s = 300.0;               ///< wall clock; all that came of it is killed after it
+  std::vector<std::string> arguments;  ///< program path first
+  double timeout_s = 300.0;            ///< wall clock; all that came of it is killed after it
   /// Bound of each process's address space, and of the resident memory of all of them together (looked at ten
   /// times a second); 0 for none (and in sanitizer builds).
   std::uint64_t memory_bytes = 0;
-  std::uint64_t file_bytes = 0;  ///< the largest file that they may write; 0: no bound
+  std::uint64_t file_bytes = 0;           ///< the largest file that they may write; 0: no bound
   std::filesystem::path standard_output;  ///< file that receives it; empty: discarded
   std::filesystem::path standard_error;   ///< file that receives it, of a flood its end; empty: discarded
   int threads = 1;                        ///< what the child sees as OMP_NUM_THREADS
   const volatile std::sig_atomic_t* stop_flag = nullptr;  ///< all is killed when it turns non-zero ...
-  double stop_grace_s = 0.0;  ///< ... or its group is sent SIGINT, and all killed if it has not ended so long after
+  double stop_grace_s =
+      0.0;  ///< ... or its group is sent SIGINT, and all killed if it has not ended so long after
   std::function<void()> while_waiting;  ///< called some ten times a second until it ends; may be empty
 };
 

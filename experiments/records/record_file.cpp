@@ -90,7 +90,8 @@ void RecordFile::append(const nlohmann::json& record) {
   if (!synced) {
     const int reason = errno != 0 ? errno : ENOSPC;  // a write that was cut short says nothing
     const bool taken_back = ::ftruncate(file_, size_) == 0;
-    fail_to_write(path_, taken_back ? "room for a record" : "room for a record, and a torn line to be taken back",
+    fail_to_write(path_,
+                  taken_back ? "room for a record" : "room for a record, and a torn line to be taken back",
                   reason);
   }
   size_ += written;

@@ -87,7 +87,8 @@ fs::path RunFolder::fresh_scratch() const {
   empty_folder(paths_.scratch());
   create_folder(paths_.scratch());
   std::string fresh = (paths_.scratch() / "XXXXXX").string();
-  if (::mkdtemp(fresh.data()) == nullptr) fail_to_write(paths_.scratch(), "a folder that can be written", errno);
+  if (::mkdtemp(fresh.data()) == nullptr)
+    fail_to_write(paths_.scratch(), "a folder that can be written", errno);
   return fresh;
 }
 

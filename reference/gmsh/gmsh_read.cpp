@@ -52,7 +52,8 @@ void check_is_msh(const std::filesystem::path& path) {
   std::getline(file, line);
   const bool is_msh = std::any_of(kStarts.begin(), kStarts.end(),
                                   [&](std::string_view start) { return line.rfind(start, 0) == 0; });
-  if (!is_msh) throw InputError(path.string(), 1, "a .msh file, which starts with $MeshFormat", "something else");
+  if (!is_msh)
+    throw InputError(path.string(), 1, "a .msh file, which starts with $MeshFormat", "something else");
 }
 
 /// The file under a name that nobody else knows: beside the file itself gmsh would look for NAME.opt, and run

@@ -1,8 +1,9 @@
 """Fuzzes the readers: every one for some seconds, from the corpus and the repository's own files.
 
-    /usr/bin/python3 -B tests/fuzz/fuzz.py build/fuzz SECONDS [READER...] [--keep FOLDER]
+    /usr/bin/python3 -B tests/fuzz/fuzz.py build/release SECONDS [READER...] [--keep FOLDER]
 
-Exit code 1 and the input that did it if a reader crashes, hangs for 10 s, takes more than 2 GB, or throws anything but an
+The readers' sources are compiled anew by clang, with coverage and sanitizers; what they call besides comes from the libraries of
+the build, so that there is no second build of everything. Exit code 1 and the input that did it if a reader crashes, hangs for 10 s, takes more than 2 GB, or throws anything but an
 InputError. --keep FOLDER collects the corpus that was grown, a folder a reader.
 """
 
@@ -19,6 +20,20 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 LARGEST_SEED = 16384
 
+# The sources of the readers.
+SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.cpp", "core/mesh/io/off.cpp", "core/mesh/io/word_reader.cpp",
+           "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/cgal/surface_file.cpp", "experiments/text/yaml_value.cpp",
+           "experiments/contestants/answer_form.cpp", "experiments/contestants/contestant.cpp", "experiments/contestants/stop.cpp",
+           "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/fit_candidates.cpp",
+           "experiments/plan_reader/*.cpp", "experiments/runner/read_plan.cpp", "experiments/contests/*/plan_*.cpp",
+           "experiments/contests/stability/stability_answer.cpp", "experiments/scene_reader/*.cpp",
+           "experiments/spring_training/training_plan.cpp"]
+COMPILER = "clang++-14"
+FLAGS = ["-std=c++20", f"-I{ROOT}", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
+         "-fsanitize=fuzzer-no-link,address,undefined", "-fno-sanitize-recover=all"]
+LIBRARIES = ["experiments/libpalpate_experiments.a", "reference/libpalpate_adapter.a",
+             "reference/closed_form/libpalpate_closed_form.a", "core/libpalpate_core.a"]
+
 # Files of the repository that a reader takes, beside its own folder in the corpus.
 OWN_FILES = {
     "plan": ["experiments/plans/*.yaml"],
@@ -31,6 +46,37 @@ OWN_FILES = {
 DICTIONARIES = {"medit": "medit.dict", "off": "surface.dict", "stl": "surface.dict", "obj": "surface.dict", "ply": "surface.dict",
                 "off_surface": "surface.dict", "plan": "yaml.dict", "scene": "yaml.dict", "training": "yaml.dict",
                 "candidates": "yaml.dict", "contestant": "yaml.dict"}
+
+
+def is_newer(source, target, headers):
+    return not target.exists() or max(source.stat().st_mtime, headers) > target.stat().st_mtime
+
+
+def build_target(build):
+    """Compiles and links the target below build/fuzz, as far as it has changed. Returns its path, or None after a message."""
+    place = build / "fuzz"
+    place.mkdir(exist_ok=True)
+    headers = max(path.stat().st_mtime for part in ("core", "reference", "experiments") for path in (ROOT / part).rglob("*.h"))
+    launcher = os.environ.get("CMAKE_CXX_COMPILER_LAUNCHER", "").split()
+    objects = []
+    for source in (path for pattern in SOURCES for path in sorted(ROOT.glob(pattern))):
+        target = place / (str(source.relative_to(ROOT)).replace("/", "_") + ".o")
+        objects.append(str(target))
+        if not is_newer(source, target, headers):
+            continue
+        done = subprocess.run([*launcher, COMPILER, *FLAGS, "-c", str(source), "-o", str(target)], capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            print(done.stderr[-4000:], file=sys.stderr)
+            return None
+    program = build / "bin" / "palpate_fuzz"
+    # The libraries have these sources too: the first definition, with coverage, is taken.
+    words = [COMPILER, "-fsanitize=fuzzer,address,undefined", "-Wl,--allow-multiple-definition", "-o", str(program), *objects,
+             *(str(build / library) for library in LIBRARIES), "-lyaml-cpp"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        print(done.stderr[-4000:], file=sys.stderr)
+        return None
+    return program
 
 
 def gather_seeds(reader, folder):
@@ -77,7 +123,9 @@ def main():
     parser.add_argument("readers", nargs="*")
     parser.add_argument("--keep")
     options = parser.parse_args()
-    program = pathlib.Path(options.build).resolve() / "bin" / "palpate_fuzz"
+    program = build_target(pathlib.Path(options.build).resolve())
+    if program is None:
+        return 3
     environment = {key: value for key, value in os.environ.items() if key != "PALPATE_FUZZ_READER"}
     listed = subprocess.run([str(program), "-runs=1"], env=environment, capture_output=True, text=True, check=False)
     known = [word for word in listed.stdout.split() if re.fullmatch(r"[a-z_]+", word)]

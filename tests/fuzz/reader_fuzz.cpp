@@ -112,8 +112,7 @@ constexpr std::array kReaders{
            [](const fs::path& f) { reference::read_moving_task(request_of("engine", f)); }},
     Reader{"stability_problem", "any.json",
            [](const fs::path& f) { reference::read_stability_task(request_of("stability", f)); }},
-    Reader{"stability_answer", "any.json",
-           [](const fs::path& f) { read_stability_answer(f, small_mesh()); }},
+    Reader{"stability_answer", "any.json", [](const fs::path& f) { read_stability_answer(f, small_mesh()); }},
 #ifdef PALPATE_FUZZ_SURFACES
     Reader{"stl", "any.stl", [](const fs::path& f) { reference::read_surface(f); }},
     Reader{"off_surface", "any.off", [](const fs::path& f) { reference::read_surface(f); }},

@@ -167,11 +167,13 @@ TEST_F(SpringsAdapter, SpringsComeFromAFileToo) {
 }
 
 TEST_F(SpringsAdapter, SpringsThatAreNoTextAreRefusedInWords) {
-  for (const std::string bytes : {"\xff\xfe\n", "vertex_a,vertex_b,rest_length_m,stiffness_n_per_m\n0,1,\xff\xfe,3\n"}) {
+  for (const std::string bytes :
+       {"\xff\xfe\n", "vertex_a,vertex_b,rest_length_m,stiffness_n_per_m\n0,1,\xff\xfe,3\n"}) {
     std::ofstream(path("k.csv"), std::ios::binary) << bytes;
     ASSERT_EQ(run("springs.trained", {{"springs", path("k.csv")}}), 2) << response_;
     EXPECT_EQ(response_.at("status"), "bad_input");
-    EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("k.csv:")) << "names the file and the line";
+    EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("k.csv:"))
+        << "names the file and the line";
   }
 }
 

@@ -47,8 +47,7 @@ bool holds_in_time(const std::function<bool()>& condition) {
 
 bool is_zombie(const fs::path& folder) {
   const std::string status = bytes_of(folder / "stat");
-  return status.empty() || status.find(") Z") != std::string::npos ||
-         status.find(") X") != std::string::npos;
+  return status.empty() || status.find(") Z") != std::string::npos || status.find(") X") != std::string::npos;
 }
 
 }  // namespace
@@ -99,14 +98,15 @@ experiments::ContestantAnswer HostileContestant::answer(double timeout_s, std::u
 }
 
 fs::path HostileContestant::plan(const std::string& run) const {
-  return folder_.add("plan.yaml", "schema: palpate/plan/1\nquestion: Does it hold?\nmeshes: [{name: cube, file: " +
-                                      (fixture_.folder() / "cube.mesh").string() +
-                                      "}]\ncontest: simplify\ncontestant_folders: [hostile]\ncontestants:\n"
-                                      "  - {method: test.copy, label: good}\n"
-                                      "  - {method: hostile.copy, label: hostile}\n"
-                                      "  - {method: test.copy, label: good_too}\n"
-                                      "run: " +
-                                      run + "\n");
+  return folder_.add("plan.yaml",
+                     "schema: palpate/plan/1\nquestion: Does it hold?\nmeshes: [{name: cube, file: " +
+                         (fixture_.folder() / "cube.mesh").string() +
+                         "}]\ncontest: simplify\ncontestant_folders: [hostile]\ncontestants:\n"
+                         "  - {method: test.copy, label: good}\n"
+                         "  - {method: hostile.copy, label: hostile}\n"
+                         "  - {method: test.copy, label: good_too}\n"
+                         "run: " +
+                         run + "\n");
 }
 
 std::vector<std::string> HostileContestant::run_words(bool resume) const {

@@ -89,15 +89,16 @@ class TreeMemory {
   std::uint64_t bound_;
   std::uint64_t peak_ = 0;
   using Clock = std::chrono::steady_clock;
-  static constexpr int kRest = 50;  // of what an exact look takes, so that looking is no more than 2% of the time
+  static constexpr int kRest =
+      50;  // of what an exact look takes, so that looking is no more than 2% of the time
 
   std::vector<pid_t> processes_;
   long youngest_ = 0;
   Clock::time_point next_{};
 };
 
-/// A flood on standard error is cut off before it fills the disk. Its end is what matters: the file is written
-/// by appending, so that what comes later stands in it.
+/// A flood on standard error is cut off before it fills the disk. Its end is what matters: the file is
+/// written by appending, so that what comes later stands in it.
 void cut_flood() {
   constexpr off_t kMost = off_t{16} << 20U;
   struct stat status {};

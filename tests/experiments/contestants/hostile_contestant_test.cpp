@@ -37,7 +37,8 @@ leave_for_good()
 
 TEST(HostileContestant, TheFixtureSeesWhatIsLeft) {
   const HostileContestant sleeper("time.sleep(3600)\n");
-  std::vector<std::string> words{"/usr/bin/python3", "-B", (sleeper.folder() / "hostile/adapter.py").string()};
+  std::vector<std::string> words{"/usr/bin/python3", "-B",
+                                 (sleeper.folder() / "hostile/adapter.py").string()};
   EXPECT_TRUE(sleeper.processes().empty());
   const pid_t child = ::fork();
   if (child == 0) {

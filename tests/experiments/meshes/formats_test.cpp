@@ -71,11 +71,12 @@ TEST_F(Formats, AMshFileIsNoScript) {
   const auto trace = folder_.path() / "trace";
   const std::string script = "SystemCall \"touch " + trace.string() + "\";\n";
   for (const std::string start : {"", "x\n", "\n$MeshFormat\n", " $MeshFormat\n", "$View\n"}) {
-    EXPECT_NE(refusal(write("a.msh", start + script)).find("expected a .msh file"), std::string::npos) << start;
+    EXPECT_NE(refusal(write("a.msh", start + script)).find("expected a .msh file"), std::string::npos)
+        << start;
     EXPECT_FALSE(std::filesystem::exists(trace)) << start;
   }
   for (const std::string start : {"$MeshFormat\n", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "$Comments\n",
-                                   "$NOD\n0\n$ENDNOD\n", "$Comments\n$EndComments\n"}) {
+                                  "$NOD\n0\n$ENDNOD\n", "$Comments\n$EndComments\n"}) {
     EXPECT_NE(refusal(write("a.msh", start + script)), "") << start;
     EXPECT_FALSE(std::filesystem::exists(trace)) << start;
   }
@@ -93,7 +94,8 @@ TEST_F(Formats, WhatLiesBesideAMshFileIsNotRun) {
 
 /// A grid of four points and one tet whose header says what it likes.
 std::string vtu_that_claims(const std::string& points, const std::string& cells, const std::string& rest) {
-  return "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" "
+  return "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+         "header_type=\"UInt64\" "
          "compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece NumberOfPoints=\"" +
          points + "\" NumberOfCells=\"" + cells + "\">" + rest + "</Piece></UnstructuredGrid></VTKFile>\n";
 }
@@ -102,7 +104,8 @@ TEST_F(Formats, AVtuFileThatClaimsWhatItHasNotIsRefused) {
   const std::string points = "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"";
   const std::string cells =
       "<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray "
-      "type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" Name=\"types\" "
+      "type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" "
+      "Name=\"types\" "
       "format=\"ascii\">10</DataArray></Cells>";
   const std::string few = points + "ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>" + cells;
   EXPECT_EQ(read_mesh(write("good.vtu", vtu_that_claims("4", "1", few))).mesh.tets.size(), 1U);

@@ -92,7 +92,8 @@ TEST(Faults, KilledAnywhereItGoesOnAndLeavesNoProcess) {
       EXPECT_TRUE(now.insert(record.at("case").dump() + record.at("repeat").dump()).second)
           << "twice: " << record.dump();
     }
-    EXPECT_TRUE(std::includes(now.begin(), now.end(), finished.begin(), finished.end())) << "something is lost";
+    EXPECT_TRUE(std::includes(now.begin(), now.end(), finished.begin(), finished.end()))
+        << "something is lost";
     finished = now;
   }
   EXPECT_GT(at_work, 0);
@@ -141,7 +142,8 @@ TEST(Faults, FailuresAreRunAnewIfAsked) {
   const std::vector<json> aside = read_records(once.out() / "retried.jsonl");
   ASSERT_EQ(aside.size(), 1U);
   EXPECT_EQ(aside[0].at("outcome"), "crashed");
-  EXPECT_EQ(json::parse(test::bytes_of(once.out() / "provenance.json")).at("sittings").back().at("retried"), 1);
+  EXPECT_EQ(json::parse(test::bytes_of(once.out() / "provenance.json")).at("sittings").back().at("retried"),
+            1);
   words.erase(std::find(words.begin(), words.end(), "--resume"));
   const test::ProgramResult alone = test::run_program(words);
   EXPECT_EQ(alone.exit_code, 2);
@@ -173,9 +175,10 @@ std::optional<int> with_small_disk(const fs::path& place, const std::string& siz
       ::close(map);
       return done;
     };
-    const bool is_mapped = user == 0 ? ::unshare(CLONE_NEWNS) == 0
-                                     : ::unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0 &&
-                                           write_map("/proc/self/uid_map", "0 " + std::to_string(user) + " 1");
+    const bool is_mapped = user == 0
+                               ? ::unshare(CLONE_NEWNS) == 0
+                               : ::unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0 &&
+                                     write_map("/proc/self/uid_map", "0 " + std::to_string(user) + " 1");
     const bool is_ready = is_mapped && ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
                           ::mount("tmpfs", place.c_str(), "tmpfs", 0, ("size=" + size).c_str()) == 0;
     ::_exit(is_ready ? work() : kNotAllowed);

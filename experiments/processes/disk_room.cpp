@@ -1,4 +1,4 @@
-#include "experiments/files/disk_room.h"
+#include "experiments/processes/disk_room.h"
 
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -17,9 +17,8 @@ namespace fs = std::filesystem;
 
 bool says_full(std::string_view said) {
   constexpr std::array<std::string_view, 2> kWords{"No space left on device", "Disk quota exceeded"};
-  return std::any_of(kWords.begin(), kWords.end(), [said](std::string_view words) {
-    return said.find(words) != std::string_view::npos;
-  });
+  return std::any_of(kWords.begin(), kWords.end(),
+                     [said](std::string_view words) { return said.find(words) != std::string_view::npos; });
 }
 
 /// What the files below a folder take of the disk, up to `most`: a file with holes takes less than its size.
