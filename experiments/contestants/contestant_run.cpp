@@ -1,9 +1,7 @@
 #include "experiments/contestants/contestant_run.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <string_view>
 

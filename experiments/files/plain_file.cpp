@@ -18,7 +18,7 @@ const char* kind_of(mode_t mode) {
 std::string file_complaint(const std::filesystem::path& path, std::uint64_t most) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return "none";
-  const std::string kind = kind_of(status.st_mode);
+  std::string kind = kind_of(status.st_mode);
   if (!kind.empty() || static_cast<std::uint64_t>(status.st_size) <= most) return kind;
   return "a file of " + std::to_string(status.st_size) + " bytes, where " + std::to_string(most) +
          " are the most";

@@ -28,6 +28,7 @@
 #include "experiments/scene_reader/scene.h"
 #include "experiments/spring_training/training_plan.h"
 #include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
 #include "reference/door/motion_problem.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/stability_problem.h"
