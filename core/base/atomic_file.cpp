@@ -11,6 +11,12 @@
 
 namespace palpate {
 
+void fail_to_write(const std::filesystem::path& path, const std::string& expected, int reason) {
+  const std::string found = std::strerror(reason);
+  if (reason == ENOSPC || reason == EDQUOT) throw NoRoomError(path.string(), 0, expected, found);
+  throw InputError(path.string(), 0, expected, found);
+}
+
 AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
   std::error_code ignored;
   // Through a link to the file itself: renaming would replace the link.
@@ -59,9 +65,9 @@ void AtomicFile::discard() {
 }
 
 void AtomicFile::fail(const char* what) {
-  const std::string reason = std::strerror(errno);
+  const int reason = errno;
   discard();
-  throw InputError(path_.string(), 0, what, reason);
+  fail_to_write(path_, what, reason);
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

@@ -6,11 +6,24 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/error.h"
+
 namespace palpate {
+
+/// A file cannot be written because the disk is full, or a quota is used up. No input is to blame: exit
+/// code 3.
+class NoRoomError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Throws NoRoomError if `reason` (an errno) says that there is no room, otherwise InputError: "`path`:
+/// expected `expected`, found" the system's words for it.
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& expected, int reason);
 
 /// Writes a file beside its final place and renames it on commit(); without a commit nothing is left behind.
 /// Links are followed. A pipe or a device is written straight: it is never replaced by a file.
-/// Throws: InputError from every member when the folder cannot be written or the disk is full.
+/// Throws: InputError from every member when the folder cannot be written, NoRoomError when the disk is full.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);

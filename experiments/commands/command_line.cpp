@@ -6,6 +6,7 @@
 #include <iostream>
 #include <new>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
@@ -82,6 +83,8 @@ int run_command_line(int argc, char** argv) {
   try {
     check_command_names(app, argc, argv);
     code = parse_and_run(app, argc, argv, exit_code);
+  } catch (const NoRoomError& error) {
+    code = fail(error.what(), kCouldNotRun);
   } catch (const InputError& error) {
     code = fail(error.what(), kBadInput);
   } catch (const UnavailableError& error) {

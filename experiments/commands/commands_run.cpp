@@ -39,6 +39,7 @@ struct RunArguments {
   std::string case_id;
   std::vector<std::string> only;
   bool resume = false;
+  bool retry_failed = false;
   bool list_cases = false;
   bool no_report = false;
   int threads = 0;
@@ -102,6 +103,7 @@ int run(const RunArguments& arguments) {
   options.stop_flag = catch_stop_signals();
   options.folder = choose_folder(arguments, plan);
   options.resume = arguments.resume;
+  options.retry_failed = arguments.retry_failed;
   options.case_id = arguments.case_id;
   options.only = arguments.only;
   if (arguments.threads > 0) options.threads = arguments.threads;
@@ -245,8 +247,13 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "('kidney/*=0.5'); repeatable: what any of them fits")
       ->allow_extra_args(false)
       ->type_name("PATTERN");
-  command->add_flag("--resume", arguments->resume,
-                    "Go on with the run in --out (default: the plan's newest)");
+  CLI::Option* resume = command->add_flag("--resume", arguments->resume,
+                                          "Go on with the run in --out (default: the plan's newest)");
+  command
+      ->add_flag("--retry-failed", arguments->retry_failed,
+                 "With --resume: run repeats anew that gave nothing to judge (crashed, timed\n"
+                 "out, ...); their records move to retried.jsonl")
+      ->needs(resume);
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
       ->check(whole_number_from(1, 1024))
       ->type_name("N");

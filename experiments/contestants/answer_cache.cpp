@@ -8,6 +8,7 @@
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/files/plain_file.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -122,7 +123,7 @@ void keep_further(const ContestantTask& task, std::span<const fs::path> problems
     ContestantAnswer one = answer;
     one.output = further_output(task, k);
     if (!report.is_object() || report.value("outcome", json()) != "converged" ||
-        !fs::is_regular_file(one.output))
+        !file_complaint(one.output).empty())
       continue;
     one.report = report;
     const json solve_s = report.value("solve_s", json());

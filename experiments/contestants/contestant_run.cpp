@@ -1,16 +1,17 @@
 #include "experiments/contestants/contestant_run.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
-#include <set>
 #include <sstream>
 #include <string_view>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "experiments/contestants/answer_form.h"
 #include "experiments/contestants/input_guard.h"
+#include "experiments/files/plain_file.h"
+#include "experiments/processes/disk_room.h"
 #include "experiments/processes/process.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
@@ -22,9 +23,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kLargestAnswer = 16U << 20U;
-constexpr std::size_t kDeepestAnswer = 32;  // half of what other readers take: records and caches enclose it
-constexpr std::size_t kMostTuned = 16;
 constexpr std::size_t kKeptError = 4096;  // bytes of standard error that a record holds
 constexpr double kClockStepSeconds =
     1e-6;                              // both times come from the steady clock, which counts in nanoseconds
@@ -35,7 +33,7 @@ constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a 
 /// becomes U+FFFD. Empty if the file is missing.
 std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return "";
+  if (!is_plain_file(path)) return "";
   std::ifstream file(path, std::ios::binary);
   const std::size_t size = std::filesystem::file_size(path, error);
   if (error) return "";
@@ -56,17 +54,6 @@ std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
         0, static_cast<std::size_t>(std::find_if_not(valid.begin(), valid.end(), is_rest) - valid.begin()));
   }
   return valid;
-}
-
-/// Text from a contestant as one printable line of at most 300 characters.
-std::string one_line(const std::string& text) {
-  std::string line;
-  for (const char c : text.substr(0, text.find('\n'))) {
-    const auto byte = static_cast<unsigned char>(c);
-    line += byte < 32 || byte >= 127 ? '?' : c;
-    if (line.size() == 300) break;
-  }
-  return line;
 }
 
 /// The last three lines of `text` that say something, as one printable line of at most 300 characters: where
@@ -129,59 +116,13 @@ ContestantAnswer bad_answer(ContestantAnswer answer, const std::string& wrong) {
   return failed(std::move(answer), "bad_answer", wrong + (said.empty() ? "" : "; it wrote: " + said));
 }
 
-/// What is wrong with the parameters that a search found: they are numbers by name, and those that were
-/// handed back stay as they are. Empty if nothing is.
-std::string tuned_error(const json& response, const json& given) {
-  const json tuned = response.value("tuned", json::object());
-  if (!tuned.is_object() || tuned.size() > kMostTuned) {
-    return "its tuned parameters are no list of at most 16 numbers by name";
-  }
-  for (const auto& [name, value] : tuned.items()) {
-    if (!value.is_number() || !std::isfinite(value.get<double>())) {
-      return "its tuned parameter " + one_line(name) + " is no number: " + one_line(value.dump());
-    }
-  }
-  if (!given.empty() && tuned != given) {
-    return "its tuned parameters are not those it was given: " + one_line(tuned.dump());
-  }
-  return "";
-}
-
-/// What is wrong with an answer's form, empty if nothing is.
-std::string form_error(const json& response) {
-  if (!response.is_object()) return "its answer is no JSON object";
-  if (response.value("schema", json()) != "palpate/response/1") {
-    return "its answer's schema is not palpate/response/1";
-  }
-  const json status = response.value("status", json());
-  if (!status.is_string()) return "its answer has no status";
-  const bool ok = status == "ok";
-  if (!ok && status != "bad_input" && status != "error") return "unknown status " + one_line(status.dump());
-  const std::set<std::string> known =
-      ok ? std::set<std::string>{"schema", "status", "kernel_s", "report", "notes", "tuned"}
-         : std::set<std::string>{"schema", "status", "message"};
-  for (const auto& [key, value] : response.items()) {
-    if (known.count(key) == 0) return "unknown key \"" + one_line(key) + "\" in its answer";
-  }
-  if (!ok) return response.value("message", json()).is_string() ? "" : "its answer has no message";
-  if (!response.contains("kernel_s")) return "the key \"kernel_s\" is missing in its answer";
-  const json& kernel_s = response.at("kernel_s");
-  if (!kernel_s.is_number() || !std::isfinite(kernel_s.get<double>()) || kernel_s.get<double>() <= 0.0) {
-    return "kernel_s is no time above zero: " + one_line(kernel_s.dump());
-  }
-  if (!response.value("report", json()).is_object()) return "its answer has no report";
-  const json notes = response.value("notes", json::array());
-  const bool texts = notes.is_array() &&
-                     std::all_of(notes.begin(), notes.end(), [](const json& n) { return n.is_string(); });
-  return texts ? "" : "its notes are no list of texts";
-}
-
 /// What is wrong with what was written, empty if nothing is.
 std::string output_error(const ContestantTask& task, const json& report,
                          const std::filesystem::path& output) {
-  std::error_code error;
-  const bool is_there = std::filesystem::is_regular_file(output, error);
+  const std::string is_no_file = file_complaint(output);
+  const bool is_there = is_no_file != "none";
   const reference::ContestFiles files = files_of(task);
+  if (is_there && !is_no_file.empty()) return std::string("its ") + files.output_word + " is " + is_no_file;
   if (!files.has_problem) return is_there ? "" : "it wrote no mesh";
   const json outcome = report.value("outcome", json());
   if (!outcome.is_string()) return "its report has no outcome";
@@ -193,19 +134,14 @@ std::string output_error(const ContestantTask& task, const json& report,
 
 ContestantAnswer read_answer(const ContestantTask& task, ContestantAnswer answer,
                              const ProcessResult& process, const std::filesystem::path& response_file) {
-  std::error_code error;
-  if (std::filesystem::file_size(response_file, error) > kLargestAnswer && !error) {
-    return bad_answer(std::move(answer), "its answer is larger than 16 MiB");
-  }
+  const std::string is_no_file = file_complaint(response_file, kLargestAnswer);
+  if (!is_no_file.empty()) return bad_answer(std::move(answer), "its answer is " + is_no_file);
   json response;
   try {
-    const std::string text = reference::read_text_file(response_file, kLargestAnswer);
-    response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
+    response = parse_answer(reference::read_text_file(response_file, kLargestAnswer));
   } catch (const InputError& wrong) {
     return bad_answer(std::move(answer), one_line(wrong.what()));
   }
-  const std::string wrong = form_error(response);
-  if (!wrong.empty()) return bad_answer(std::move(answer), wrong);
   const std::string status = response.at("status").get<std::string>();
   const int expected = status == "ok" ? 0 : (status == "bad_input" ? 2 : 3);
   if (process.exit_code != expected) {
@@ -276,11 +212,13 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.arguments.insert(spec.arguments.end(), {request_file.string(), response_file.string()});
   spec.timeout_s = task.timeout_s;
   spec.memory_bytes = task.memory_mib << 20U;
+  spec.file_bytes = kLargestOutput;
   spec.standard_error = error_file;
   spec.stop_flag = task.stop_flag;
   spec.stop_grace_s = task.stop_grace_s;
   spec.threads = task.threads;
   spec.while_waiting = task.while_waiting;
+  const FolderIdentity scratch(task.scratch);
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;
   if (process.has_usage) {
@@ -288,11 +226,13 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
     answer.peak_rss_bytes = process.peak_rss_bytes;
   }
 
+  if (!scratch.is_same())
+    return failed(std::move(answer), "bad_answer", "it put something else in the place of its folder");
+
   answer.standard_error = read_end(error_file, kKeptError);
   const std::string last = last_lines(answer.standard_error);
   const std::string said = last.empty() ? "" : ": " + last;
   const bool memory = ran_out_of_memory(answer.standard_error);
-  std::error_code error;
   switch (process.end) {
     case ProcessEnd::kInterrupted:
       return failed(std::move(answer), "interrupted", process.message);
@@ -300,12 +240,14 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
       return failed(std::move(answer), "unavailable", process.message);
     case ProcessEnd::kTimedOut:
       return failed(std::move(answer), "timed_out", process.message);
+    case ProcessEnd::kTooMuchMemory:
+      return failed(std::move(answer), "out_of_memory", process.message);
     case ProcessEnd::kSignalled:
       return failed(std::move(answer), memory ? "out_of_memory" : "crashed", process.message + said);
     case ProcessEnd::kExited:
       break;
   }
-  if (!std::filesystem::exists(response_file, error)) {
+  if (file_complaint(response_file, kLargestAnswer) == "none") {
     return failed(std::move(answer), memory ? "out_of_memory" : "crashed",
                   process.message + " without an answer" + said);
   }
@@ -319,7 +261,12 @@ ContestantAnswer run_contestant(const ContestantTask& task) {
   if (!why.empty()) return failed({}, "unavailable", why);
   InputGuard guard;
   const std::filesystem::path mesh_in = guard_inputs(task, guard);
-  return hold_to_inputs(run_guarded(task, mesh_in), guard);
+  ContestantAnswer answer = hold_to_inputs(run_guarded(task, mesh_in), guard);
+  if (answer.outcome == "ok" || answer.outcome == "interrupted") return answer;
+  const std::string no_room = room_complaint(task.scratch, answer.message + answer.standard_error);
+  if (!no_room.empty())
+    throw UnavailableError(no_room + "; " + task.method.method->name + ": " + answer.message);
+  return answer;
 }
 
 }  // namespace palpate::experiments

@@ -306,8 +306,9 @@ MadeMesh mesh_surface(const SurfaceRequest& request) {
   const ScratchFolder scratch;
   const char* how = request.repair ? "cgal.repair_surface" : "cgal.read_surface";
   const MeshTool& tool = request.repair ? kRepairTool : kSurfaceTool;
-  const nlohmann::json response =
-      run_tool(tool, {"convert", how, request.file, scratch.file("surface.off"), {}, 600.0});
+  ToolCall call = bounded_reading(how, request.file, scratch.file("surface.off"));
+  call.timeout_s += 600.0;  // more than reading: it is checked against itself, or mended
+  const nlohmann::json response = run_tool(tool, call);
   const SurfaceMesh surface = read_off(scratch.file("surface.off"));
   MadeMesh made;
   made.notes = response.value("notes", std::vector<std::string>{});
@@ -346,8 +347,7 @@ MeditFile read_any_mesh(const std::filesystem::path& path, ReadOrientation orien
   if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(path.string(), 0, "a mesh", "an empty file");
   const ScratchFolder scratch;
-  const ToolCall call{"convert", is_msh ? "gmsh.read" : "vtk.read", path, scratch.file("read.mesh"), {},
-                      600.0};
+  const ToolCall call = bounded_reading(is_msh ? "gmsh.read" : "vtk.read", path, scratch.file("read.mesh"));
   const nlohmann::json response = run_tool(is_msh ? kGmshTool : kVtkTool, call);
   MeditFile file;
   try {

@@ -61,6 +61,13 @@ class CaseBuilder {
     order_.push_back(contestant);
   }
 
+  /// A short plan may cross its lists to more than any memory holds.
+  void check_count(std::size_t cases) const {
+    constexpr std::size_t kMostCases = 1'000'000;
+    if (cases > kMostCases)
+      throw InputError(plan_.file.string(), 0, "at most " + std::to_string(kMostCases) + " cases", "more");
+  }
+
   bool has_free_option(std::size_t contestant, const std::string& option) const {
     const PlanContestant& c = plan_.contestants[contestant];
     const bool seeded = option == "seed" && !c.seeds.empty();
@@ -87,6 +94,7 @@ class CaseBuilder {
     std::vector<Point> points{start};
     for (const SweepAxis& axis : plan_.sweep) {
       if (!applies(contestant, axis)) continue;
+      check_count(points.size() * axis.values.size());
       std::vector<Point> crossed;
       for (const Point& point : points) {
         for (std::size_t i = 0; i < axis.values.size(); ++i) {
@@ -176,6 +184,7 @@ class CaseBuilder {
         base.id += "/" + case_part(name, value_text(value));
       base.options = resolve_options(method, point.set);
       if (base.stop.kind == StopKind::kTetsOf) base.tets_of = find_referred(base.stop.of, base.sweep);
+      check_count(cases_.size() + std::max<std::size_t>(1, c.seeds.size()));
       if (c.seeds.empty()) cases_.push_back(base);
       for (const std::int64_t seed : c.seeds) {
         Case seeded = base;

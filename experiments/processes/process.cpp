@@ -2,8 +2,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,6 +21,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/places.h"
+#include "experiments/processes/child/process_tree.h"
 #include "experiments/processes/child/report.h"
 
 namespace palpate::experiments {
@@ -32,34 +33,45 @@ double seconds_of(const timeval& t) {
 
 void redirect(int target, const std::filesystem::path& path) {
   const char* name = path.empty() ? "/dev/null" : path.c_str();
-  const int file = ::open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const int file = ::open(name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
   if (file >= 0) ::dup2(file, target);
 }
 
+/// The ends that palpate_child gets.
+struct ChildEnds {
+  int report = -1;
+  int orders = -1;
+};
+
+/// Puts both where palpate_child looks for them, whatever numbers they have.
+void hand_over(const ChildEnds& ends) {
+  constexpr int kOutOfTheWay = 10;
+  const int report = ::fcntl(ends.report, F_DUPFD_CLOEXEC, kOutOfTheWay);
+  const int orders = ::fcntl(ends.orders, F_DUPFD_CLOEXEC, kOutOfTheWay);
+  ::dup2(report, kChildReportFile);
+  ::dup2(orders, kChildOrderFile);
+}
+
+void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
+  const rlimit bound{most, most};
+  ::setrlimit(kind, &bound);
+}
+
 /// Runs in the child between fork and exec: only calls that are safe there.
-[[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments, pid_t parent,
-                         int report_pipe) {
+[[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments,
+                         const ChildEnds& ends) {
   ::setpgid(0, 0);
   ::signal(SIGPIPE, SIG_DFL);  // this program ignores it, and exec would hand that on
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(127);  // the parent died before the line above
   const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (null >= 0) ::dup2(null, STDIN_FILENO);
   redirect(STDOUT_FILENO, spec.standard_output);
   redirect(STDERR_FILENO, spec.standard_error);
-  const rlimit no_core{0, 0};
-  ::setrlimit(RLIMIT_CORE, &no_core);
+  bound_resource(RLIMIT_CORE, 0);
+  if (spec.file_bytes > 0) bound_resource(RLIMIT_FSIZE, spec.file_bytes);
 #ifndef PALPATE_SANITIZED
-  if (spec.memory_bytes > 0) {
-    const rlimit bound{spec.memory_bytes, spec.memory_bytes};
-    ::setrlimit(RLIMIT_AS, &bound);
-  }
+  if (spec.memory_bytes > 0) bound_resource(RLIMIT_AS, spec.memory_bytes);
 #endif
-  if (report_pipe == kChildReportFile) {
-    ::fcntl(report_pipe, F_SETFD, 0);
-  } else {
-    ::dup2(report_pipe, kChildReportFile);
-  }
+  hand_over(ends);
   ::execv(arguments[0], arguments.data());
   ChildReport report;
   report.kind = ChildReport::kNotStarted;
@@ -101,18 +113,40 @@ Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
   return Wait::kEnded;
 }
 
+/// Two ends of a channel, closed at the end.
+struct Pair {
+  Pair() = default;
+  ~Pair() {
+    close(0);
+    close(1);
+  }
+  Pair(const Pair&) = delete;
+  Pair& operator=(const Pair&) = delete;
+
+  void close(std::size_t end) {
+    if (ends[end] >= 0) ::close(ends[end]);
+    ends[end] = -1;
+  }
+
+  std::array<int, 2> ends{-1, -1};
+};
+
 /// The reports of palpate_child: why the program could not be started, or how it ended.
 struct Reports {
   std::optional<int> start_error;
   std::optional<ChildReport> end;
+  bool too_much_memory = false;
 };
 
 Reports read_reports(int pipe) {
   Reports reports;
+  ::fcntl(pipe, F_SETFL, O_NONBLOCK);  // all that will come is there: who would send it has ended
   ChildReport report;
   while (::read(pipe, &report, sizeof report) == sizeof report) {
     if (report.kind == ChildReport::kNotStarted) reports.start_error = report.value;
-    if (report.kind == ChildReport::kEnded) reports.end = report;
+    if (report.kind == ChildReport::kEnded || report.kind == ChildReport::kTooMuchMemory)
+      reports.end = report;
+    reports.too_much_memory = report.kind == ChildReport::kTooMuchMemory;
   }
   return reports;
 }
@@ -132,11 +166,11 @@ void describe_status(int status, ProcessResult& result) {
 
 ProcessResult describe(int child_status, const Reports& reports, Wait wait, const ProcessSpec& spec) {
   ProcessResult result;
-  if (reports.end) {
+  if (reports.end && wait == Wait::kEnded) {
     result.has_usage = true;
     result.user_s = seconds_of(reports.end->usage.ru_utime);
     result.system_s = seconds_of(reports.end->usage.ru_stime);
-    result.peak_rss_bytes = static_cast<std::uint64_t>(reports.end->usage.ru_maxrss) * 1024;
+    result.peak_rss_bytes = reports.end->peak_bytes;
   }
   if (reports.start_error) {
     result.end = ProcessEnd::kNotStarted;
@@ -150,19 +184,52 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
     limit.erase(limit.find_last_not_of('0') + 1);
     if (!limit.empty() && limit.back() == '.') limit.pop_back();
     result.message = "timed out after " + limit + " s";
+  } else if (reports.too_much_memory) {
+    result.end = ProcessEnd::kTooMuchMemory;
+    result.message =
+        "its processes together took more than " + std::to_string(spec.memory_bytes >> 20U) + " MiB";
   } else {
     describe_status(reports.end ? reports.end->value : child_status, result);
   }
   return result;
 }
 
-/// PROGRAM ARGUMENT... behind palpate_child, as execv wants them.
-std::vector<char*> command_of(const ProcessSpec& spec) {
+/// PROGRAM ARGUMENT... behind palpate_child and its bound, as execv wants them. `bound` holds the text.
+std::vector<char*> command_of(const ProcessSpec& spec, std::string& bound) {
   static std::string starter = program_folder() + "/palpate_child";
-  std::vector<char*> arguments{starter.data()};
+#ifdef PALPATE_SANITIZED
+  bound = "0";
+#else
+  bound = std::to_string(spec.memory_bytes);
+#endif
+  std::vector<char*> arguments{starter.data(), bound.data()};
   for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);
   return arguments;
+}
+
+std::chrono::steady_clock::duration as_duration(double seconds) {
+  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+      std::chrono::duration<double>(std::min(seconds, 1e8)));
+}
+
+void order(int orders, ChildOrder what) {
+  const char byte = what;
+  ::send(orders, &byte, 1, MSG_NOSIGNAL);  // palpate_child may have gone
+}
+
+/// Has all processes below palpate_child killed. It does so itself, woken if somebody stopped it; if it does
+/// not, it is helped and then killed too.
+void kill_all(pid_t child, int orders) {
+  constexpr double kPatienceS = 20.0;  // longer than its own
+  constexpr int kTries = 100;
+  order(orders, kKillAll);
+  ::kill(child, SIGCONT);
+  if (wait_for_end(child, std::chrono::steady_clock::now() + as_duration(kPatienceS), nullptr, {}) ==
+      Wait::kEnded)
+    return;
+  for (int i = 0; i < kTries && kill_descendants(child) > 0; ++i) ::usleep(1000);
+  ::kill(child, SIGKILL);
 }
 
 }  // namespace
@@ -171,40 +238,34 @@ ProcessResult run_process(const ProcessSpec& spec) {
   require(!spec.arguments.empty(), "run_process: no program");
   ::setenv("LC_ALL", "C", 1);
   ::setenv("OMP_NUM_THREADS", std::to_string(spec.threads).c_str(), 1);
-  const std::vector<char*> arguments = command_of(spec);
-  std::array<int, 2> report{-1, -1};
-  if (::pipe2(report.data(), O_CLOEXEC) != 0) throw UnavailableError("cannot make a pipe");
+  std::string bound;
+  const std::vector<char*> arguments = command_of(spec, bound);
+  Pair report;
+  Pair orders;
+  if (::pipe2(report.ends.data(), O_CLOEXEC) != 0 ||
+      ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, orders.ends.data()) != 0)
+    throw UnavailableError("cannot make a pipe");
 
   const auto start = std::chrono::steady_clock::now();
-  const pid_t parent = ::getpid();
   const pid_t child = ::fork();
-  if (child < 0) {
-    ::close(report[0]);
-    ::close(report[1]);
-    throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
-  }
-  if (child == 0) become(spec, arguments, parent, report[1]);
-  ::close(report[1]);
-  ::setpgid(child, child);
+  if (child < 0) throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
+  if (child == 0) become(spec, arguments, {report.ends[1], orders.ends[1]});
+  report.close(1);
+  orders.close(1);
 
-  const auto limit = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(std::min(spec.timeout_s, 1e8)));
-  Wait wait = wait_for_end(child, start + limit, spec.stop_flag, spec.while_waiting);
+  Wait wait = wait_for_end(child, start + as_duration(spec.timeout_s), spec.stop_flag, spec.while_waiting);
   if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
-    ::kill(-child, SIGINT);
-    const auto grace = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-        std::chrono::duration<double>(std::min(spec.stop_grace_s, 1e8)));
-    if (wait_for_end(child, std::chrono::steady_clock::now() + grace, nullptr, {}) == Wait::kEnded)
-      wait = Wait::kEnded;
+    order(orders.ends[0], kInterrupt);
+    const auto deadline = std::chrono::steady_clock::now() + as_duration(spec.stop_grace_s);
+    if (wait_for_end(child, deadline, nullptr, {}) == Wait::kEnded) wait = Wait::kEnded;
   }
-  ::kill(-child, SIGKILL);  // the rest of its group too, once its leader is done or late
+  if (wait != Wait::kEnded) kill_all(child, orders.ends[0]);
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  ProcessResult result = describe(status, read_reports(report[0]), wait, spec);
+  ProcessResult result = describe(status, read_reports(report.ends[0]), wait, spec);
   result.wall_s = wall_s;
-  ::close(report[0]);
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "reference/door/json_file.h"
 
@@ -61,14 +62,14 @@ double median(std::vector<double> values) {
 
 RecordFile::RecordFile(const std::filesystem::path& path) : path_(path) {
   file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0) fail(std::strerror(errno));
+  if (file_ < 0) fail_to_write(path_, "a file that can be written", errno);
   struct stat status {};
   const bool known = ::fstat(file_, &status) == 0;
   size_ = known ? whole_lines(file_, status.st_size) : 0;
   if (!known || (size_ < status.st_size && ::ftruncate(file_, size_) != 0)) {
-    const std::string reason = std::strerror(errno);
+    const int reason = errno;
     ::close(file_);
-    fail(reason);
+    fail_to_write(path_, "a file that can be written", reason);
   }
 }
 
@@ -76,20 +77,22 @@ RecordFile::~RecordFile() {
   ::close(file_);
 }
 
-void RecordFile::fail(const std::string& reason) const {
-  throw InputError(path_.string(), 0, "a file that can be written", reason);
+std::string record_line(const nlohmann::json& record) {
+  return record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 void RecordFile::append(const nlohmann::json& record) {
-  const std::string line = record.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+  const std::string line = record_line(record);
   errno = 0;
   const ssize_t written = ::write(file_, line.data(), line.size());
   const bool whole = written == static_cast<ssize_t>(line.size());
   const bool synced = whole && (::fsync(file_) == 0 || errno == EINVAL);
   if (!synced) {
-    const std::string reason = errno != 0 ? std::strerror(errno) : "no room on the disk";
-    if (::ftruncate(file_, size_) != 0) fail(reason + ", and the torn line could not be taken back");
-    fail(reason);
+    const int reason = errno != 0 ? errno : ENOSPC;  // a write that was cut short says nothing
+    const bool taken_back = ::ftruncate(file_, size_) == 0;
+    fail_to_write(path_,
+                  taken_back ? "room for a record" : "room for a record, and a torn line to be taken back",
+                  reason);
   }
   size_ += written;
 }
@@ -100,7 +103,14 @@ FolderLock::FolderLock(const std::filesystem::path& folder) {
   if (file_ < 0) {
     throw InputError(folder.string(), 0, "a folder that can be written", std::strerror(errno));
   }
-  if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+  // One that was just killed may have had a child that judged and holds the lock until it is gone too.
+  constexpr int kTries = 50;
+  constexpr unsigned kWaitUs = 20'000;
+  for (int i = 0; ::flock(file_, LOCK_EX | LOCK_NB) != 0; ++i) {
+    if (i < kTries) {
+      ::usleep(kWaitUs);
+      continue;
+    }
     ::close(file_);
     throw InputError(folder.string() + ": another run is at work in this folder");
   }

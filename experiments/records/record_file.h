@@ -16,6 +16,9 @@ std::vector<nlohmann::json> read_records(const std::filesystem::path& path);
 /// The median of `values`, the mean of the middle two for an even number. Requires at least one.
 double median(std::vector<double> values);
 
+/// A record as the line that it has in the file, with its newline.
+std::string record_line(const nlohmann::json& record);
+
 /// Appends records, each with one write and one fsync, so that a kill loses at most the line being written.
 class RecordFile {
  public:
@@ -25,12 +28,10 @@ class RecordFile {
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
-  /// Throws: InputError when the disk is full; the file then holds whole lines only.
+  /// Throws: NoRoomError when the disk is full; the file then holds whole lines only.
   void append(const nlohmann::json& record);
 
  private:
-  [[noreturn]] void fail(const std::string& reason) const;
-
   std::filesystem::path path_;
   int file_ = -1;
   long long size_ = 0;
@@ -39,7 +40,8 @@ class RecordFile {
 /// Keeps two runs out of one folder, by a lock that the system drops when its holder dies.
 class FolderLock {
  public:
-  /// Throws: InputError if another run holds the folder or the folder cannot be written.
+  /// Waits a second for another holder. Throws: InputError if another run holds the folder or the folder
+  /// cannot be written.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;

@@ -1,9 +1,12 @@
 #include "experiments/records/run_folder.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
@@ -17,6 +20,19 @@ namespace {
 bool holds_run(const fs::path& folder) {
   std::error_code error;
   return fs::exists(folder / "records.jsonl", error);
+}
+
+/// Removes what is in a folder, folders that nobody may write included, as far as that can be done.
+void empty_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::remove_all(folder, error);
+  if (!error) return;
+  auto at = fs::recursive_directory_iterator(folder, error);
+  for (; !error && at != fs::end(at); at.increment(error)) {
+    std::error_code own;
+    if (fs::is_directory(at->symlink_status(own))) fs::permissions(at->path(), fs::perms::owner_all, own);
+  }
+  fs::remove_all(folder, error);
 }
 
 /// The place of each case in the plan's order; none if the run's provenance cannot tell.
@@ -53,8 +69,9 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
 }
 
 RunFolder::~RunFolder() {
+  empty_folder(paths_.scratch());
   std::error_code ignored;
-  fs::remove_all(paths_.scratch(), ignored);
+  fs::remove(paths_.scratch(), ignored);
 }
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
@@ -67,10 +84,12 @@ std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
 }
 
 fs::path RunFolder::fresh_scratch() const {
-  std::error_code error;
-  fs::remove_all(paths_.scratch(), error);
+  empty_folder(paths_.scratch());
   create_folder(paths_.scratch());
-  return paths_.scratch();
+  std::string fresh = (paths_.scratch() / "XXXXXX").string();
+  if (::mkdtemp(fresh.data()) == nullptr)
+    fail_to_write(paths_.scratch(), "a folder that can be written", errno);
+  return fresh;
 }
 
 fs::path results_folder(const std::string& plan_name) {

@@ -19,6 +19,8 @@ struct RunPaths {
   std::filesystem::path plan() const { return folder / "plan.yaml"; }
   std::filesystem::path provenance() const { return folder / "provenance.json"; }
   std::filesystem::path records() const { return folder / "records.jsonl"; }
+  /// Records of failed repeats that were run anew (set_aside).
+  std::filesystem::path retried() const { return folder / "retried.jsonl"; }
   std::filesystem::path scratch() const { return folder / ".scratch"; }
 
   /// The output mesh of a case ("meshes/kidney/hierarchical_87.mesh"), or the input
@@ -67,7 +69,8 @@ class RunFolder {
   /// The provenance that an earlier start left; nothing if there is none, or if this one starts anew.
   std::optional<nlohmann::json> earlier_provenance() const;
 
-  /// An empty scratch folder.
+  /// An empty scratch folder that no other process knows of: what a killed run left and still writes does not
+  /// come in. The one before is removed.
   std::filesystem::path fresh_scratch() const;
 
  private:

@@ -8,11 +8,13 @@
 #include "core/base/error.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/processes/disk_room.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/records/set_aside.h"
 #include "experiments/rounds/case_choice.h"
 #include "experiments/rounds/case_state.h"
 #include "experiments/rounds/round_order.h"
@@ -44,6 +46,7 @@ class Runner {
 
   RunResult run() {
     prepare();
+    if (options_.retry_failed) set_failures_aside();
     RecordFile records(folder_.paths().records());
     load_records();
     result_.interrupted = !train_springs();
@@ -130,6 +133,23 @@ class Runner {
                                                               {"report", springs.report}};
     write_provenance();
     return true;
+  }
+
+  /// Repeats of selected cases and inputs without an answer to judge are to be run anew.
+  void set_failures_aside() {
+    std::set<std::string> chosen;
+    std::set<std::string> all;
+    for (const std::size_t index : selected_) chosen.insert(cases_[index].id);
+    for (const Case& c : cases_) all.insert(c.id);
+    const auto is_taken = [&](const json& record) {
+      const std::string id = record.at("case").get<std::string>();
+      return is_failure(record) && (chosen.count(id) > 0 || all.count(id) == 0);
+    };
+    const RunPaths& paths = folder_.paths();
+    const std::size_t taken = set_aside(paths.records(), paths.retried(), is_taken);
+    progress_.say(std::to_string(taken) + " failed repeats are run anew");
+    provenance_["sittings"].back()["retried"] = taken;
+    write_provenance();
   }
 
   void load_records() {
@@ -270,11 +290,20 @@ class Runner {
       result_.interrupted = true;
       return std::nullopt;
     }
+    throw_if_no_room(task.scratch, record);
     record["sitting"] = sitting_;
     add_load(load, answer, record);
     add_file_hashes(*registry_.find(contestant.method)->method, c, record);
     keep_output(c, repeat, answer, record);
     return record;
+  }
+
+  /// An output that a full disk cut short is nobody's: the repeat gets no record, and is run again.
+  static void throw_if_no_room(const fs::path& scratch, const json& record) {
+    if (scratch.empty() || !is_failure(record)) return;
+    const std::string message = record.at("message").get<std::string>();
+    const std::string no_room = room_complaint(scratch, message);
+    if (!no_room.empty()) throw UnavailableError(no_room + "; " + message);
   }
 
   /// What the machine did meanwhile. Of a child that was killed nobody knows what it took.

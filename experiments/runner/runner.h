@@ -18,6 +18,7 @@ namespace palpate::experiments {
 struct RunOptions {
   std::filesystem::path folder;
   bool resume = false;
+  bool retry_failed = false;      ///< run repeats of the selected cases anew that gave nothing to judge
   std::string case_id;            ///< empty: all
   std::vector<std::string> only;  ///< words and patterns (rounds/case_choice.h); empty: all
   std::optional<int> threads;     ///< in place of the plan's
@@ -46,9 +47,11 @@ void require_available(const Plan& plan, const Registry& registry);
 /// it has `most_repeats`. A case that timed out, refused its input or could not start is not repeated. The
 /// same output as an earlier repeat's is not judged again; another output is a violation, unless the method's
 /// description says that it is not deterministic: then it is judged. What a method's search found ("tuned")
-/// in one repeat is handed back to it in the next. Throws: InputError for the folder (in use, not writable,
-/// another plan or program than before); UnavailableError if a required
-///         contestant or a shape is missing, before anything runs.
+/// in one repeat is handed back to it in the next. A repeat that failed while the disk had no room has no
+/// record: the run ends, and a resumed one repeats it.
+/// Throws: InputError for the folder (in use, not writable, another plan or program than before);
+///         UnavailableError if a required contestant or a shape is missing, before anything runs, and where
+///         the disk has no room.
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options, Progress& progress);
 
 }  // namespace palpate::experiments

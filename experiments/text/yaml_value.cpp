@@ -19,6 +19,7 @@ namespace {
 constexpr std::size_t kLargestFile = 1U << 20U;
 constexpr int kDeepest = 32;
 constexpr std::size_t kMostValues = 100'000;
+constexpr std::size_t kMostKeys = 1000;  // of a mapping: they are compared with one another
 
 std::size_t line_of(const YAML::Mark& mark) {
   return mark.is_null() ? 0 : static_cast<std::size_t>(mark.line) + 1;
@@ -118,6 +119,7 @@ void YamlValue::fail_expected(const std::string& expected) const {
 std::vector<std::pair<std::string, YamlValue>> YamlValue::entries() const {
   if (!node_.IsMap()) fail_expected("a mapping (key: value)");
   std::vector<std::pair<std::string, YamlValue>> all;
+  if (node_.size() > kMostKeys) fail_expected("at most " + std::to_string(kMostKeys) + " keys");
   for (const auto& entry : node_) {
     const std::size_t line = line_of(entry.first.Mark());
     if (!entry.first.IsScalar()) fail_at(*file_, line, "expected a word as a key");

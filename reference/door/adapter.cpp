@@ -63,7 +63,8 @@ Request parse_request(const std::filesystem::path& path) {
 }
 
 void write_json(const std::filesystem::path& path, const json& value) {
-  write_file_atomically(path, value.dump(2) + "\n");
+  // A message may quote bytes of a file that are no UTF-8.
+  write_file_atomically(path, value.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
 }
 
 int write_failure(const std::filesystem::path& path, const char* status, const std::string& message,
@@ -100,6 +101,8 @@ int run_adapter(int argc, char** argv, const std::function<Response(const Reques
     if (!response.tuned.empty()) answer["tuned"] = response.tuned;
     write_json(response_path, answer);
     return 0;
+  } catch (const NoRoomError& error) {
+    return write_failure(response_path, "error", error.what(), 3);
   } catch (const InputError& error) {
     return write_failure(response_path, "bad_input", error.what(), 2);
   } catch (const std::exception& error) {

@@ -1,8 +1,12 @@
 // Built with gmsh, GPL: this program is distributed under GPL-3.0-or-later.
 #include <gmsh.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <string_view>
 #include <unordered_map>
 
 #include "core/base/error.h"
@@ -39,13 +43,51 @@ void check_kinds(const std::string& where, std::vector<std::string>& notes) {
   if (!has_tets) throw InputError(where, 0, "tetrahedra", "none");
 }
 
+/// gmsh takes any file that does not start as a mesh does for a script of its own language, and runs it:
+/// SystemCall is a statement of it. So only what it takes for a mesh gets there.
+void check_is_msh(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 3> kStarts{"$MeshFormat", "$NOD", "$Comments"};
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  const bool is_msh = std::any_of(kStarts.begin(), kStarts.end(),
+                                  [&](std::string_view start) { return line.rfind(start, 0) == 0; });
+  if (!is_msh)
+    throw InputError(path.string(), 1, "a .msh file, which starts with $MeshFormat", "something else");
+}
+
+/// The file under a name that nobody else knows: beside the file itself gmsh would look for NAME.opt, and run
+/// that.
+class PrivateName {
+ public:
+  explicit PrivateName(const std::filesystem::path& path) {
+    std::string folder = (std::filesystem::temp_directory_path() / "palpate-msh-XXXXXX").string();
+    if (::mkdtemp(folder.data()) == nullptr) throw UnavailableError("cannot make a folder " + folder);
+    folder_ = folder;
+    std::filesystem::create_symlink(std::filesystem::absolute(path), name());
+  }
+  ~PrivateName() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+  PrivateName(const PrivateName&) = delete;
+  PrivateName& operator=(const PrivateName&) = delete;
+
+  std::filesystem::path name() const { return folder_ / "read.msh"; }
+
+ private:
+  std::filesystem::path folder_;
+};
+
 }  // namespace
 
 TetMesh read_msh(const std::filesystem::path& path, std::vector<std::string>& notes) {
   const std::string where = path.string();
+  check_is_msh(path);
   check_numbers_differ(path);
+  const PrivateName own(path);
   try {
-    gmsh::merge(where);
+    gmsh::merge(own.name().string());
   } catch (...) {  // 4.8 throws integers, strings or exceptions
     throw InputError(where, 0, "a .msh file that gmsh can read", "something else");
   }

@@ -143,13 +143,18 @@ def median(values):
     return statistics.median(values) if values else None
 
 
+def json_fault(error):
+    """What is wrong with a text that is no JSON, in one line."""
+    return "lists or objects too deep within one another" if isinstance(error, RecursionError) else str(error)
+
+
 def read_json(path):
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:
-        raise BadRun(f"{path}: expected JSON, found {error}") from error
+    except (ValueError, RecursionError) as error:
+        raise BadRun(f"{path}: expected JSON, found {json_fault(error)}") from error
     if not isinstance(data, dict):
         raise BadRun(f"{path}: expected one JSON object")
     return data
@@ -170,11 +175,11 @@ def read_lines(path, notes):
             continue
         try:
             record = json.loads(line)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             if number == len(lines):
                 notes.append("the last record was cut off and is left out: resume the run")
                 continue
-            raise BadRun(f"{path}:{number}: expected a JSON object, found {error}") from error
+            raise BadRun(f"{path}:{number}: expected a JSON object, found {json_fault(error)}") from error
         if not isinstance(record, dict) or not isinstance(record.get("label"), str):
             raise BadRun(f"{path}:{number}: expected a record with a label")
         found.append(record)

@@ -166,6 +166,17 @@ TEST_F(SpringsAdapter, SpringsComeFromAFileToo) {
   EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("the springs are of another mesh"));
 }
 
+TEST_F(SpringsAdapter, SpringsThatAreNoTextAreRefusedInWords) {
+  for (const std::string bytes :
+       {"\xff\xfe\n", "vertex_a,vertex_b,rest_length_m,stiffness_n_per_m\n0,1,\xff\xfe,3\n"}) {
+    std::ofstream(path("k.csv"), std::ios::binary) << bytes;
+    ASSERT_EQ(run("springs.trained", {{"springs", path("k.csv")}}), 2) << response_;
+    EXPECT_EQ(response_.at("status"), "bad_input");
+    EXPECT_THAT(response_.at("message").get<std::string>(), HasSubstr("k.csv:"))
+        << "names the file and the line";
+  }
+}
+
 TEST_F(SpringsAdapter, TwoThreadsGiveTheSameBytes) {
   const auto bytes = [&] {
     std::ifstream file(path("u.csv"), std::ios::binary);

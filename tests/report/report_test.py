@@ -369,6 +369,17 @@ class BrokenRuns(ReportTest):
         self.assertIn("records.jsonl:3", err)
         self.assertFalse((self.folder / "tables").exists())
 
+    def test_a_record_that_is_nested_too_deep_is_said(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70)] * 2, {})
+        path = self.folder / "records.jsonl"
+        lines = path.read_text(encoding="utf-8").split("\n")
+        for deep in ("[" * 5000 + "]" * 5000, "[" * 100_000, '{"a":' * 100_000):
+            path.write_text("\n".join([deep, *lines]), encoding="utf-8")
+            code, _, err = self.report()
+            self.assertEqual(code, 2)
+            self.assertIn("records.jsonl:1: expected a JSON object, found ", err)
+            self.assertEqual(err.count("\n"), 1)
+
     def test_a_last_line_cut_off_by_a_kill_is_left_out_and_said(self):
         synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70, repeat=i) for i in range(3)], {})
         path = self.folder / "records.jsonl"

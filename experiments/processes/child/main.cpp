@@ -1,51 +1,198 @@
-// palpate_child PROGRAM ARGUMENT...: starts a program, waits for it, and reports its end and resource usage.
+// palpate_child MEMORY_BYTES PROGRAM ARGUMENT...: starts a program, waits for it, leaves no process of it
+// behind, and reports its end and what it took.
 //
 // Linux counts the memory of the process that forks to the peak of the child that it execs. Started from this
 // small program, a contestant's peak is its own, however large the runner has grown.
+//
+// Orphans among its descendants become this program's children (subreaper), so that what left the group and
+// the session is found too. It outlives a runner that was killed just long enough to clean up.
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
 
+#include "experiments/processes/child/process_tree.h"
 #include "experiments/processes/child/report.h"
 
 namespace {
 
-using palpate::experiments::ChildReport;
-using palpate::experiments::kChildReportFile;
+using namespace palpate::experiments;
+
+constexpr int kTickMs = 100;
+constexpr int kTickWithoutHandleMs = 2;  // kernels without pidfd
 
 bool send(const ChildReport& report) {
   return ::write(kChildReportFile, &report, sizeof report) == sizeof report;
 }
 
+void ignore_signals(void (*action)(int)) {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(number, action);
+}
+
+[[noreturn]] void become(char** arguments, pid_t parent) {
+  ::setpgid(0, 0);  // a group of its own: what it sends to its group does not meet this program
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != parent) ::_exit(127);
+  ignore_signals(SIG_DFL);
+  ::execv(arguments[0], arguments);
+  ChildReport report;
+  report.kind = ChildReport::kNotStarted;
+  report.value = errno;
+  send(report);
+  ::_exit(127);
+}
+
+/// The number of the youngest process of the machine; 0 if it cannot be told. As long as it stays, nobody has
+/// started one.
+long youngest_process() {
+  std::FILE* file = std::fopen("/proc/loadavg", "r");
+  if (file == nullptr) return 0;
+  long youngest = 0;
+  if (std::fscanf(file, "%*f %*f %*f %*s %ld", &youngest) != 1) youngest = 0;
+  std::fclose(file);
+  return youngest;
+}
+
+/// Memory of the tree, looked at now and then. One process alone is left to the kernel, which knows its peak
+/// and its bound exactly.
+class TreeMemory {
+ public:
+  explicit TreeMemory(std::uint64_t bound) : bound_(bound) {}
+
+  /// Whether the tree takes more than its bound.
+  bool is_too_much() {
+    const long youngest = youngest_process();
+    if (youngest == 0 || youngest != youngest_) processes_ = find_descendants(::getpid());
+    youngest_ = youngest;
+    if (processes_.size() < 2 || resident_bytes(processes_) <= peak_) return false;
+    const Clock::time_point now = Clock::now();
+    if (now < next_) return false;
+    peak_ = std::max(peak_, proportional_bytes(processes_));
+    next_ = Clock::now() + kRest * (Clock::now() - now);
+    return bound_ > 0 && peak_ > bound_;
+  }
+
+  std::uint64_t peak() const { return peak_; }
+
+ private:
+  std::uint64_t bound_;
+  std::uint64_t peak_ = 0;
+  using Clock = std::chrono::steady_clock;
+  static constexpr int kRest =
+      50;  // of what an exact look takes, so that looking is no more than 2% of the time
+
+  std::vector<pid_t> processes_;
+  long youngest_ = 0;
+  Clock::time_point next_{};
+};
+
+/// A flood on standard error is cut off before it fills the disk. Its end is what matters: the file is
+/// written by appending, so that what comes later stands in it.
+void cut_flood() {
+  constexpr off_t kMost = off_t{16} << 20U;
+  struct stat status {};
+  if (::fstat(STDERR_FILENO, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size <= kMost) return;
+  if (::ftruncate(STDERR_FILENO, 0) != 0) return;
+  constexpr char kNote[] = "(more than 16 MiB before this were cut off)\n";
+  if (::write(STDERR_FILENO, kNote, sizeof kNote - 1) < 0) return;
+}
+
+enum class Watch { kEnded, kKill, kTooMuchMemory };
+
+/// Collects all children that have ended. Returns false once there are none left.
+bool collect(pid_t program, int& status, bool& has_ended) {
+  while (true) {
+    int each = 0;
+    const pid_t child = ::waitpid(-1, &each, WNOHANG);
+    if (child < 0) return errno != ECHILD;
+    if (child == 0) return true;
+    if (child != program) continue;
+    status = each;
+    has_ended = true;
+  }
+}
+
+/// The next order; kKillAll where nobody gives any more.
+char read_order() {
+  char order = kKillAll;
+  const ssize_t got = ::read(kChildOrderFile, &order, 1);
+  if (got < 0 && errno == EINTR) return 0;
+  return got == 1 ? order : static_cast<char>(kKillAll);
+}
+
+Watch watch(pid_t program, TreeMemory& memory, int& status) {
+  const int handle = static_cast<int>(::syscall(SYS_pidfd_open, program, 0));
+  bool has_ended = false;
+  Watch seen = Watch::kEnded;
+  while (true) {
+    pollfd files[2] = {{kChildOrderFile, POLLIN, 0}, {handle, POLLIN, 0}};
+    ::poll(files, handle >= 0 ? 2 : 1, handle >= 0 ? kTickMs : kTickWithoutHandleMs);
+    collect(program, status, has_ended);
+    if (has_ended) break;
+    const char order = files[0].revents != 0 ? read_order() : '\0';
+    if (order == kInterrupt) ::kill(-program, SIGINT);
+    if (order == kKillAll) {
+      seen = Watch::kKill;
+      break;
+    }
+    cut_flood();
+    if (memory.is_too_much()) {
+      seen = Watch::kTooMuchMemory;
+      break;
+    }
+  }
+  if (handle >= 0) ::close(handle);
+  return seen;
+}
+
+/// Kills what is left and collects it. Gives up on what cannot be killed: it waits for a broken disk, or runs
+/// as another user.
+void clean_up(pid_t program, int& status) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::seconds kPatience{16};
+  constexpr unsigned kLongestWaitUs = 50'000;
+  bool has_ended = false;
+  const Clock::time_point end = Clock::now() + kPatience;
+  for (unsigned wait_us = 200; collect(program, status, has_ended) && Clock::now() < end;
+       wait_us = std::min(2 * wait_us, kLongestWaitUs)) {
+    kill_descendants(::getpid());
+    ::usleep(wait_us);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 2) return 126;
+  if (argc < 3) return 126;
   ::fcntl(kChildReportFile, F_SETFD, FD_CLOEXEC);
+  ::fcntl(kChildOrderFile, F_SETFD, FD_CLOEXEC);
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1);
+  ignore_signals(SIG_IGN);
   const pid_t self = ::getpid();
-  const pid_t child = ::fork();
+  const pid_t program = ::fork();
+  if (program == 0) become(argv + 2, self);
   ChildReport report;
-  if (child == 0) {
-    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (::getppid() != self) ::_exit(127);
-    ::execv(argv[1], argv + 1);
-    report.kind = ChildReport::kNotStarted;
-    report.value = errno;
-    send(report);
-    ::_exit(127);
-  }
-  if (child < 0) {
+  if (program < 0) {
     report.kind = ChildReport::kNotStarted;
     report.value = errno;
     return send(report) ? 127 : 126;
   }
-  ::signal(SIGINT, SIG_IGN);  // a program that is asked to end in order is waited for
-  while (::wait4(child, &report.value, 0, &report.usage) < 0 && errno == EINTR) {
-  }
-  report.kind = ChildReport::kEnded;
+  TreeMemory memory(std::strtoull(argv[1], nullptr, 10));
+  const Watch seen = watch(program, memory, report.value);
+  clean_up(program, report.value);
+  report.kind = seen == Watch::kTooMuchMemory ? ChildReport::kTooMuchMemory : ChildReport::kEnded;
+  ::getrusage(RUSAGE_CHILDREN, &report.usage);
+  report.peak_bytes = std::max(memory.peak(), static_cast<std::uint64_t>(report.usage.ru_maxrss) * 1024);
   return send(report) ? 0 : 126;
 }

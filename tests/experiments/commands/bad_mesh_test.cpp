@@ -234,7 +234,7 @@ TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {
              {"make", "cube", "-o", full.string()},
              {"simplify", in, "-o", full.string(), "--method", "palpate.hierarchical", "--fusions", "1"}}) {
       const ProgramResult result = run_program(words);
-      EXPECT_EQ(result.exit_code, 2) << ending << words[0];
+      EXPECT_EQ(result.exit_code, 3) << ending << words[0];
       EXPECT_THAT(result.error, HasSubstr("expected room on the disk"));
       EXPECT_EQ(result.error.find("partial"), std::string::npos) << result.error;
       EXPECT_EQ(result.out, "");

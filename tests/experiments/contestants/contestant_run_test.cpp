@@ -67,7 +67,7 @@ const Misbehaviour kMisbehaviours[] = {
     {"no_answer", "crashed", "exit code 5 without an answer: cannot go on"},
     {"garbage", "bad_answer", "its answer: expected JSON"},
     {"deep_answer", "bad_answer", "its answer: expected at most 32 levels of nesting"},
-    {"huge_answer", "bad_answer", "larger than 16 MiB"},
+    {"huge_answer", "bad_answer", "its answer is a file of 20971520 bytes, where 16777216 are the most"},
     {"nan_time", "bad_answer", "its answer: expected a number, found NaN"},
     {"negative_time", "bad_answer", "kernel_s is no time above zero"},
     {"zero_time", "bad_answer", "kernel_s is no time above zero: 0.0"},

@@ -67,6 +67,59 @@ TEST_F(Formats, VtkOfTetsIsRead) {
   EXPECT_EQ(read_mesh(path).mesh.tets, (std::vector<Tet>{{0, 1, 2, 3}}));
 }
 
+TEST_F(Formats, AMshFileIsNoScript) {
+  const auto trace = folder_.path() / "trace";
+  const std::string script = "SystemCall \"touch " + trace.string() + "\";\n";
+  for (const std::string start : {"", "x\n", "\n$MeshFormat\n", " $MeshFormat\n", "$View\n"}) {
+    EXPECT_NE(refusal(write("a.msh", start + script)).find("expected a .msh file"), std::string::npos)
+        << start;
+    EXPECT_FALSE(std::filesystem::exists(trace)) << start;
+  }
+  for (const std::string start : {"$MeshFormat\n", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n", "$Comments\n",
+                                  "$NOD\n0\n$ENDNOD\n", "$Comments\n$EndComments\n"}) {
+    EXPECT_NE(refusal(write("a.msh", start + script)), "") << start;
+    EXPECT_FALSE(std::filesystem::exists(trace)) << start;
+  }
+}
+
+TEST_F(Formats, WhatLiesBesideAMshFileIsNotRun) {
+  const auto trace = folder_.path() / "trace";
+  const auto path =
+      write("a.msh", std::string(kMshHead) + "2\n1 2 2 1 1 1 2 3\n2 4 2 1 1 1 3 2 4\n$EndElements\n");
+  for (const char* name : {"a.msh.opt", "a.opt", "a.geo", ".gmshrc", ".gmsh-options"})
+    write(name, "SystemCall \"touch " + trace.string() + "\";\n");
+  EXPECT_EQ(read_mesh(path).mesh.points.size(), 4U);
+  EXPECT_FALSE(std::filesystem::exists(trace));
+}
+
+/// A grid of four points and one tet whose header says what it likes.
+std::string vtu_that_claims(const std::string& points, const std::string& cells, const std::string& rest) {
+  return "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+         "header_type=\"UInt64\" "
+         "compressor=\"vtkZLibDataCompressor\"><UnstructuredGrid><Piece NumberOfPoints=\"" +
+         points + "\" NumberOfCells=\"" + cells + "\">" + rest + "</Piece></UnstructuredGrid></VTKFile>\n";
+}
+
+TEST_F(Formats, AVtuFileThatClaimsWhatItHasNotIsRefused) {
+  const std::string points = "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"";
+  const std::string cells =
+      "<Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray><DataArray "
+      "type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray><DataArray type=\"UInt8\" "
+      "Name=\"types\" "
+      "format=\"ascii\">10</DataArray></Cells>";
+  const std::string few = points + "ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>" + cells;
+  EXPECT_EQ(read_mesh(write("good.vtu", vtu_that_claims("4", "1", few))).mesh.tets.size(), 1U);
+  for (const char* count : {"1000000000", "99999999999", "9223372036854775807", "-1", "5", "nan"}) {
+    EXPECT_NE(refusal(write("points.vtu", vtu_that_claims(count, "1", few))), "") << count << " points";
+    EXPECT_NE(refusal(write("cells.vtu", vtu_that_claims("4", count, few))), "") << count << " cells";
+  }
+  // Compressed: so many blocks, of so many bytes each, of which there are none.
+  for (const char* header : {"//////////8=", "AAAAAAEAAAA=", "AQAAAAAAAAD//////////wAAAAAAAAAA"}) {
+    const std::string lies = points + "binary\">" + header + "</DataArray></Points>" + cells;
+    EXPECT_NE(refusal(write("blocks.vtu", vtu_that_claims("4", "1", lies))), "") << header;
+  }
+}
+
 TEST_F(Formats, OtherElementsAreRefusedByName) {
   const auto hexahedron =
       write("h.msh", std::string(kMshHead) + "1\n1 5 2 1 1 1 2 5 3 4 6 8 7\n$EndElements\n");

@@ -229,6 +229,27 @@ TEST(Plan, BombIsRefusedAtItsFirstAnchor) {
               HasSubstr("t.yaml:1: anchors and aliases"));
 }
 
+TEST(Plan, AMappingHasABoundOfKeys) {
+  std::string text;
+  for (int k = 0; k < 1001; ++k) text += "k" + std::to_string(k) + ": 1\n";
+  EXPECT_THAT(text_error(text), HasSubstr("expected at most 1000 keys"));
+}
+
+TEST(Plan, ShortListsCannotBeCrossedToAnyNumberOfCases) {
+  const test::ExperimentFixture fixture;
+  std::string numbers;
+  for (int k = 1; k <= 2000; ++k) numbers += (k > 1 ? ", " : "") + std::to_string(k);
+  const Plan plan = read_plan(
+      fixture.add_plan("[test.copy]", "sweep: {fusions: [" + numbers + "], option.seed: [" + numbers + "]}\n"),
+      fixture.registry());
+  try {
+    build_cases(plan, fixture.registry());
+    FAIL() << "four million cases";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("expected at most 1000000 cases"));
+  }
+}
+
 TEST(Plan, MissingFileAndFolder) {
   const test::ExperimentFixture fixture;
   EXPECT_THAT(error_of(fixture.folder() / "none.yaml", fixture.registry()), HasSubstr("no such file"));

@@ -1,0 +1,45 @@
+#include "experiments/files/plain_file.h"
+
+#include <sys/stat.h>
+
+namespace palpate::experiments {
+namespace {
+
+const char* kind_of(mode_t mode) {
+  if (S_ISLNK(mode)) return "a link";
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISFIFO(mode)) return "a pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return S_ISREG(mode) ? "" : "a device";
+}
+
+}  // namespace
+
+std::string file_complaint(const std::filesystem::path& path, std::uint64_t most) {
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) != 0) return "none";
+  std::string kind = kind_of(status.st_mode);
+  if (!kind.empty() || static_cast<std::uint64_t>(status.st_size) <= most) return kind;
+  return "a file of " + std::to_string(status.st_size) + " bytes, where " + std::to_string(most) +
+         " are the most";
+}
+
+bool is_plain_file(const std::filesystem::path& path) {
+  struct stat status {};
+  return ::lstat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+FolderIdentity::FolderIdentity(const std::filesystem::path& folder) : folder_(folder) {
+  struct stat status {};
+  if (::lstat(folder_.c_str(), &status) != 0 || !S_ISDIR(status.st_mode)) return;
+  device_ = status.st_dev;
+  number_ = status.st_ino;
+}
+
+bool FolderIdentity::is_same() const {
+  struct stat status {};
+  return ::lstat(folder_.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_dev == device_ &&
+         status.st_ino == number_;
+}
+
+}  // namespace palpate::experiments

@@ -1,0 +1,33 @@
+// Files that somebody else left: what they may be, before anything of them is read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace palpate::experiments {
+
+/// The largest output file of a contestant that is looked at, and the largest that it may write.
+inline constexpr std::uint64_t kLargestOutput = std::uint64_t{4} << 30U;
+
+/// What keeps a path from being a regular file of at most `most` bytes, in words: "a link", "a folder", "a
+/// pipe", "a device", "a socket", "a file of 53687091200 bytes, where 4294967296 are the most"; empty if
+/// nothing does. A path that is not there is "none". Links are not followed, whatever they lead to.
+std::string file_complaint(const std::filesystem::path& path, std::uint64_t most = kLargestOutput);
+
+/// Whether the path is a regular file, and no link to one.
+bool is_plain_file(const std::filesystem::path& path);
+
+/// A folder as it was, to tell whether it has been replaced by another one or by a link.
+class FolderIdentity {
+ public:
+  explicit FolderIdentity(const std::filesystem::path& folder);
+  bool is_same() const;
+
+ private:
+  std::filesystem::path folder_;
+  std::uint64_t device_ = 0;
+  std::uint64_t number_ = 0;
+};
+
+}  // namespace palpate::experiments
