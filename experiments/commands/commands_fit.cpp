@@ -1,4 +1,5 @@
-// fit: the cheapest model that meets a scene's tolerance within its budget. envelope: how far it may be taken.
+// fit: the cheapest model that meets a scene's tolerance within its budget. envelope: how far it may be
+// taken.
 #include <cmath>
 #include <iostream>
 #include <memory>

@@ -197,6 +197,8 @@ double share_at_skin(const TetMesh& mesh, const std::vector<Triangle>& skin) {
   return static_cast<double>(touching) / static_cast<double>(mesh.tets.size());
 }
 
+constexpr const char* kCoarsensSkin = "palpate.surface";
+
 /// Where a skin that was left as it is keeps the mesh from what was asked for: what would coarsen it too.
 std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& method) {
   // Of the tets, at the skin. A kidney by palpate.refined: 68% there with 99.8% of all above a quality of 0.5
@@ -212,10 +214,9 @@ std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& 
          " coarsens skin and inside together";
 }
 
-constexpr const char* kCoarsensSkin = "palpate.surface";
-
 /// How far a run came that has not reached its count, and what stood in its way.
-json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantTask& task, const json& report) {
+json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantTask& task,
+                        const json& report) {
   const std::vector<Triangle> skin = build_unpaired_faces(out);
   const double wanted = task.stop.kind == StopKind::kTets
                             ? task.stop.value
@@ -230,9 +231,10 @@ json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantT
           {"way_out", nullptr}};
 }
 
-/// The least of some distances, in the mesh's unit, with which palpate.surface reaches the count; null if none
-/// does. What was tried is in "tried_bounds".
-void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry, json& shortfall) {
+/// The least of some distances, in the mesh's unit, with which palpate.surface reaches the count; null if
+/// none does. What was tried is in "tried_bounds".
+void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry,
+                  json& shortfall) {
   constexpr std::array kShares{0.0025, 0.005, 0.01, 0.02, 0.04};  // of the box's diagonal
   constexpr std::size_t kMostTets = 200'000;                      // some seconds a try
   constexpr double kMostSeconds = 60.0;
@@ -264,7 +266,8 @@ std::string shortfall_text(const json& shortfall) {
   text += std::to_string(std::lround(100.0 * shortfall.at("share_at_skin").get<double>())) +
           "% of them touch the skin of " + shortfall.at("skin_faces").dump() + " faces" +
           (shortfall.at("skin_kept").get<bool>() ? ", which was kept" : "");
-  if (shortfall.at("kept_tets") != 0) text += "; " + shortfall.at("kept_tets").dump() + " lie in regions to keep";
+  if (shortfall.at("kept_tets") != 0)
+    text += "; " + shortfall.at("kept_tets").dump() + " lie in regions to keep";
   std::string refused;
   for (const auto& [reason, count] : shortfall.at("rejected").items()) {
     if (count != 0) refused += (refused.empty() ? "" : ", ") + reason + " " + count.dump();
@@ -276,8 +279,8 @@ std::string shortfall_text(const json& shortfall) {
            three_digits(way.at("bound").get<double>()) + " reaches it (a distance in the mesh's unit)";
   const json tried = shortfall.value("tried_bounds", json::array());
   if (tried.empty()) return text;
-  return text + ". palpate.surface does not reach it either within " + three_digits(tried.back().get<double>()) +
-         " of the skin";
+  return text + ". palpate.surface does not reach it either within " +
+         three_digits(tried.back().get<double>()) + " of the skin";
 }
 
 json full_report(const ContestantAnswer& answer, const std::string& method, const TetMesh& in,

@@ -14,11 +14,12 @@ struct AxisFacts {
   double most;
 };
 
-constexpr std::array<AxisFacts, kEnvelopeAxes.size()> kFacts{{{"stiffer", "Young's modulus times", 100.0},
-                                                              {"lighter", "density divided by", 100.0},
-                                                              {"larger", "all loads times", 30.0},
-                                                              {"faster", "times of the loads divided by", 100.0},
-                                                              {"step", "time step times", 100.0}}};
+constexpr std::array<AxisFacts, kEnvelopeAxes.size()> kFacts{
+    {{"stiffer", "Young's modulus times", 100.0},
+     {"lighter", "density divided by", 100.0},
+     {"larger", "all loads times", 30.0},
+     {"faster", "times of the loads divided by", 100.0},
+     {"step", "time step times", 100.0}}};
 
 const AxisFacts& facts_of(EnvelopeAxis axis) {
   return kFacts.at(static_cast<std::size_t>(axis));

@@ -151,8 +151,7 @@ std::string envelope_text(const json& envelope) {
          << percent_of(part("reference_error")) << " of the reference, + " << percent_of(part("step_error"))
          << " of the step |\n";
   }
-  if (!envelope.at("complete").get<bool>())
-    text << "\nIt was stopped before all borders were found.\n";
+  if (!envelope.at("complete").get<bool>()) text << "\nIt was stopped before all borders were found.\n";
   return text.str();
 }
 

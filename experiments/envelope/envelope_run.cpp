@@ -39,7 +39,8 @@ class Envelope {
     std::error_code error;
     if (fs::exists(options.folder / "envelope.json", error))
       throw InputError(options.folder.string(), 0,
-                       "a fit without an envelope (remove envelope.json to measure it anew)", "envelope.json");
+                       "a fit without an envelope (remove envelope.json to measure it anew)",
+                       "envelope.json");
     fs::remove_all(work_, error);  // what an earlier one left that did not come to its end
     const fs::path mesh = options.folder / "organ.mesh";
     probes_m_ = spread_probes(read_medit(mesh, ReadOrientation::kKeep).mesh, kProbes);

@@ -21,12 +21,12 @@ struct EnvelopeOptions {
 };
 
 struct EnvelopeResult {
-  double at_most = 0.0;      ///< tolerance of the error, the reference's own on top
-  std::string measure;       ///< of the error at rest
-  EnvelopePlace place;       ///< of the fitted scene; its step as it is run
-  nlohmann::json model;      ///< of the fitted scene
-  std::string mesh_hash;     ///< of organ.mesh
-  EnvelopeProbe at_one;      ///< the scene as it is
+  double at_most = 0.0;   ///< tolerance of the error, the reference's own on top
+  std::string measure;    ///< of the error at rest
+  EnvelopePlace place;    ///< of the fitted scene; its step as it is run
+  nlohmann::json model;   ///< of the fitted scene
+  std::string mesh_hash;  ///< of organ.mesh
+  EnvelopeProbe at_one;   ///< the scene as it is
   std::vector<EnvelopeAxis> axes;
   std::vector<EnvelopeBorder> borders;  ///< one an axis; none if it was stopped before the scene as it is
                                         ///< was looked at

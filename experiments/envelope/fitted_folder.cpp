@@ -41,8 +41,9 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
       throw InputError(fit_file.string() + ": schema", 0, "palpate/fit/1", out.fit.at("schema").dump());
     const json& choice = out.fit.at("choice");
     if (choice.is_null())
-      throw InputError(fit_file.string() + ": the fit found no model that meets its tolerance: there is "
-                                           "nothing whose borders could be looked for");
+      throw InputError(fit_file.string() +
+                       ": the fit found no model that meets its tolerance: there is "
+                       "nothing whose borders could be looked for");
     out.choice.model.label = choice.at("label").get<std::string>();
     out.choice.model.method = choice.at("method").get<std::string>();
     out.choice.model.set = choice.at("set");

@@ -39,7 +39,8 @@ double history_difference(const ProbeHistory& coarse, const ProbeHistory& fine);
 
 /// Runs the scene, which is written below `folder` (made), for at most kTrialSeconds of the clock. Throws: as
 /// simulate.
-MotionTrial run_motion_trial(const nlohmann::json& scene, const FittedFolder& fitted, const Registry& registry,
-                             const std::filesystem::path& folder, const volatile std::sig_atomic_t* stop_flag);
+MotionTrial run_motion_trial(const nlohmann::json& scene, const FittedFolder& fitted,
+                             const Registry& registry, const std::filesystem::path& folder,
+                             const volatile std::sig_atomic_t* stop_flag);
 
 }  // namespace palpate::experiments

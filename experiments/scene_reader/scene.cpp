@@ -236,8 +236,8 @@ SceneLoad read_scene_load(const YamlValue& value) {
 
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load",
-                                         "analysis", "require", "envelope"});
+  const YamlFields fields = root.fields(
+      {"schema", "mesh", "material", "strain", "model", "clamp", "load", "analysis", "require", "envelope"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/scene/1") schema.fail_expected("palpate/scene/1");
   Scene scene;

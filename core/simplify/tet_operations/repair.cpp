@@ -82,7 +82,8 @@ void Repairer::set_manner(double threshold) {
   for (Index t = 0; t < mesh_.tets.size(); ++t) {
     if (mesh_.is_alive(t) && flipper_.known_score(t) < threshold) ++bad;
   }
-  const double share = static_cast<double>(bad) / static_cast<double>(std::max<std::uint64_t>(1, mesh_.alive));
+  const double share =
+      static_cast<double>(bad) / static_cast<double>(std::max<std::uint64_t>(1, mesh_.alive));
   many_are_bad_ = share > kFewBad;
   scores_ = scores_.with_gain_offset(many_are_bad_ ? kGainOffsetOfMany : kGainOffset);
   smoother_.set_least_of_worst(many_are_bad_ ? 1.0 : kLeastOfWorst);
@@ -118,8 +119,7 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     const bool is_split_wanted = score_now < kSplitThreshold;
     if (hopeless_at_[t] != score_now) {
       if (is_worth_it(compound_) && compound_.note(try_compound(tet, score_now, steps))) continue;
-      if (is_split_wanted && is_worth_it(shifted_) &&
-          shifted_.note(try_shifted_flips(tet, score_now, steps)))
+      if (is_split_wanted && is_worth_it(shifted_) && shifted_.note(try_shifted_flips(tet, score_now, steps)))
         continue;
       remember_more();
       const Index slot = find_tet(tet);
@@ -245,7 +245,8 @@ double Repairer::worst_beside() {
   double worst = 1e300;
   for (const Index v : vertices_) {
     for (const Index t : mesh_.star(v)) {
-      if (std::find(added.begin(), added.end(), t) == added.end()) worst = std::min(worst, flipper_.known_score(t));
+      if (std::find(added.begin(), added.end(), t) == added.end())
+        worst = std::min(worst, flipper_.known_score(t));
     }
   }
   return worst;

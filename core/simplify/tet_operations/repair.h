@@ -38,12 +38,12 @@ struct RepairSuccess {
   bool note(bool has_helped);
 };
 
-/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here, so
-/// that a mesh is worth about as much as its worst tets.
+/// Repairs tets, the lowest score first (ties: the smallest slot). Gains weigh the worst tets heavily here,
+/// so that a mesh is worth about as much as its worst tets.
 ///
-/// Where many tets are bad it is mostly the skin that is, and nothing inside mends it. Then (`set_manner`) the
-/// worst weigh less, so that what cannot be mended does not cost what is around it; no repair leaves a tet
-/// worse than the worst that it found there; and a means that keeps failing is given up.
+/// Where many tets are bad it is mostly the skin that is, and nothing inside mends it. Then (`set_manner`)
+/// the worst weigh less, so that what cannot be mended does not cost what is around it; no repair leaves a
+/// tet worse than the worst that it found there; and a means that keeps failing is given up.
 class Repairer {
  public:
   /// Holds a reference to the mesh, copies of the rules.

@@ -196,8 +196,9 @@ TEST(BadStop, OneThatCannotBeReachedIsSaid) {
   const ProgramResult result = run_program({"simplify", in, "-o", (fixture.folder() / "out.mesh").string(),
                                             "--method", "palpate.hierarchical", "--ratio", "0.99"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.error, AllOf(HasSubstr("the count was not reached: "), HasSubstr(" of 12 tetrahedra are left"),
-                                  HasSubstr("touch the skin of 432 faces, which was kept"), HasSubstr("refused")));
+  EXPECT_THAT(result.error,
+              AllOf(HasSubstr("the count was not reached: "), HasSubstr(" of 12 tetrahedra are left"),
+                    HasSubstr("touch the skin of 432 faces, which was kept"), HasSubstr("refused")));
   EXPECT_TRUE(fs::exists(fixture.folder() / "out.mesh"));
 }
 
@@ -213,12 +214,14 @@ TEST(BadStop, TheWayToACountIsNamedAndLeadsThere) {
   ASSERT_EQ(result.exit_code, 1) << result.error;
   const auto shortfall = nlohmann::json::parse(result.out).at("shortfall");
   EXPECT_GT(shortfall.at("reached_tets"), shortfall.at("wanted_tets"));
-  EXPECT_EQ(shortfall.at("wanted_tets").get<double>(), std::floor(0.2 * static_cast<double>(mesh.tets.size())));
+  EXPECT_EQ(shortfall.at("wanted_tets").get<double>(),
+            std::floor(0.2 * static_cast<double>(mesh.tets.size())));
   ASSERT_EQ(shortfall.at("way_out").at("method"), "palpate.surface") << shortfall.dump(1);
   const std::string bound = shortfall.at("way_out").at("bound").dump();
   EXPECT_THAT(result.error, HasSubstr("--set max_surface_error_m="));
-  const ProgramResult other = run_program({"simplify", in, "-o", out, "--method", "palpate.surface", "--ratio", "0.8",
-                                           "--set", "max_surface_error_m=" + bound, "--json"});
+  const ProgramResult other =
+      run_program({"simplify", in, "-o", out, "--method", "palpate.surface", "--ratio", "0.8", "--set",
+                   "max_surface_error_m=" + bound, "--json"});
   EXPECT_EQ(other.exit_code, 0) << other.error;
   EXPECT_LE(nlohmann::json::parse(other.out).at("tets_out"), shortfall.at("wanted_tets"));
 }

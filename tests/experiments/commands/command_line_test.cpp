@@ -34,8 +34,8 @@ void expect_refusal(const ProgramResult& result, int code, const std::string& pa
 TEST(CommandLine, HelpAndVersion) {
   const ProgramResult help = run_program({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"run", "check", "fit", "envelope", "gate", "history", "compare", "list", "make", "mesh",
-                              "simplify", "quality", "springs", "simulate", "test"}) {
+  for (const char* command : {"run", "check", "fit", "envelope", "gate", "history", "compare", "list", "make",
+                              "mesh", "simplify", "quality", "springs", "simulate", "test"}) {
     EXPECT_THAT(help.out, HasSubstr(std::string("\n  ") + command + " "));
     const ProgramResult own = run_program({command, "--help"});
     EXPECT_EQ(own.exit_code, 0) << command;
@@ -332,9 +332,11 @@ TEST(CommandLine, ListContestantsTakesAPartOfAName) {
   const ProgramResult text = run_program({"list", "contestants", "van_gelder"});
   EXPECT_THAT(text.out, HasSubstr("springs.van_gelder"));
   EXPECT_EQ(text.out.find("palpate.refined"), std::string::npos);
-  expect_refusal(run_program({"list", "contestants", "no_such_thing"}), 2,
-                 "expected a part of the name of a contestant, a contest or a method, found \"no_such_thing\"");
-  expect_refusal(run_program({"list", "contestants", "palpate.refinde"}), 2, "did you mean \"palpate.refined\"?");
+  expect_refusal(
+      run_program({"list", "contestants", "no_such_thing"}), 2,
+      "expected a part of the name of a contestant, a contest or a method, found \"no_such_thing\"");
+  expect_refusal(run_program({"list", "contestants", "palpate.refinde"}), 2,
+                 "did you mean \"palpate.refined\"?");
 }
 
 TEST(CommandLine, RunAndGateExitCodes) {

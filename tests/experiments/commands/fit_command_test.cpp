@@ -100,7 +100,8 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
       "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0.02, 0, 0]}, "
       "profile: {times_s: [0, 0.2], shares: [0, 1], smooth: true}}]";
   text_.analysis =
-      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.25, damping: {mass_per_s: 20}}}";
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.25, damping: {mass_per_s: "
+      "20}}}";
   ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.6}").exit_code, 0);
   const std::string before = test::bytes_of(folder() / "fit/scene.yaml");
   const test::ProgramResult result = run_program({"envelope", path("fit"), "--json"});
@@ -142,7 +143,8 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
   EXPECT_THAT(warnings("", ""), Not(HasSubstr("outside")));
   EXPECT_THAT(warnings("\"young_modulus_pa\":10000", "\"young_modulus_pa\":1e6"),
               HasSubstr("outside of what was fitted: Young's modulus times 100, measured to hold up to"));
-  EXPECT_THAT(warnings("\"poisson_ratio\":0.45", "\"poisson_ratio\":0.3"), HasSubstr("Poisson's ratio is another"));
+  EXPECT_THAT(warnings("\"poisson_ratio\":0.45", "\"poisson_ratio\":0.3"),
+              HasSubstr("Poisson's ratio is another"));
   EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
   std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));

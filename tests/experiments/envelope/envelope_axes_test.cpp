@@ -41,7 +41,8 @@ TEST(EnvelopeAxes, TheWayAlongAnAxisIsReadBack) {
 
 TEST(EnvelopeAxes, WhatAFactorDoesToTheOthers) {
   const json scene = moving_scene();
-  // A stiffer body is strained less by a force, as much by a displacement, and its waves make the step longer.
+  // A stiffer body is strained less by a force, as much by a displacement, and its waves make the step
+  // longer.
   const EnvelopeFactors stiffer =
       factors_between(place_of(scene), place_of(scaled_scene(scene, EnvelopeAxis::kStiffer, 4.0)));
   EXPECT_DOUBLE_EQ(factor_along(stiffer, EnvelopeAxis::kLarger), 1.0);
@@ -51,7 +52,8 @@ TEST(EnvelopeAxes, WhatAFactorDoesToTheOthers) {
   const EnvelopeFactors softer =
       factors_between(place_of(scene), place_of(scaled_scene(scene, EnvelopeAxis::kStiffer, 0.25)));
   EXPECT_DOUBLE_EQ(factor_along(softer, EnvelopeAxis::kLarger), 4.0);
-  // The rise of 0.15 s is the shortest time in which a share changes; a time before it in which none does is none.
+  // The rise of 0.15 s is the shortest time in which a share changes; a time before it in which none does is
+  // none.
   EXPECT_DOUBLE_EQ(place_of(scene).rise_s.value_or(0.0), 0.15000000000000002);
 }
 

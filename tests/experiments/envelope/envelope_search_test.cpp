@@ -98,14 +98,17 @@ TEST(HistoryDifference, NothingThatIsNoNumberPasses) {
 
 TEST(ProbeHistory, TheColumnsOfProbesAreReadByName) {
   const test::ScratchFolder folder;
-  const auto file = folder.add("answer.json",
-                               R"({"columns": ["probe_1_ux_m", "time_s", "other"], "rows": [[1, 0, 7], [null, 0.5, 7]]})");
+  const auto file =
+      folder.add("answer.json",
+                 R"({"columns": ["probe_1_ux_m", "time_s", "other"], "rows": [[1, 0, 7], [null, 0.5, 7]]})");
   const ProbeHistory history = read_probe_history(file);
   EXPECT_THAT(history.time_s, testing::ElementsAre(0.0, 0.5));
   EXPECT_EQ(history.row[0], std::vector<double>{1.0});
   EXPECT_TRUE(std::isnan(history.row[1][0]));
-  EXPECT_THROW(read_probe_history(folder.add("none.json", R"({"columns": ["time_s"], "rows": []})")), InputError);
-  EXPECT_THROW(read_probe_history(folder.add("short.json", R"({"columns": ["time_s", "probe_1_ux_m"], "rows": [[1]]})")),
+  EXPECT_THROW(read_probe_history(folder.add("none.json", R"({"columns": ["time_s"], "rows": []})")),
+               InputError);
+  EXPECT_THROW(read_probe_history(
+                   folder.add("short.json", R"({"columns": ["time_s", "probe_1_ux_m"], "rows": [[1]]})")),
                InputError);
 }
 

@@ -62,7 +62,8 @@ Result run_as_far_as_it_goes(const TetMesh& input, const RefinedOptions& options
 }
 
 TEST(Refined, AskingForLessNeverLeavesMore) {
-  for (const TetMesh& input : {build_kuhn_cube(5, 0.3, 1), build_kuhn_cube(6, 0.2, 4), make_sliver_cube(5, 2)}) {
+  for (const TetMesh& input :
+       {build_kuhn_cube(5, 0.3, 1), build_kuhn_cube(6, 0.2, 4), make_sliver_cube(5, 2)}) {
     std::size_t least = input.tets.size();
     std::size_t limits = 0;
     for (const double ratio : {0.2, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9, 0.99}) {
