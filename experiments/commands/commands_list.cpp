@@ -62,8 +62,8 @@ bool has_part(const std::string& name, const std::string& part) {
   return lower(name).find(lower(part)) != std::string::npos;
 }
 
-/// The contestants whose folder, contest or methods have `part` in their names; of the others' methods only those. All for "".
-/// Throws: InputError if there is none.
+/// The contestants whose folder, contest or methods have `part` in their names; of the others' methods only
+/// those. All for "". Throws: InputError if there is none.
 std::vector<Contestant> choose_contestants(const Registry& registry, const std::string& part) {
   std::vector<Contestant> chosen;
   std::vector<std::string> names;
@@ -71,7 +71,8 @@ std::vector<Contestant> choose_contestants(const Registry& registry, const std::
     names.insert(names.end(), {contestant.folder, contestant.contest});
     for (const MethodSpec& method : contestant.methods) names.push_back(method.name);
     if (!has_part(contestant.folder, part) && !has_part(contestant.contest, part)) {
-      std::erase_if(contestant.methods, [&](const MethodSpec& method) { return !has_part(method.name, part); });
+      std::erase_if(contestant.methods,
+                    [&](const MethodSpec& method) { return !has_part(method.name, part); });
       if (contestant.methods.empty()) continue;
     }
     chosen.push_back(std::move(contestant));
@@ -79,8 +80,9 @@ std::vector<Contestant> choose_contestants(const Registry& registry, const std::
   if (!chosen.empty() || part.empty()) return chosen;
   const std::string hint = nearest_hint(part, names);
   const bool is_near = hint.find("did you mean") != std::string::npos;
-  throw InputError("list contestants: expected a part of the name of a contestant, a contest or a method, found \"" + part + "\"" +
-                   (is_near ? hint : "; palpate list contestants shows all"));
+  throw InputError(
+      "list contestants: expected a part of the name of a contestant, a contest or a method, found \"" +
+      part + "\"" + (is_near ? hint : "; palpate list contestants shows all"));
 }
 
 /// Prints a line in as many as it takes, those behind the first further in.
@@ -105,7 +107,9 @@ void print_method(const MethodSpec& method) {
       values.clear();
       for (const std::string& choice : option.choices) values += (values.empty() ? "" : "|") + choice;
     }
-    print_wrapped("--set " + option.name + "=" + values + " (" + text_of(option.default_value) + "): " + option.help, 4);
+    print_wrapped(
+        "--set " + option.name + "=" + values + " (" + text_of(option.default_value) + "): " + option.help,
+        4);
   }
 }
 
@@ -121,7 +125,8 @@ int list_contestants(const std::string& part, bool as_json) {
   for (const Contestant& contestant : chosen) {
     const std::string why = contestant.unavailable();
     print_wrapped(contestant.folder + " (" + contestant.contest + ", " + contestant.licence + "): " +
-                      (why.empty() ? colored("available", Color::kGreen) : colored("unavailable", Color::kRed) + ", " + why),
+                      (why.empty() ? colored("available", Color::kGreen)
+                                   : colored("unavailable", Color::kRed) + ", " + why),
                   0);
     for (const MethodSpec& method : contestant.methods) print_method(method);
   }
@@ -180,14 +185,16 @@ void add_list_command(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("list", "List contestants, meshes or measures");
   command->require_subcommand(1);
   command->footer(
-      "palpate list contestants cgal: only those with this in the name of the contestant, its contest or the method.\n"
+      "palpate list contestants cgal: only those with this in the name of the contestant, its contest or the "
+      "method.\n"
       "The environment variable PALPATE_CONTESTANTS adds folders of contestants, separated by colons.");
   struct Asked {
     std::string part;
     bool as_json = false;
   };
   auto asked = std::make_shared<Asked>();
-  CLI::App* contestants = command->add_subcommand("contestants", "Methods, their options, and whether they can run here");
+  CLI::App* contestants =
+      command->add_subcommand("contestants", "Methods, their options, and whether they can run here");
   contestants->add_option("FILTER", asked->part,
                           "Only those with this in the name of the contestant, its contest or the method");
   contestants->callback([asked, &exit_code] { exit_code = list_contestants(asked->part, asked->as_json); });
@@ -195,7 +202,8 @@ void add_list_command(CLI::App& app, int& exit_code) {
   meshes->callback([asked, &exit_code] { exit_code = list_meshes(asked->as_json); });
   CLI::App* measures = command->add_subcommand("measures", "Figures that plans can ask for and bound");
   measures->callback([asked, &exit_code] { exit_code = print_measures(asked->as_json); });
-  for (CLI::App* what : {contestants, meshes, measures}) what->add_flag("--json", asked->as_json, "Print as JSON");
+  for (CLI::App* what : {contestants, meshes, measures})
+    what->add_flag("--json", asked->as_json, "Print as JSON");
 }
 
 }  // namespace palpate::experiments

@@ -23,7 +23,8 @@ std::size_t display_width(const std::string& text);
 /// The words of a text in lines of at most `most` characters; a longer word stays whole. At least one line.
 std::vector<std::string> wrapped(const std::string& text, std::size_t most);
 
-/// Columns that standard output has room for: the environment's COLUMNS, else the terminal's, else 80; at least 40.
+/// Columns that standard output has room for: the environment's COLUMNS, else the terminal's, else 80; at
+/// least 40.
 std::size_t output_columns();
 
 /// A table of text: columns padded to their widest cell, numbers to the right if asked.
@@ -34,9 +35,10 @@ class TextTable {
 
   void add(std::vector<std::string> row);
 
-  /// The whole table, each line ended, folded to `most` columns: a last column of words is wrapped; where that does not do, blocks of
-  /// columns stand one below the other, each with the row's names again (the first columns to the left, two at most); where the names
-  /// alone take more than half, each row is a record of "column value" pairs. A single word that is longer stays whole.
+  /// The whole table, each line ended, folded to `most` columns: a last column of words is wrapped; where
+  /// that does not do, blocks of columns stand one below the other, each with the row's names again (the
+  /// first columns to the left, two at most); where the names alone take more than half, each row is a record
+  /// of "column value" pairs. A single word that is longer stays whole.
   std::string text(std::size_t most = output_columns()) const;
 
  private:

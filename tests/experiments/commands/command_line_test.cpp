@@ -332,9 +332,11 @@ TEST(CommandLine, ListContestantsTakesAPartOfAName) {
   const ProgramResult text = run_program({"list", "contestants", "van_gelder"});
   EXPECT_THAT(text.out, HasSubstr("springs.van_gelder"));
   EXPECT_EQ(text.out.find("palpate.refined"), std::string::npos);
-  expect_refusal(run_program({"list", "contestants", "no_such_thing"}), 2,
-                 "expected a part of the name of a contestant, a contest or a method, found \"no_such_thing\"");
-  expect_refusal(run_program({"list", "contestants", "palpate.refinde"}), 2, "did you mean \"palpate.refined\"?");
+  expect_refusal(
+      run_program({"list", "contestants", "no_such_thing"}), 2,
+      "expected a part of the name of a contestant, a contest or a method, found \"no_such_thing\"");
+  expect_refusal(run_program({"list", "contestants", "palpate.refinde"}), 2,
+                 "did you mean \"palpate.refined\"?");
 }
 
 TEST(CommandLine, RunAndGateExitCodes) {

@@ -46,13 +46,15 @@ std::size_t widest(const std::string& text) {
 
 std::size_t count(const std::string& text, const std::string& part) {
   std::size_t found = 0;
-  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++found;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size()))
+    ++found;
   return found;
 }
 
 TextTable table_of_figures(const std::string& name) {
   TextTable table({"kind", "figure", "accepted", "measured", "tolerance", "unit", ""}, "llrrrll");
-  table.add({"accuracy", name, "850", "902", "-0 +0", "%", "FAILS: above the upper bound by 52 (6.12%) of it"});
+  table.add(
+      {"accuracy", name, "850", "902", "-0 +0", "%", "FAILS: above the upper bound by 52 (6.12%) of it"});
   table.add({"validity", name + "s", "1", "2", "-1 +1", "", "holds"});
   return table;
 }
@@ -78,13 +80,15 @@ TEST(TextTable, BlocksRepeatTheNames) {
   const std::string text = table_of_figures("cube/mine tets_out").text(64);
   EXPECT_LE(widest(text), 64U);
   EXPECT_GE(count(text, "cube/mine tets_outs"), 2U);
-  for (const char* once : {"850", "902", "-0 +0", "(6.12%)", "holds"}) EXPECT_EQ(count(text, once), 1U) << once;
+  for (const char* once : {"850", "902", "-0 +0", "(6.12%)", "holds"})
+    EXPECT_EQ(count(text, once), 1U) << once;
 }
 
 TEST(TextTable, LongNamesMakeRecords) {
   const std::string name = "a_mesh_of_a_long_name/hierarchical/tets_removed_ratio=0.22 percent_above_0_5";
   const std::string text = table_of_figures(name).text(80);
-  EXPECT_THAT(text, HasSubstr("accuracy  " + name + "\n    accepted 850  measured 902  tolerance -0 +0  unit %\n"));
+  EXPECT_THAT(text,
+              HasSubstr("accuracy  " + name + "\n    accepted 850  measured 902  tolerance -0 +0  unit %\n"));
   EXPECT_THAT(text, HasSubstr("\n    FAILS: above the upper bound by 52 (6.12%) of it\n"));
   EXPECT_EQ(count(text, name), 2U);
 }
@@ -92,7 +96,8 @@ TEST(TextTable, LongNamesMakeRecords) {
 TEST(TextTable, NothingIsLostAtAnyWidth) {
   for (std::size_t most = 40; most <= 160; most += 3) {
     const std::string text = table_of_figures("cube/mine tets_out").text(most);
-    for (const char* part : {"accuracy", "850", "902", "-0 +0", "FAILS:", "above", "bound", "52", "(6.12%)", "of", "it", "validity", "-1 +1", "holds"})
+    for (const char* part : {"accuracy", "850", "902", "-0 +0", "FAILS:", "above", "bound", "52", "(6.12%)",
+                             "of", "it", "validity", "-1 +1", "holds"})
       EXPECT_GE(count(text, part), 1U) << part << " at " << most;
     if (most >= 50) EXPECT_LE(widest(text), most);
   }
