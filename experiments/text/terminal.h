@@ -36,9 +36,9 @@ class TextTable {
   void add(std::vector<std::string> row);
 
   /// The whole table, each line ended, folded to `most` columns: a last column of words is wrapped; where
-  /// that does not do, blocks of columns stand one below the other, each with the row's names again (the
-  /// first columns to the left, two at most); where the names alone take more than half, each row is a record
-  /// of "column value" pairs. A single word that is longer stays whole.
+  /// that does not do, or names (the first columns to the left, two at most) take over half, each row is a
+  /// record of "column value" pairs; of figures alone, blocks of columns stand one below the other, each with
+  /// the row's names again. A single word that is longer stays whole.
   std::string text(std::size_t most = output_columns()) const;
 
  private:

@@ -128,13 +128,12 @@ std::string TextTable::text(std::size_t most) const {
   const std::size_t names = count_names();
   std::size_t head = kGap * (names - 1);
   for (std::size_t i = 0; i < names; ++i) head += widths[i];
-  if (head > most / 2) return records_of(names, most);
+  if (ends_in_words || head > most / 2) return records_of(names, most);
   std::string text;
   Columns block(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(names));
   std::size_t used = head;
   for (std::size_t i = names; i < widths.size(); ++i) {
-    const bool is_last_words = ends_in_words && i + 1 == widths.size() && used + kGap + kLeastWords <= most;
-    if (block.size() > names && used + kGap + widths[i] > most && !is_last_words) {
+    if (block.size() > names && used + kGap + widths[i] > most) {
       text += block_of(block, widths, most) + "\n";
       block.resize(names);
       used = head;

@@ -57,12 +57,13 @@ def percent_number(value):
 
 
 def set_percent_axis(axis):
-    """Numbers at 1, 2, 5 where there is room for them; at every second power of ten where there is little."""
+    """Numbers at 1, 2, 5 (and between, on a short axis) where there is room for them; at every second power of ten where there is little."""
     low, high = sorted(axis.get_view_interval())
     if high > 2e4 * low:
         axis.set_major_locator(LogLocator(base=100, numticks=12))
     else:
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 300 * low else (1,), numticks=12))
+        subs = (1, 1.5, 2, 3, 4, 5, 7) if high < 10 * low else (1, 2, 5) if high < 300 * low else (1,)
+        axis.set_major_locator(LogLocator(subs=subs, numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda value, _: percent_number(value)))
     axis.set_minor_locator(LogLocator(subs=range(2, 10), numticks=12))
     axis.set_minor_formatter(NullFormatter())
