@@ -13,9 +13,10 @@ import { join } from "node:path";
 const [source, palpate, shots] = process.argv.slice(2);
 const { chromium } = createRequire(join(source, "page/package.json"))("playwright-core");
 const folder = mkdtempSync(join(tmpdir(), "palpate-live-"));
-const mesh = join(folder, "bar.mesh");
+const mesh = join(folder, "cube.mesh");
 const file = join(folder, "live.html");
-const PATIENCE_MS = 120_000;
+const bare = join(folder, "bare.html"); // without a table
+const PATIENCE_MS = 240_000;
 
 const run = (...words) => execFileSync(palpate, words, { stdio: ["ignore", "pipe", "pipe"], encoding: "utf8" });
 
@@ -28,7 +29,7 @@ async function open(browser, url, options = {}) {
   page.on("pageerror", (error) => complaints.push(error.message));
   page.on("request", (request) => /^(blob|data):/.test(request.url()) || requests.push(request.url()));
   page.setDefaultTimeout(PATIENCE_MS);
-  await page.goto(url);
+  await page.goto(url, { timeout: PATIENCE_MS });
   return { page, complaints, requests };
 }
 
@@ -147,7 +148,7 @@ async function testBreaking(browser) {
 }
 
 async function testBadData(browser) {
-  const whole = readFileSync(file, "utf8");
+  const whole = readFileSync(bare, "utf8");
   const description = (change) => whole.replace(/(<script type="application\/json" id="live-body">)([^<]*)/, (_, tag, text) => {
     const body = JSON.parse(text.replaceAll("\\u003c", "<"));
     return tag + change(body, text);
@@ -183,7 +184,7 @@ function ask(port, path, headers) {
 }
 
 async function testServer(browser) {
-  const server = spawn(palpate, ["live", mesh, "--no-table"], { stdio: ["ignore", "pipe", "ignore"] });
+  const server = spawn(palpate, ["live", mesh, "--unit-m", "0.06", "--no-table"], { stdio: ["ignore", "pipe", "ignore"] });
   const ended = new Promise((resolve) => server.on("exit", (code) => resolve(code)));
   try {
     const url = await new Promise((resolve, reject) => {
@@ -212,8 +213,9 @@ async function testServer(browser) {
 let code = 0;
 const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM ?? "/usr/bin/chromium", args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"] });
 try {
-  run("make", "bar", "--vertices", "900", "-o", mesh);
-  run("live", mesh, "--unit-m", "0.03", "-o", file);
+  run("make", "cube", "--vertices", "512", "-o", mesh);
+  run("live", mesh, "--unit-m", "0.06", "-o", file);
+  run("live", mesh, "--unit-m", "0.06", "--no-table", "-o", bare);
   for (const test of [testPressAndRelease, testKeyboardAndModels, testBreaking, testBadData, testServer]) {
     await test(browser);
     console.log(`${test.name}: ok`);
