@@ -39,7 +39,8 @@ int report_runs(const ReportArguments& arguments) {
     throw InputError(last_line(spec.standard_error));
   if (result.end != ProcessEnd::kExited || result.exit_code > kNotAccepted)
     throw UnavailableError("the report failed (" + result.message + "): " + last_line(spec.standard_error));
-  const fs::path page = arguments.out.empty() ? fs::path(words.front()) / "report.html" : fs::path(arguments.out);
+  const fs::path page =
+      arguments.out.empty() ? fs::path(words.front()) / "report.html" : fs::path(arguments.out);
   std::cout << "\nPage: " << page.string() << '\n';
   return result.exit_code;
 }
