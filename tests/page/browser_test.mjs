@@ -18,7 +18,7 @@ const scripts = join(build, "page");
 const { chromium } = createRequire(join(root, "page", "package.json"))("playwright-core");
 const EVIL_MESH = "<script>alert(1)</script>";
 const EVIL_LABEL = "</script><img src=x onerror=alert(2)>";
-const PATIENCE = 30_000;
+const PATIENCE = 120_000; // on a machine that does much else
 
 const pages = mkdtempSync(join(tmpdir(), "palpate-pages-"));
 const pictures = join(scripts, "screenshots");
@@ -382,6 +382,7 @@ for (const [what, from, to, place] of [
 test("without WebGL the rest of the page stands, and it says why there is no 3D", async () => {
   const plain = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--disable-gpu", "--disable-3d-apis", ...flags.filter((flag) => flag === "--no-sandbox")] });
   const page = await plain.newPage();
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(pathToFileURL(at("engine")).href);
   await page.locator("#organs").scrollIntoViewIfNeeded();
   const fault = page.locator("#organs .fault").first();
