@@ -57,7 +57,9 @@ async function drawRun(run) {
   await page.close();
 }
 
-const fileName = (...parts) => `${parts.join("_").replace(/[^\w.-]+/g, "_")}.png`;
+function fileName(...parts) {
+  return `${parts.join("_").replace(/[^\w.-]+/g, "_")}.png`;
+}
 
 /** One picture of each body that a scene shows, as bytes. */
 async function picturesOf(page, scene, width) {
