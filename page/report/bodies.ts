@@ -25,11 +25,23 @@ export function enlivenBodies(place: HTMLElement): void {
     started = true;
     observer.disconnect();
     try {
-      new BodyStage(place, readBlock<BodiesData>(place.dataset["bodies"]!)).open();
+      const stage = new BodyStage(place, readBlock<BodiesData>(place.dataset["bodies"]!));
+      stage.open();
+      // For those who draw figures from a page (figures/draw_figures.mjs).
+      (window as unknown as { palpateStage: BodyStage }).palpateStage = stage;
     } catch (error) {
       showFault(place, "The meshes could not be shown", error);
     }
   }, { rootMargin: "400px" }).observe(place);
+}
+
+/** What a figure shows: which bodies of a group, how, at which time of a motion. */
+export interface Scene {
+  group: string;
+  titles: string[];
+  mode: ViewMode;
+  colour: string;
+  time_s?: number;
 }
 
 class BodyStage {
@@ -78,6 +90,28 @@ class BodyStage {
   open(): void {
     this.place.replaceChildren(this.bar, this.choices, this.views, this.below);
     this.openGroup();
+  }
+
+  /** Shows a scene, and gives its bodies as pictures of `width` pixels: data URIs, in the order of the titles. */
+  async draw(scene: Scene, width: number): Promise<string[]> {
+    this.group.value = scene.group;
+    this.chosenColour = scene.colour;
+    this.mode.value = scene.mode;
+    const bodies = await Promise.all(this.own().filter((body) => scene.titles.includes(body.title)).map((data) => this.unpack(data)));
+    if (bodies.some((body, number) => this.shown[number]?.body !== body) || bodies.length !== this.shown.length) {
+      this.turn++;
+      this.build(bodies);
+    }
+    this.mode.value = scene.mode;
+    this.colour.value = scene.colour;
+    const times = bodies.find((body) => body.frames.length > 1)?.data.motion?.times_s ?? [];
+    if (scene.time_s !== undefined && times.length) {
+      const distances = times.map((time) => Math.abs(time - scene.time_s!));
+      this.playback?.goTo(distances.indexOf(Math.min(...distances)));
+    }
+    this.restyle();
+    this.reshape();
+    return this.shown.map(({ view }) => view.picture(width).toDataURL("image/png"));
   }
 
   private own(): BodyData[] {

@@ -14,6 +14,7 @@ interface Panel {
 
 const LEAST_PANEL = 300; // pixels
 const NAME_PIXELS = 6.7; // of a letter of a label
+const MARK_PIXELS = 12; // between the names of marks, one above the other
 
 /** Draws the chart whose data the place names, now and whenever its width or the colours change. */
 export function enlivenChart(place: HTMLElement, run: RunData): void {
@@ -73,7 +74,7 @@ function drawPanel(chart: ChartData, panel: Panel, width: number, domains: { x?:
     ...options,
     symbol: { domain: style.names, range: style.marks },
     style: { background: "transparent", color: pageColour("--ink"), fontSize: "12px", overflow: "visible" },
-    marks: [...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
+    marks: [...logAxes(chart, domains), ...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
   });
   plot.setAttribute("role", "img");
   plot.setAttribute("aria-label", [chart.title, panel.name, `${panel.rows.length} points; their figures are in the tables`].filter(Boolean).join(", "));
@@ -91,15 +92,15 @@ function optionsOf(chart: ChartData, panel: Panel, width: number, domains: { x?:
     ...(domain ? { domain } : {}),
     label: axisTitle(axis),
     nice: !axis.log,
-    grid: true,
-    ...(axis.log ? { tickFormat: (value: number) => logTick(value) } : {}),
+    grid: !axis.log,
+    ...(axis.log ? { axis: null } : {}), // drawn by logAxis
   });
   if (chart.kind === "ranges") {
     const names = [...new Set(panel.rows.map((row) => String(row[chart.y.key])))];
     const longest = Math.max(...names.map((name) => name.length));
     return {
-      width, height: 24 * names.length + 58 + (marks.length ? 16 : 0), marginLeft: Math.min(0.5 * width, NAME_PIXELS * longest + 14), marginRight: 18,
-      marginTop: marks.length ? 28 : 12, marginBottom: 38, x: scale(chart.x, domains.x), y: { type: "point", domain: names, label: null, padding: 0.6, tickSize: 0 },
+      width, height: 24 * names.length + 54 + MARK_PIXELS * marks.length, marginLeft: Math.min(0.5 * width, NAME_PIXELS * longest + 14), marginRight: 18,
+      marginTop: 10 + MARK_PIXELS * marks.length, marginBottom: 38, x: scale(chart.x, domains.x), y: { type: "point", domain: names, label: null, padding: 0.6, tickSize: 0 },
     };
   }
   const height = chart.kind === "bars" ? Math.max(170, Math.min(240, 0.62 * width)) : Math.max(240, Math.min(420, 0.66 * width));
@@ -110,11 +111,33 @@ function axisTitle(axis: AxisData): string {
   return axis.unit ? `${axis.title}, ${axis.unit}` : axis.title;
 }
 
-// Powers of ten, and 2 and 5 between them.
-function logTick(value: number): string {
-  const digit = value / 10 ** Math.floor(Math.log10(value) + 1e-9);
-  if (![1, 2, 5].some((wanted) => Math.abs(digit - wanted) < 1e-6)) return "";
+/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at all digits) between them where there is room. */
+function logTicks([low, high]: Range): number[] {
+  const decades = Math.log10(high / low);
+  const digits = decades < 0.7 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 2.5 ? [1, 2, 5] : [1];
+  const every = Math.ceil(decades / 7);
+  const found: number[] = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
+    if (power % every === 0) for (const digit of digits) found.push(digit * 10 ** power);
+  return found.filter((value) => value >= low && value <= high);
+}
+
+function tickText(value: number): string {
   return value >= 1e5 || value < 1e-3 ? value.toExponential(0).replace("e+", "e") : String(Number(value.toPrecision(3)));
+}
+
+// Grid and numbers of the logarithmic axes.
+function logAxes(chart: ChartData, domains: { x?: Range; y?: Range }): Plot.Markish[] {
+  const found: Plot.Markish[] = [];
+  if (chart.x.log && domains.x) {
+    const ticks = logTicks(domains.x);
+    found.push(Plot.gridX(ticks), Plot.axisX(ticks, { text: tickText, label: axisTitle(chart.x) } as Plot.AxisXOptions));
+  }
+  if (chart.y.log && domains.y && chart.kind !== "ranges") {
+    const ticks = logTicks(domains.y);
+    found.push(Plot.gridY(ticks), Plot.axisY(ticks, { text: tickText, label: axisTitle(chart.y) } as Plot.AxisYOptions));
+  }
+  return found;
 }
 
 /** What an axis has to hold: all values, their intervals, and the marks; room on both sides. */
@@ -147,7 +170,7 @@ function ground(chart: ChartData, marks: MarkData[]): Plot.Markish[] {
   const x = (mark: MarkData) => mark.value * chart.x.factor;
   if (marks.length && chart.kind !== "bars") {
     found.push(Plot.ruleX(marks, { x, stroke: faint, strokeDasharray: "4 3" }));
-    found.push(Plot.text(marks, Plot.dodgeY({ anchor: "top", padding: 1 }, { x, text: "title", fill: faint, fontSize: 10.5 })));
+    marks.forEach((mark, place) => found.push(Plot.text([mark], { x, text: "title", fill: faint, fontSize: 10.5, frameAnchor: "top", lineAnchor: "bottom", dy: -2 - MARK_PIXELS * place })));
   }
   return found;
 }

@@ -16,9 +16,9 @@ def keys_of(chart):
     return [*keys, *(key for key in (chart.series, chart.facet) if key), "hollow", "note", "case", "name"]
 
 
-def chart_data(chart):
+def chart_data(chart, most=MOST_POINTS):
     """What the script needs, column by column; columns without anything in them are left out."""
-    rows = chart.rows[:MOST_POINTS]
+    rows = chart.rows[:most]
     columns = {}
     for key in dict.fromkeys(keys_of(chart)):
         values = [row.get(key) for row in rows]
@@ -37,17 +37,16 @@ def picture_html(content, title):
     return void("img", src=data_uri("image/png", content), alt=title, class_="drawn")
 
 
-def chart_html(chart, name, picture, endings, with_scripts):
-    """A figure. `picture` is the PNG of the same chart, or None; with scripts it is for readers without them."""
-    left = len(chart.rows) - MOST_POINTS
-    notes = [chart.note, f"The first {MOST_POINTS:,} of {len(chart.rows):,} points." if left > 0 else ""]
+def chart_html(chart, name, picture, endings, with_scripts, most=MOST_POINTS):
+    """A figure of at most so many rows. `picture` is the PNG of the same chart, or None; with scripts it is for readers without them."""
+    notes = [chart.note, f"The first {most:,} of {len(chart.rows):,} points." if len(chart.rows) > most else ""]
     note = " ".join(text for text in notes if text)
     shown = picture_html(picture, chart.title) if picture else ""
     if with_scripts:
         shown = join([tag("noscript", shown or tag("p", "This chart takes JavaScript; its figures are in the tables below."))])
     return tag("figure", tag("figcaption", tag("strong", chart.title), tag("span", note, class_="note") if note else ""),
                tag("div", shown, class_="plot", data_chart=f"{name}-data" if with_scripts else None), links_html(chart.drawn, endings),
-               json_block(f"{name}-data", chart_data(chart)) if with_scripts else "", class_="chart", id=name)
+               json_block(f"{name}-data", chart_data(chart, most)) if with_scripts else "", class_="chart", id=name)
 
 
 def drawn_html(stem, name, picture, endings):

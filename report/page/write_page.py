@@ -5,7 +5,7 @@ network for anything (its own policy forbids it), and the same run gives the sam
 import pathlib
 
 from page import facts
-from page.chart_html import chart_html, drawn_html
+from page.chart_html import MOST_POINTS, chart_html, drawn_html
 from page.markup import Markup, join, json_block, script_text, tag, void
 from page.table_html import rows_within, table_html
 from shared.page_parts import Chart, Column, Note, Section, Table
@@ -13,6 +13,8 @@ from shared.tables import first_reason, write_atomically
 
 HERE = pathlib.Path(__file__).resolve().parent
 MOST_CELLS = 24_000  # of all tables together
+MOST_ROWS = 12_000  # of all charts together
+FEWEST_ROWS = 50  # of a chart where the page is full
 MOST_PICTURE_BYTES = 1_100_000  # of all pictures of charts together
 POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'"
 
@@ -89,7 +91,7 @@ class PageWriter:
 
     def __init__(self, run, parts, scripts, pictures):
         self.run, self.parts, self.scripts, self.pictures = run, parts, scripts, pictures
-        self.cells = MOST_CELLS
+        self.cells, self.rows = MOST_CELLS, MOST_ROWS
         self.number = 0
 
     def name(self, kind):
@@ -99,7 +101,9 @@ class PageWriter:
     def part_html(self, part):
         if isinstance(part, Chart):
             picture = self.pictures.take(part.drawn) if part.drawn else None
-            return chart_html(part, self.name("chart"), picture, self.pictures.endings(part.drawn), bool(self.scripts.script))
+            most = min(MOST_POINTS, max(FEWEST_ROWS, self.rows))
+            self.rows -= min(most, len(part.rows))
+            return chart_html(part, self.name("chart"), picture, self.pictures.endings(part.drawn), bool(self.scripts.script), most)
         if isinstance(part, Table):
             rows = rows_within(part, self.cells)
             self.cells -= rows * len(part.columns)

@@ -7,81 +7,23 @@
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
-import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
+import { startReader } from "./reader.mjs";
 
 const [root, build, wanted = ""] = process.argv.slice(2);
 const python = "/usr/bin/python3";
 const scripts = join(build, "page");
-const { chromium } = createRequire(join(root, "page", "package.json"))("playwright-core");
+const { browser, chromium, flags, look, open, PATIENCE, seeBodies, settle } = await startReader(root);
 const EVIL_MESH = "<script>alert(1)</script>";
 const EVIL_LABEL = "</script><img src=x onerror=alert(2)>";
-const PATIENCE = 30_000;
 
 const pages = mkdtempSync(join(tmpdir(), "palpate-pages-"));
 const pictures = join(scripts, "screenshots");
 mkdirSync(pictures, { recursive: true });
 const made = spawnSync(python, ["-B", join(root, "tests", "page", "make_pages.py"), pages, scripts], { encoding: "utf8" });
 assert.equal(made.status, 0, made.stderr);
-
-const flags = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : [])];
-const browser = await chromium.launch({ executablePath: ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find(existsSync), args: flags });
-
-/** A page that is watched: what it asked the network for, what its console and its dialogs said. */
-async function open(file, options = {}) {
-  const context = await browser.newContext({ viewport: { width: 1200, height: 850 }, ...options });
-  await context.grantPermissions(["clipboard-read", "clipboard-write"]).catch(() => {});
-  const page = await context.newPage();
-  page.setDefaultTimeout(PATIENCE);
-  const trouble = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && !isOfSoftwareDrawing(message.text()) && trouble.push(`console: ${message.text()}`));
-  page.on("pageerror", (error) => trouble.push(`error: ${error.message}`));
-  page.on("dialog", (dialog) => (trouble.push(`dialog: ${dialog.message()}`), dialog.dismiss()));
-  const address = pathToFileURL(file).href;
-  page.on("request", (request) => {
-    const url = request.url();
-    if (url.split("#")[0] !== address && !url.startsWith("data:") && !url.startsWith("blob:")) trouble.push(`request: ${url}`);
-  });
-  await page.goto(address);
-  return { page, trouble, close: () => context.close() };
-}
-
-// What Chromium's own software renderer says of itself when pixels are read back.
-function isOfSoftwareDrawing(text) {
-  return /GPU stall due to ReadPixels|software WebGL/i.test(text);
-}
-
-async function settle(page) {
-  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-}
-
-/** Scrolls to the bodies and waits until they are drawn. */
-async function seeBodies(page) {
-  await page.locator("#organs").scrollIntoViewIfNeeded();
-  await page.locator("canvas.organ-canvas").first().waitFor();
-  await page.locator("canvas.organ-canvas").first().scrollIntoViewIfNeeded();
-  await settle(page);
-}
-
-/** How many pixels of a view differ from its corner, of how many; and all of them as text, to compare. */
-async function look(page, number = 0) {
-  const shot = await page.locator("canvas.organ-canvas").nth(number).screenshot();
-  return page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = data;
-    await image.decode();
-    const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
-    const context = canvas.getContext("2d");
-    context.drawImage(image, 0, 0);
-    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
-    let drawn = 0;
-    for (let i = 0; i < pixels.length; i += 4)
-      if (Math.abs(pixels[i] - pixels[0]) + Math.abs(pixels[i + 1] - pixels[1]) + Math.abs(pixels[i + 2] - pixels[2]) > 30) drawn++;
-    return { drawn, of: pixels.length / 4, pixels: Array.from(pixels).join() };
-  }, `data:image/png;base64,${shot.toString("base64")}`);
-}
 
 const tests = [];
 const test = (name, run) => tests.push([name, run]);
@@ -382,6 +324,7 @@ for (const [what, from, to, place] of [
 test("without WebGL the rest of the page stands, and it says why there is no 3D", async () => {
   const plain = await chromium.launch({ executablePath: "/usr/bin/chromium", args: ["--disable-gpu", "--disable-3d-apis", ...flags.filter((flag) => flag === "--no-sandbox")] });
   const page = await plain.newPage();
+  page.setDefaultTimeout(PATIENCE);
   await page.goto(pathToFileURL(at("engine")).href);
   await page.locator("#organs").scrollIntoViewIfNeeded();
   const fault = page.locator("#organs .fault").first();

@@ -148,7 +148,7 @@ class Safety(PageTest):
 
     def test_markup_that_is_not_escaped_would_be_seen(self):
         reader = Reader(f"<p>{EVIL}</p>".replace("<!--", ""))
-        self.assertIn("b", reader.tags)
+        self.assertIn("script", reader.tags)
         self.assertTrue(reader.is_broken)
 
     def test_a_script_cannot_end_its_own_element(self):
@@ -207,7 +207,7 @@ class Size(PageTest):
 
     def test_bodies_take_turns_until_the_room_is_full(self):
         tetrahedron = np.array([[0, 1, 2, 3]])
-        bodies = [Body(f"{group}{k}", group, Mesh(np.random.default_rng(k).random((400, 3)), tetrahedron)) for group in "ab" for k in range(4)]
+        bodies = [Body(f"{group}{k}", group, Mesh(np.random.default_rng([ord(group), k]).random((400, 3)), tetrahedron)) for group in "ab" for k in range(4)]
         one = bodies_json.size_of(bodies_json.mesh_data(bodies[0].mesh)) + bodies_json.size_of(bodies_json.body_data(bodies[0]))
         chosen = bodies_json.choose_bodies(bodies, room=round(4.5 * one))
         self.assertEqual([body["title"] for body in chosen.bodies], ["a0", "a1", "b0", "b1"])

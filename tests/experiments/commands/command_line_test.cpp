@@ -34,8 +34,8 @@ void expect_refusal(const ProgramResult& result, int code, const std::string& pa
 TEST(CommandLine, HelpAndVersion) {
   const ProgramResult help = run_program({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const char* command : {"run", "check", "fit", "envelope", "gate", "history", "compare", "list", "make",
-                              "mesh", "simplify", "quality", "springs", "simulate", "test"}) {
+  for (const char* command : {"run", "check", "fit", "envelope", "gate", "history", "compare", "report",
+                              "list", "make", "mesh", "simplify", "quality", "springs", "simulate", "test"}) {
     EXPECT_THAT(help.out, HasSubstr(std::string("\n  ") + command + " "));
     const ProgramResult own = run_program({command, "--help"});
     EXPECT_EQ(own.exit_code, 0) << command;

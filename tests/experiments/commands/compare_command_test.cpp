@@ -1,7 +1,8 @@
-// palpate compare, and plans by their bare names, as a user starts them.
+// palpate compare and report, and plans by their bare names, as a user starts them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
 #include "tests/support/experiment_fixture.h"
@@ -40,6 +41,31 @@ class CompareCommandTest : public testing::Test {
 
   test::ExperimentFixture fixture_;
 };
+
+TEST_F(CompareCommandTest, APageOfOneRunAndOfTwo) {
+  const ProgramResult one = run_program({"report", folder("first")});
+  EXPECT_EQ(one.exit_code, 0) << one.error;
+  EXPECT_THAT(one.out, HasSubstr("Page: " + folder("first") + "/report.html"));
+  const auto first = read_bytes(folder("first") + "/report.html");
+  ASSERT_TRUE(first);
+  EXPECT_THAT(*first, HasSubstr("All 18 answers were accepted by the judge."));
+  const std::string page = (fixture_.folder() / "both.html").string();
+  const ProgramResult both = run_program({"report", folder("first"), folder("second"), "-o", page});
+  EXPECT_EQ(both.exit_code, 0) << both.error;
+  EXPECT_THAT(both.out, HasSubstr("kernel_s, B over A, 2 pairs"));
+  ASSERT_TRUE(read_bytes(page));
+  EXPECT_THAT(*read_bytes(page), HasSubstr("most of all kernel_s of cube/b"));
+  EXPECT_EQ(read_bytes(folder("first") + "/report.html"), first);
+}
+
+TEST_F(CompareCommandTest, AReportWithoutARunOrAPlaceForItIsRefused) {
+  const ProgramResult two = run_program({"report", folder("first"), folder("second")});
+  EXPECT_EQ(two.exit_code, 2);
+  EXPECT_THAT(two.error, HasSubstr("a page of several runs needs a file of its own: -o FILE"));
+  const ProgramResult none = run_program({"report", (fixture_.folder() / "none").string()});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_EQ(std::count(none.error.begin(), none.error.end(), '\n'), 1) << none.error;
+}
 
 TEST_F(CompareCommandTest, TwoRunsAndTheExitCode) {
   const ProgramResult shown = run_program({"compare", folder("first"), folder("second")});
