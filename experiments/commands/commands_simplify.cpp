@@ -218,9 +218,10 @@ std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& 
 json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantTask& task,
                         const json& report) {
   const std::vector<Triangle> skin = build_unpaired_faces(out);
-  const double wanted = task.stop.kind == StopKind::kTets
-                            ? task.stop.value
-                            : std::floor(static_cast<double>(in.tets.size()) * (1.0 - task.stop.value));
+  const double wanted =
+      task.stop.kind == StopKind::kTets
+          ? task.stop.value
+          : std::max(1.0, std::floor(static_cast<double>(in.tets.size()) * (1.0 - task.stop.value)));
   return {{"wanted_tets", wanted},
           {"reached_tets", out.tets.size()},
           {"skin_faces", skin.size()},
@@ -334,8 +335,11 @@ int simplify(const SimplifyArguments& arguments) {
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
   const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
-  if (is_short && task.stop.kind != StopKind::kFusions) {
-    json shortfall = describe_shortfall(in, out, task, report);
+  json shortfall = describe_shortfall(in, out, task, report);
+  const bool is_count_missed =
+      is_short && task.stop.kind != StopKind::kFusions &&
+      shortfall.at("wanted_tets").get<double>() < static_cast<double>(out.tets.size());
+  if (is_count_missed) {
     find_way_out(task, in, registry, shortfall);
     report["shortfall"] = shortfall;
     print_note(shortfall_text(shortfall));

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from shared.chart_style import BETTER, FAINT, INK, STYLE, THAN, draw_legend, save
+from shared.chart_style import BETTER, FAINT, INK, STYLE, THAN, draw_legend, lay_out, save
 
 COLUMNS = 3
 PANEL = (3.2, 2.7)  # inches
@@ -64,8 +64,7 @@ def draw_envelope(envelope, folder):
     axes_found = envelope["axes"]
     columns = min(COLUMNS, len(axes_found))
     rows = -(-len(axes_found) // columns)
-    height = PANEL[1] * rows + 0.55
-    fig, grid = plt.subplots(rows, columns, figsize=(PANEL[0] * columns, height), squeeze=False)
+    fig, grid = plt.subplots(rows, columns, figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.55), squeeze=False)
     tolerance = 100.0 * envelope["at_most"]
     for place, axes in enumerate(grid.flat):
         if place < len(axes_found):
@@ -76,6 +75,5 @@ def draw_envelope(envelope, folder):
                Line2D([], [], color=FAINT, linestyle=":", label="error at rest alone"), Line2D([], [], color=INK, label="tolerance"),
                Line2D([], [], color=THAN, marker="x", linestyle="none", label="no error: the motion or the model ended"),
                Patch(color=THAN, alpha=0.12, label="beyond the border")]
-    below = draw_legend(fig, handles, height)
-    fig.tight_layout(rect=(0, below, 1, 1))
+    lay_out(fig, draw_legend(fig, handles))
     return save(fig, folder, "envelope")

@@ -184,10 +184,14 @@ TEST_F(SceneCommand, PoorMeshesComeWithTheWayOut) {
   EXPECT_EQ(good.exit_code, 0) << good.error;
   EXPECT_THAT(good.error, Not(HasSubstr("remakes")));
   const ProgramResult kept = run_program({"simplify", path("ball.mesh"), "-o", path("less.mesh"), "--method",
-                                          "palpate.refined", "--ratio", "0.9"});
+                                          "palpate.refined", "--ratio", "0.6"});
   EXPECT_EQ(kept.exit_code, 0) << kept.error;
   EXPECT_THAT(kept.error, AllOf(HasSubstr("palpate.refined leaves the skin as dense as it was: "),
                                 HasSubstr("--method palpate.surface coarsens skin and inside together")));
+  const ProgramResult missed = run_program({"simplify", path("ball.mesh"), "-o", path("less.mesh"),
+                                            "--method", "palpate.refined", "--ratio", "0.9"});
+  EXPECT_EQ(missed.exit_code, 1) << missed.error;
+  EXPECT_THAT(missed.error, AllOf(HasSubstr("the count was not reached: "), HasSubstr("palpate.surface")));
   const ProgramResult less = run_program({"simplify", path("ball.mesh"), "-o", path("less.mesh"), "--method",
                                           "palpate.refined", "--ratio", "0.05"});
   EXPECT_THAT(less.error, Not(HasSubstr("dense")));
