@@ -7,6 +7,7 @@
 #include "experiments/contests/simplify/plan_simplify.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/records/provenance.h"
+#include "experiments/runner/contest_table.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -239,9 +240,9 @@ TEST(Plan, ShortListsCannotBeCrossedToAnyNumberOfCases) {
   const test::ExperimentFixture fixture;
   std::string numbers;
   for (int k = 1; k <= 2000; ++k) numbers += (k > 1 ? ", " : "") + std::to_string(k);
-  const Plan plan = read_plan(
-      fixture.add_plan("[test.copy]", "sweep: {fusions: [" + numbers + "], option.seed: [" + numbers + "]}\n"),
-      fixture.registry());
+  const Plan plan = read_plan(fixture.add_plan("[test.copy]", "sweep: {fusions: [" + numbers +
+                                                                  "], option.seed: [" + numbers + "]}\n"),
+                              fixture.registry());
   try {
     build_cases(plan, fixture.registry());
     FAIL() << "four million cases";
