@@ -92,6 +92,20 @@ void check_off_colors(const std::string& where) {
   }
 }
 
+/// CGAL 5.5 takes the last element of a PLY header for the owner of a property, be there one or not.
+void check_ply_header(const std::string& where) {
+  std::ifstream file(where, std::ios::binary);
+  std::string line;
+  bool has_element = false;
+  for (std::size_t number = 1; std::getline(file, line) && line.rfind("end_header", 0) != 0; ++number) {
+    std::string word;
+    std::istringstream(line) >> word;
+    has_element = has_element || word == "element";
+    if (word == "property" && !has_element)
+      throw InputError(where, number, "an element before its properties", "none");
+  }
+}
+
 bool read_soup(const std::string& where, std::vector<Point>& points, Polygons& polygons) {
   try {
     return CGAL::IO::read_polygon_soup(where, points, polygons);
@@ -108,6 +122,7 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
   if (path.extension() == ".stl") check_stl_is_whole(where);
   if (path.extension() == ".off") check_off_colors(where);
+  if (path.extension() == ".ply") check_ply_header(where);
   std::vector<Point> points;
   Polygons polygons;
   if (!read_soup(where, points, polygons)) {
