@@ -2,10 +2,14 @@
 #include <CGAL/IO/polygon_soup_io.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <map>
+#include <sstream>
+#include <string>
 #include <tuple>
 #include <vector>
 
@@ -49,6 +53,59 @@ void check_stl_is_whole(const std::string& where) {
   }
 }
 
+std::size_t count_words(const std::string& line) {
+  std::istringstream words(line.substr(0, line.find('#')));
+  return static_cast<std::size_t>(
+      std::distance(std::istream_iterator<std::string>(words), std::istream_iterator<std::string>()));
+}
+
+/// CGAL 5.5 reads three numbers of a colour wherever a coloured OFF file (COFF) has room for one, be they
+/// there or not. So each row has to have all of them: red, green, blue and perhaps an opacity.
+void check_off_colors(const std::string& where) {
+  std::ifstream file(where, std::ios::binary);
+  std::string line;
+  std::size_t number = 0;
+  const auto next = [&] {
+    while (std::getline(file, line)) {
+      ++number;
+      if (count_words(line) > 0) return true;
+    }
+    return false;
+  };
+  if (!next() || line.find("OFF") == std::string::npos) return;
+  const std::string kind = line.substr(0, line.find("OFF"));
+  if (kind.find('C') == std::string::npos || line.find("BINARY") != std::string::npos) return;
+  const bool is_known = kind == "C" || kind == "CN";
+  if (!is_known || count_words(line) > 1)
+    throw InputError(where, number, "OFF, NOFF, COFF or CNOFF alone", line);
+  if (!next()) return;
+  std::size_t vertices = 0;
+  std::istringstream(line) >> vertices;
+  const std::size_t plain = kind == "CN" ? 6 : 3;
+  for (std::size_t i = 0; next(); ++i) {
+    std::size_t corners = 0;
+    if (i >= vertices) std::istringstream(line) >> corners;
+    const std::size_t rest = i < vertices ? plain : std::min<std::size_t>(corners, line.size()) + 1;
+    const std::size_t words = count_words(line);
+    const bool is_whole = words == rest + 3 || words == rest + 4 || (i >= vertices && words == rest);
+    if (!is_whole) throw InputError(where, number, "a colour of 3 or 4 numbers", "another row");
+  }
+}
+
+/// CGAL 5.5 takes the last element of a PLY header for the owner of a property, be there one or not.
+void check_ply_header(const std::string& where) {
+  std::ifstream file(where, std::ios::binary);
+  std::string line;
+  bool has_element = false;
+  for (std::size_t number = 1; std::getline(file, line) && line.rfind("end_header", 0) != 0; ++number) {
+    std::string word;
+    std::istringstream(line) >> word;
+    has_element = has_element || word == "element";
+    if (word == "property" && !has_element)
+      throw InputError(where, number, "an element before its properties", "none");
+  }
+}
+
 bool read_soup(const std::string& where, std::vector<Point>& points, Polygons& polygons) {
   try {
     return CGAL::IO::read_polygon_soup(where, points, polygons);
@@ -64,6 +121,8 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(where, 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
   if (path.extension() == ".stl") check_stl_is_whole(where);
+  if (path.extension() == ".off") check_off_colors(where);
+  if (path.extension() == ".ply") check_ply_header(where);
   std::vector<Point> points;
   Polygons polygons;
   if (!read_soup(where, points, polygons)) {

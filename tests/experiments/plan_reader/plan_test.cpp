@@ -7,6 +7,7 @@
 #include "experiments/contests/simplify/plan_simplify.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/records/provenance.h"
+#include "experiments/runner/contest_table.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
