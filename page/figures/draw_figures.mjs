@@ -58,7 +58,7 @@ async function drawRun(run) {
 }
 
 function fileName(...parts) {
-  return `${parts.join("_").replace(/[^\w.-]+/g, "_")}.png`;
+  return `${parts.join("_").replace(/(\d),(?=\d)/g, "$1").replace(/[^\w.-]+/g, "_")}.png`;
 }
 
 /** One picture of each body that a scene shows, as bytes. */
@@ -82,8 +82,8 @@ async function drawWireframes(page, group, bodies) {
 async function drawMotion(page, group, bodies) {
   for (const { title, times_s } of bodies.filter((body) => body.times_s.length > 1)) {
     for (const [phase, time_s] of PHASES.filter((each) => each[1] <= times_s.at(-1) + 1e-6)) {
-      for (const [mode, how] of [["surface", "shaded"], ["wireframe", "wireframe"]]) {
-        const [picture] = await picturesOf(page, { group, titles: [title], mode, colour: "", time_s }, WIDTH);
+      for (const [mode, how, colour] of [["surface", "shaded", ""], ["wireframe", "wireframe", ""], ["surface", "displacement", "displacement"]]) {
+        const [picture] = await picturesOf(page, { group, titles: [title], mode, colour, time_s }, WIDTH);
         save(fileName(group, how, phase), picture);
       }
     }

@@ -16,23 +16,37 @@ const LEAST_PANEL = 300; // pixels
 const NAME_PIXELS = 6.7; // of a letter of a label
 const MARK_PIXELS = 12; // between the names of marks, one above the other
 
-/** Draws the chart whose data the place names, now and whenever its width or the colours change. */
+/** Draws the chart whose data the place names, once a reader comes near it or prints, and again whenever its width or the colours change. */
 export function enlivenChart(place: HTMLElement, run: RunData): void {
+  let started = false;
+  const start = () => {
+    if (started) return;
+    started = true;
+    observer.disconnect();
+    startChart(place, run);
+  };
+  const observer = new IntersectionObserver((entries) => entries.some((entry) => entry.isIntersecting) && start(), { rootMargin: "900px" });
+  observer.observe(place);
+  addEventListener("beforeprint", start);
+}
+
+function startChart(place: HTMLElement, run: RunData): void {
   const figure = place.closest("figure");
   try {
     const chart = readBlock<ChartData>(place.dataset["chart"]!);
     const rows = rowsOf(chart);
+    if (figure && panelsOf(chart, rows).length > 1) figure.classList.add("wide");
     let width = 0;
     const draw = () => {
       width = place.clientWidth;
       if (width > 0) place.replaceChildren(...drawChart(chart, rows, width, run));
     };
+    draw();
+    place.classList.add("is-drawn");
     new ResizeObserver(() => {
       if (Math.abs(place.clientWidth - width) > 8) draw();
     }).observe(place);
     onTheme(draw);
-    if (figure && panelsOf(chart, rows).length > 1) figure.classList.add("wide");
-    draw();
     if (figure) figure.append(saveButtons(place, chart.title));
   } catch (error) {
     showFault(place, "This chart could not be drawn", error);

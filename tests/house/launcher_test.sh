@@ -74,6 +74,15 @@ touch -d '2001-01-01' "$repo/experiments/main.cpp"
 run quality
 expect "a source with an old date does not go unnoticed" grep -q configuring "$work/err"
 write_program 0
+run quality
+
+mkdir -p "$repo/page/view" "$repo/page/node_modules/one"
+printf 'a\n' >"$repo/page/view/a.ts"
+run quality
+expect "a page's script is a source" grep -q configuring "$work/err"
+printf 'b\n' >"$repo/page/node_modules/one/b.ts"
+run quality
+expect "a package of the pages is none" test ! -s "$work/err"
 
 rm -rf "$repo/build"
 "$repo/palpate" one >"$work/one" 2>"$work/one.err" &

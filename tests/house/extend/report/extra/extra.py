@@ -1,5 +1,6 @@
 """The table of the contest extra."""
 
+from shared.page_parts import Column, PageParts, Section, Table
 from shared.records import figure
 from shared.tables import align, write_csv
 
@@ -16,3 +17,8 @@ def write_tables(rows, folder):
 
 def table_text(rows):
     return "extra contest\n" + align(["label", "tets"], rows)
+
+
+def page_parts(run, rows):
+    return PageParts(f"The extra contest has {len(rows)} answer{'s' if len(rows) != 1 else ''}.", sections=[
+        Section("", [Table("Tetrahedra", [Column("label"), Column("tetrahedra")], rows, file="tables/extra.csv")])])
