@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <tuple>
+#include <utility>
 
 #include "core/base/error.h"
 #include "experiments/files/file_bytes.h"

@@ -1,5 +1,7 @@
 #include "experiments/live/live_prepare.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 

@@ -1,7 +1,9 @@
 #include "experiments/live/live_table.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstring>
+#include <string>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"

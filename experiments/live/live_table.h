@@ -1,6 +1,8 @@
 // The finite elements' answer of a live page: the table of reduced.compliance, through its contestant.
 #pragma once
 
+#include <string>
+
 #include "experiments/contestants/contestant.h"
 #include "experiments/live/live_body.h"
 

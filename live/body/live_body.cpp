@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/base/error.h"
 #include "core/dynamics/spring_engine/plain_engine.h"

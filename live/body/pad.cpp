@@ -1,6 +1,7 @@
 #include "live/body/pad.h"
 
 #include <limits>
+#include <string>
 
 #include "core/base/error.h"
 

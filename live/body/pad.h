@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "core/dynamics/elasticity/loads.h"
 #include "core/mesh/boundary_problem.h"
