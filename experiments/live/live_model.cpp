@@ -65,7 +65,7 @@ bool is_identified(const json& model) {
 std::string law_of(const Scene& scene, const json& model) {
   if (scene.is_dynamic && scene.strain == StrainSize::kSmall) return "linear";
   if (model.is_null() || scene.strain == StrainSize::kSmall) return "corotated";
-  const std::string law = text_of(model.at("options"), "law");
+  std::string law = text_of(model.at("options"), "law");
   if (!law.empty() && law != "default") return law;
   return model.at("method").get<std::string>().starts_with("springs.") ? "corotated" : "neo_hookean";
 }

@@ -71,13 +71,15 @@ std::string make_table(const LiveBodyData& out, const Registry& registry) {
 
 LiveTable read_live_table(const std::string& bytes, const std::string& where) {
   const std::size_t end = bytes.find("\nend\n");
-  if (end == std::string::npos || end > 1000)
+  constexpr std::size_t kMostHeadBytes = 1000;
+  if (end > kMostHeadBytes)  // npos too
     throw InputError(where, 0, "a file of palpate/compliance_table/1", "something else");
   const std::string head = bytes.substr(0, end + 1);
   const std::size_t rows = number_of(head, "rows", where);
   const std::size_t n = number_of(head, "skin_vertices", where);
-  if (head.find("\nprecision single\n") == std::string::npos || number_of(head, "skin_edges", where) != 0 ||
-      n > rows)
+  const bool is_single = head.find("\nprecision single\n") != std::string::npos;
+  const std::size_t skin_edges = number_of(head, "skin_edges", where);
+  if (!is_single || skin_edges != 0 || n > rows)
     throw InputError(where, 0, "a table of single precision with linear reactions", "another one");
   const std::size_t numbers = std::size_t{9} * n * n;
   LiveTable table;
