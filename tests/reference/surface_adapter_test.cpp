@@ -56,8 +56,8 @@ TEST_F(SurfaceAdapter, TheBoundIsInMetresAndTheUnitSaysWhatThatMeans) {
   EXPECT_GT(distance(), 0.5);
   // The same number with the default unit, a metre: next to nothing is permitted.
   const test::ProgramResult in_m = run({"--ratio", "0.8", "--set", "max_surface_error_m=0.02"});
-  ASSERT_EQ(in_m.exit_code, 0) << in_m.error;
-  EXPECT_THAT(in_m.error, HasSubstr("0.02 units of 1 m"));
+  ASSERT_EQ(in_m.exit_code, 1) << in_m.error;
+  EXPECT_THAT(in_m.error, AllOf(HasSubstr("0.02 units of 1 m"), HasSubstr("the count was not reached: ")));
   EXPECT_LE(distance(), 0.02);
 }
 

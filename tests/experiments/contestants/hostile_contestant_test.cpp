@@ -42,7 +42,8 @@ TEST(HostileContestant, TheFixtureSeesWhatIsLeft) {
   EXPECT_TRUE(sleeper.processes().empty());
   const pid_t child = ::fork();
   if (child == 0) {
-    ::execl("/bin/sh", "sh", "-c", "sleep 3600; exit 0", words[2].c_str(), nullptr);
+    // A program that starts no other: one on its way to an exec has its parent's command line.
+    ::execl("/usr/bin/python3", "python3", "-c", "import time; time.sleep(3600)", words[2].c_str(), nullptr);
     ::_exit(127);
   }
   for (int i = 0; i < 1000 && sleeper.processes().empty(); ++i) ::usleep(10'000);
