@@ -94,7 +94,7 @@ std::string ending_text(const json& ending) {
 
 std::string border_text(const json& axis) {
   if (axis.at("holds_to").is_null()) return "not even as it is";
-  const std::string holds = three_digits(axis.at("holds_to").get<double>());
+  std::string holds = three_digits(axis.at("holds_to").get<double>());
   if (axis.at("fails_at").is_null())
     return (axis.at("complete").get<bool>() ? "at least " : "at least (stopped) ") + holds;
   return holds;
