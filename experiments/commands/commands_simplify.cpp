@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -214,14 +215,16 @@ std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& 
          " coarsens skin and inside together";
 }
 
+/// The most tets that may be left at a stop by count or by ratio; nothing for other stops.
+std::optional<double> wanted_tets(const TetMesh& in, const Stop& stop) {
+  if (stop.kind == StopKind::kTets) return stop.value;
+  if (stop.kind != StopKind::kRatio) return std::nullopt;
+  return std::max(1.0, std::floor(static_cast<double>(in.tets.size()) * (1.0 - stop.value)));
+}
+
 /// How far a run came that has not reached its count, and what stood in its way.
-json describe_shortfall(const TetMesh& in, const TetMesh& out, const ContestantTask& task,
-                        const json& report) {
+json describe_shortfall(const TetMesh& in, const TetMesh& out, double wanted, const json& report) {
   const std::vector<Triangle> skin = build_unpaired_faces(out);
-  const double wanted =
-      task.stop.kind == StopKind::kTets
-          ? task.stop.value
-          : std::max(1.0, std::floor(static_cast<double>(in.tets.size()) * (1.0 - task.stop.value)));
   return {{"wanted_tets", wanted},
           {"reached_tets", out.tets.size()},
           {"skin_faces", skin.size()},
@@ -335,11 +338,9 @@ int simplify(const SimplifyArguments& arguments) {
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
   const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
-  json shortfall = describe_shortfall(in, out, task, report);
-  const bool is_count_missed =
-      is_short && task.stop.kind != StopKind::kFusions &&
-      shortfall.at("wanted_tets").get<double>() < static_cast<double>(out.tets.size());
-  if (is_count_missed) {
+  const std::optional<double> wanted = wanted_tets(in, task.stop);
+  if (is_short && wanted && *wanted < static_cast<double>(out.tets.size())) {
+    json shortfall = describe_shortfall(in, out, *wanted, report);
     find_way_out(task, in, registry, shortfall);
     report["shortfall"] = shortfall;
     print_note(shortfall_text(shortfall));
