@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(palpate_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/palpate)
-install(TARGETS palpate_core palpate_moving palpate_whole_core EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT core)
+install(TARGETS palpate_core palpate_elastic palpate_moving palpate_whole_core EXPORT palpateTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT core)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/core/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/palpate/core COMPONENT core
         FILES_MATCHING PATTERN "*.h")
 install(EXPORT palpateTargets NAMESPACE palpate:: DESTINATION ${palpate_package_dir} COMPONENT core)

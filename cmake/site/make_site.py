@@ -23,7 +23,7 @@ INDEX = "docs/README.md"
 HOME = "README.md"
 SIGN = ".palpate-site"  # what tells a site of ours from a folder of somebody's
 MARKS = {"long": "takes minutes: the tests run it in their full mode", "parsed": "the tests parse it and do not run it"}
-IMAGES = (".png", ".svg", ".jpg", ".gif")
+IMAGES = (".png", ".svg", ".jpg", ".gif", ".mp4")
 
 
 def anchor_of(title):

@@ -33,6 +33,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_check_command(app, exit_code);
   add_fit_command(app, exit_code);
   add_envelope_command(app, exit_code);
+  add_workflow_command(app, exit_code);
   add_gate_command(app, exit_code);
   add_history_command(app, exit_code);
   add_compare_command(app, exit_code);

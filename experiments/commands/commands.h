@@ -36,6 +36,7 @@ void add_quality_command(CLI::App& app, int& exit_code);
 void add_springs_command(CLI::App& app, int& exit_code);
 void add_train_command(CLI::App& app, int& exit_code);
 void add_test_command(CLI::App& app, int& exit_code);
+void add_workflow_command(CLI::App& app, int& exit_code);
 
 /// Runs the program: parses, calls the command, and turns every failure into one message on standard error,
 /// "palpate: ...", and its exit code.

@@ -12,7 +12,7 @@
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "core/springs/identification/identify.h"
+#include "core/springs/identification/identify_options.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"

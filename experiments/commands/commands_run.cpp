@@ -22,6 +22,7 @@
 #include "experiments/processes/stop_signals.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/rounds/case_choice.h"
+#include "experiments/rounds/case_groups.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
@@ -38,8 +39,12 @@ struct RunArguments {
   std::string out;
   std::string case_id;
   std::vector<std::string> only;
+  std::string part;
+  std::vector<std::string> take;
+  int jobs = 1;
   bool resume = false;
   bool retry_failed = false;
+  bool prepare = false;
   bool list_cases = false;
   bool no_report = false;
   int threads = 0;
@@ -87,12 +92,17 @@ void print_outcomes(const RunResult& result) {
   }
 }
 
+bool is_all_timed(const Plan& plan, const std::vector<Case>& cases) {
+  const std::vector<bool> timed = find_timed(plan, cases);
+  return std::all_of(timed.begin(), timed.end(), [](bool is_timed) { return is_timed; });
+}
+
 int run(const RunArguments& arguments) {
   const fs::path file = find_plan(arguments.plan);
   const Registry registry = load_registry(read_contestant_folders(file));
   const Plan plan = read_plan(file, registry);
   const auto cases = build_cases(plan, registry);
-  const auto chosen = choose_cases(plan, cases, {arguments.case_id, arguments.only});
+  const auto chosen = choose_cases(plan, cases, {arguments.case_id, arguments.only, arguments.part});
   if (arguments.list_cases) {
     for (const std::size_t i : chosen) std::cout << cases[i].id << '\n';
     return kDone;
@@ -106,6 +116,13 @@ int run(const RunArguments& arguments) {
   options.retry_failed = arguments.retry_failed;
   options.case_id = arguments.case_id;
   options.only = arguments.only;
+  options.part = arguments.part;
+  options.prepare_only = arguments.prepare;
+  options.take.assign(arguments.take.begin(), arguments.take.end());
+  options.jobs = arguments.jobs;
+  if (options.jobs > 1 && is_all_timed(plan, cases))
+    print_note(
+        "--jobs has nothing to do: the plan is timed, and timed cases run alone (run: {timed: false})");
   if (arguments.threads > 0) options.threads = arguments.threads;
   Progress progress;
   const RunResult result = run_plan(plan, registry, options, progress);
@@ -113,6 +130,14 @@ int run(const RunArguments& arguments) {
     progress.say("interrupted; what is finished is kept, go on with: palpate run " + arguments.plan +
                  " --out " + options.folder.string() + " --resume");
     return kInterrupted;
+  }
+  if (arguments.prepare) {
+    progress.say("inputs are made; nothing was run");
+    return kDone;
+  }
+  if (!arguments.part.empty()) {
+    progress.say("part " + options.folder.string() + (result.is_whole ? ": whole" : ": repeats are missing"));
+    return result.is_whole ? kDone : kCouldNotRun;
   }
   progress.show("report");
   if (arguments.no_report && requires_report(plan.file))
@@ -254,9 +279,28 @@ void add_run_command(CLI::App& app, int& exit_code) {
                  "With --resume: run repeats anew that gave nothing to judge (crashed, timed\n"
                  "out, ...); their records move to retried.jsonl")
       ->needs(resume);
+  command
+      ->add_option("--jobs", arguments->jobs,
+                   "Run cases that are not timed (timed: false) so many at a time; timed ones run\n"
+                   "alone, whatever this says")
+      ->check(whole_number_from(1, 1024))
+      ->type_name("N");
+  command
+      ->add_option("--part", arguments->part,
+                   "Only the cases that a file names, one a line: a part of a run that another\n"
+                   "one takes. No report; exit code 0 once every repeat has its record")
+      ->type_name("FILE");
+  command
+      ->add_option("--take", arguments->take,
+                   "Take the repeats that another run of this plan has, and run those that none\n"
+                   "has; repeatable. Of other kinds of nodes they come without times")
+      ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
+  command->add_flag("--prepare", arguments->prepare,
+                    "Make meshes, references and trained springs, and run nothing: parts that start\n"
+                    "together then find them in the cache");
   command->add_flag("--list-cases", arguments->list_cases, "Print the cases and run nothing");
   command->add_flag("--no-report", arguments->no_report, "Leave tables, charts and page out");
   command->footer(

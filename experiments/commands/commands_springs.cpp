@@ -11,10 +11,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/base/stopwatch.h"
-#include "core/dynamics/statics/calibration.h"
 #include "core/mesh/geometry.h"
-#include "core/springs/identification/identify.h"
 #include "core/springs/identification/identify_options.h"
 #include "core/springs/network/network.h"
 #include "core/springs/network/springs_csv.h"
@@ -22,6 +19,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
 #include "experiments/meshes/metre_mesh.h"
+#include "experiments/spring_training/identified_springs.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 
@@ -58,14 +56,9 @@ springs::SpringMethod find_spring_method(const std::string& name) {
   return springs::parse_spring_method(name);
 }
 
-/// Options of a method, and whether its springs are calibrated on their own mesh.
-struct SpringSettings {
-  springs::IdentifyOptions identify;
-  bool calibrate = false;
-};
-
-SpringSettings parse_spring_options(springs::SpringMethod method, const std::vector<std::string>& settings) {
-  SpringSettings options;
+/// Takes the options of the wish's method, and whether its springs are calibrated on their own mesh.
+void parse_spring_options(const std::vector<std::string>& settings, SpringWish& wish) {
+  springs::IdentifyOptions options;
   std::set<std::string> given;
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
@@ -75,14 +68,14 @@ SpringSettings parse_spring_options(springs::SpringMethod method, const std::vec
     if (!given.insert(key).second) throw InputError("--set: option \"" + key + "\" twice");
     const std::string value = setting.substr(equals + 1);
     if (key != "calibrate") {
-      springs::set_spring_option(method, key, value, "--set", options.identify);
+      springs::set_spring_option(wish.method, key, value, "--set", options);
+      wish.set[key] = value;
     } else {
       if (value != "true" && value != "false")
         throw InputError("--set calibrate", 0, "true or false", "\"" + value + "\"");
-      options.calibrate = value == "true";
+      wish.calibrate = value == "true";
     }
   }
-  return options;
 }
 
 /// A number from an option that has to be above 0.
@@ -115,13 +108,13 @@ json triple(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-json figures_of(const SpringsArguments& arguments, const TetMesh& mesh, const SpringNetwork& network,
-                const springs::IdentifyReport& report, double kernel_s) {
-  const auto& k = network.stiffness_n_per_m;
+json figures_of(const SpringsArguments& arguments, const TetMesh& mesh, const IdentifiedSprings& found) {
+  const springs::IdentifyReport& report = found.report;
+  const auto& k = found.network.stiffness_n_per_m;
   json figures{{"method", springs::spring_method_name(report.method)},
                {"vertices", mesh.points.size()},
                {"tets", mesh.tets.size()},
-               {"springs", network.springs.size()},
+               {"springs", k.size()},
                {"zero_springs", report.zero_springs},
                {"stiffness_min_n_per_m", *std::min_element(k.begin(), k.end())},
                {"stiffness_max_n_per_m", *std::max_element(k.begin(), k.end())},
@@ -129,7 +122,7 @@ json figures_of(const SpringsArguments& arguments, const TetMesh& mesh, const Sp
                {"kkt_relative", report.kkt_relative},
                {"iterations", report.iterations},
                {"converged", report.converged},
-               {"kernel_s", kernel_s},
+               {"kernel_s", found.kernel_s},
                {"volume_m3", total_volume(mesh)},
                {"geometric_center_m", triple(springs::geometric_center(mesh))},
                {"center_of_mass_m", triple(springs::center_of_mass(mesh))},
@@ -163,37 +156,26 @@ void print_figures(const json& figures) {
   std::cout << table.text();
 }
 
-/// Multiplies all springs by the factor that puts their moduli on their own mesh right, and returns it.
-double calibrate(const TetMesh& mesh, const Material& material, SpringNetwork& network) {
-  const dynamics::ElasticModel model{mesh.points, network, true, {}, {}};
-  const double factor = dynamics::calibration_factor(dynamics::measure_moduli(mesh, model, {}),
-                                                     material.young_modulus_pa / 2.5);
-  for (double& stiffness : network.stiffness_n_per_m) stiffness *= factor;
-  return factor;
-}
-
 int identify(const SpringsArguments& arguments) {
-  const springs::SpringMethod method = find_spring_method(arguments.method);
-  const SpringSettings options = parse_spring_options(method, arguments.set);
-  const Material material = material_of(arguments);
+  SpringWish wish;
+  wish.method = find_spring_method(arguments.method);
+  parse_spring_options(arguments.set, wish);
+  wish.material = material_of(arguments);
   check_above_zero(arguments.unit_m, "--unit-m");
   check_output_csv(arguments.out);
   if (!arguments.masses.empty()) check_output_csv(arguments.masses);
   if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");
   const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
-  springs::IdentifyReport report;
-  const Stopwatch watch;
-  SpringNetwork network = springs::identify_springs(mesh, material, method, options.identify, report);
-  const double factor = options.calibrate ? calibrate(mesh, material, network) : 1.0;
-  const double kernel_s = watch.seconds();
-  springs::write_springs_csv(arguments.out, network);
+  const IdentifiedSprings found = obtain_springs(mesh, wish);
+  const springs::IdentifyReport& report = found.report;
+  springs::write_springs_csv(arguments.out, found.network);
   if (!arguments.masses.empty())
     write_masses(arguments.masses, springs::build_lumped_masses(mesh, arguments.density));
   for (const std::string& warning : report.warnings) print_note(warning);
-  json figures = figures_of(arguments, mesh, network, report, kernel_s);
-  if (options.calibrate) {
-    figures["calibration_factor"] = factor;
-    figures["stiffness_ratio_mean"] = factor * report.stiffness_ratio_mean;
+  json figures = figures_of(arguments, mesh, found);
+  if (wish.calibrate) {
+    figures["calibration_factor"] = found.calibration_factor;
+    figures["stiffness_ratio_mean"] = found.calibration_factor * report.stiffness_ratio_mean;
   }
   if (arguments.as_json) {
     print_json(figures);

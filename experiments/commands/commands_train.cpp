@@ -3,9 +3,11 @@
 #include <iostream>
 #include <memory>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
+#include "experiments/files/file_bytes.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/spring_training/training_report.h"
@@ -15,6 +17,8 @@
 namespace palpate::experiments {
 namespace {
 
+using nlohmann::json;
+
 struct TrainArguments {
   std::string plan;
   std::string out;
@@ -22,6 +26,13 @@ struct TrainArguments {
   int threads = 1;
   bool as_json = false;
 };
+
+/// Puts what the run left where it was asked for, whole or not at all.
+void copy_answer(const std::filesystem::path& from, const std::string& to) {
+  const auto bytes = read_bytes(from);
+  if (!bytes) throw UnavailableError("training left no " + from.filename().string());
+  write_file_atomically(to, *bytes);
+}
 
 int train(const TrainArguments& arguments) {
   const TrainingPlan plan = read_training_plan(arguments.plan);
@@ -35,16 +46,14 @@ int train(const TrainArguments& arguments) {
   Progress progress(arguments.as_json);
   const Registry registry = load_registry();
   const ScratchFolder scratch;
-  const TrainingSetting setting{registry, scratch.path(), progress, arguments.threads, nullptr};
-  TrainingInput input = build_training_input(plan, setting);
-  for (const std::string& note : input.notes) print_note(note);
-  const TrainingOutcome outcome = run_training(input, plan, setting);
-  write_trained_springs(arguments.out, input, outcome);
-  if (has_moduli) write_trained_moduli(arguments.moduli, plan.volume, input, outcome);
+  const TrainingSetting setting{registry, scratch.path(), progress, arguments.threads, nullptr, print_note};
+  const json report = run_training(plan, setting, {scratch.file("springs.csv"), scratch.file("moduli.csv")});
+  copy_answer(scratch.file("springs.csv"), arguments.out);
+  if (has_moduli) copy_answer(scratch.file("moduli.csv"), arguments.moduli);
   if (arguments.as_json) {
-    print_json(build_training_report(input, outcome));
+    print_json(report);
   } else {
-    std::cout << training_tables(outcome);
+    std::cout << training_tables(report);
     std::cout << "Written: " << arguments.out << (has_moduli ? ", " + arguments.moduli : "") << '\n';
   }
   return kDone;

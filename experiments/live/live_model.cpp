@@ -1,10 +1,11 @@
 #include "experiments/live/live_model.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/error.h"
-#include "core/dynamics/statics/calibration.h"
 #include "core/springs/identification/identify_options.h"
+#include "experiments/spring_training/identified_springs.h"
 
 namespace palpate::experiments {
 namespace {
@@ -24,25 +25,22 @@ std::string text_of(const json& options, const std::string& key) {
 SpringNetwork identify(const LiveLevel& level, const json& source, LiveBodyData& out) {
   const json& options = source.at("options");
   const std::string name = source.at("method").get<std::string>().substr(std::string("springs.").size());
-  const springs::SpringMethod method = springs::parse_spring_method(name);
-  springs::IdentifyOptions identify;
-  for (const std::string& key : springs::spring_option_names(method)) {
+  SpringWish wish;
+  wish.method = springs::parse_spring_method(name);
+  wish.material = level.holding.material;
+  springs::IdentifyOptions checked;
+  for (const std::string& key : springs::spring_option_names(wish.method)) {
     const std::string text = text_of(options, key);
-    if (!text.empty()) springs::set_spring_option(method, key, text, "model", identify);
+    if (text.empty()) continue;
+    springs::set_spring_option(wish.method, key, text, "model", checked);
+    wish.set[key] = text;
   }
-  springs::IdentifyReport report;
-  const Material& material = level.holding.material;
-  SpringNetwork net = springs::identify_springs(level.mesh, material, method, identify, report);
-  for (const std::string& warning : report.warnings) {
+  wish.calibrate = options.value("calibrate", false);
+  IdentifiedSprings found = obtain_springs(level.mesh, wish);
+  for (const std::string& warning : found.report.warnings) {
     if (&level == &out.levels.front()) out.notes.push_back(warning);
   }
-  if (options.value("calibrate", false)) {
-    const dynamics::ElasticModel model{level.mesh.points, net, true, {}, {}};
-    const double factor =
-        calibration_factor(measure_moduli(level.mesh, model, {}), material.young_modulus_pa / 2.5);
-    for (double& stiffness : net.stiffness_n_per_m) stiffness *= factor;
-  }
-  return net;
+  return std::move(found.network);
 }
 
 /// The scene's model with all of its options; null without one.

@@ -10,6 +10,7 @@
 #include "experiments/files/places.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/processes/process.h"
+#include "reference/door/contest_files.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -55,8 +56,9 @@ std::filesystem::path tool_path(const MeshTool& tool) {
 
 std::string why_unavailable(const MeshTool& tool) {
   if (::access(tool_path(tool).c_str(), X_OK) == 0) return "";
-  return std::string(tool.program) + " is not built: install the package " + tool.package +
-         " and configure again";
+  const std::string package = tool.package;
+  return std::string(tool.program) + " is not built" +
+         (package.empty() ? "" : ": install the package " + package + " and configure again");
 }
 
 ToolCall bounded_reading(const std::string& method, const std::filesystem::path& input,
@@ -81,7 +83,7 @@ json run_tool(const MeshTool& tool, const ToolCall& call) {
                      {"contest", call.contest},
                      {"method", call.method},
                      {call.contest == "mesh" ? "surface_in" : "mesh_in", call.input.string()},
-                     {"mesh_out", call.output.string()},
+                     {reference::contest_files(call.contest).output_key, call.output.string()},
                      {"options", call.options},
                      {"threads", 1}};
   write_file_atomically(scratch.file("request.json"), utf8_dump(request, call.input));
@@ -92,6 +94,9 @@ json run_tool(const MeshTool& tool, const ToolCall& call) {
   spec.memory_bytes = call.memory_bytes;
   spec.file_bytes = kLargestOutput;
   spec.standard_error = scratch.file("stderr.txt");
+  spec.standard_output = call.standard_output;
+  spec.while_waiting = call.while_waiting;
+  spec.stop_flag = call.stop_flag;
   const ProcessResult result = run_process(spec);
   json response = read_response(scratch.file("response.json"));
   const std::string status = text_of(response, "status");

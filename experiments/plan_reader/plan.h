@@ -56,6 +56,7 @@ struct PlanContestant {
   std::map<std::string, std::vector<nlohmann::json>> at;
   std::vector<std::string> tags;  ///< words by which a run may choose its cases
   bool required = true;           ///< false: its outcome does not decide the exit code
+  std::optional<bool> timed;      ///< in place of the plan's
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.
   std::map<std::string, GivenOption> own_limit;
@@ -72,6 +73,7 @@ struct RunSettings {
   int most_repeats = 0;         ///< ... or there are so many of them
   std::int64_t order_seed = 1;  ///< of the random order of the cases in each round
   int threads = 1;
+  bool timed = true;  ///< false: records have no times, and cases may run side by side
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 4096;
   double judge_timeout_s = 600.0;         ///< of the judge, for each answer

@@ -108,7 +108,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     return entry;
   }
   const YamlFields fields = value.fields({"method", "label", "tags", "stop", "set", "train", "keep", "seeds",
-                                          "required", "scenes", "at", "own_limit"});
+                                          "required", "timed", "scenes", "at", "own_limit"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -127,6 +127,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
   }
   if (const auto at = fields.find("at")) contestant.at = read_at(*at, contest);
   if (const auto required = fields.find("required")) contestant.required = required->boolean();
+  if (const auto timed = fields.find("timed")) contestant.timed = timed->boolean();
   if (const auto set = fields.find("set")) contestant.set = read_set(*set, *entry.method.method);
   if (const auto limit = fields.find("own_limit")) {
     if (contest != "motion")

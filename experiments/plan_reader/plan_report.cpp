@@ -51,6 +51,7 @@ bool is_clock_time(const std::string& measure) {
 }
 
 void require_repeats(const YamlValue& at, const RunSettings& run) {
+  if (!run.timed) at.fail("times are compared, and the plan says \"timed: false\"");
   if (has_enough_repeats(run)) return;
   at.fail("times are compared by at least " + std::to_string(kLeastTimedRepeats) + " repeats and " +
           std::to_string(kLeastWarmup) + " warm-up: expected run: {repeats: " +

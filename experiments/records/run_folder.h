@@ -21,6 +21,8 @@ struct RunPaths {
   std::filesystem::path records() const { return folder / "records.jsonl"; }
   /// Records of failed repeats that were run anew (set_aside).
   std::filesystem::path retried() const { return folder / "retried.jsonl"; }
+  /// Parts of the run that are run side by side, until they are taken in.
+  std::filesystem::path parts() const { return folder / ".parts"; }
   std::filesystem::path scratch() const { return folder / ".scratch"; }
 
   /// The output mesh of a case ("meshes/kidney/hierarchical_87.mesh"), or the input

@@ -3,6 +3,9 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <set>
 
 #include "core/base/error.h"
@@ -58,6 +61,23 @@ void mark_cases(const Plan& plan, const std::vector<Case>& cases, const std::str
                    nearest_hint(word, near));
 }
 
+/// Leaves the cases marked that a part names.
+void keep_part(const std::vector<Case>& cases, const std::string& part, std::vector<bool>& wanted) {
+  std::map<std::string, std::size_t> known;
+  for (std::size_t i = 0; i < cases.size(); ++i) known[cases[i].id] = i;
+  std::ifstream file(part);
+  if (!file) throw InputError(part, 0, "a file of cases, one a line", "none that can be read");
+  std::vector<bool> named(cases.size(), false);
+  std::string id;
+  for (std::size_t number = 1; std::getline(file, id); ++number) {
+    if (id.empty()) continue;
+    const auto found = known.find(id);
+    if (found == known.end()) throw InputError(part, number, "a case of the plan", id);
+    named[found->second] = wanted[found->second];
+  }
+  wanted = named;
+}
+
 }  // namespace
 
 std::vector<std::size_t> choose_cases(const Plan& plan, const std::vector<Case>& cases,
@@ -69,9 +89,11 @@ std::vector<std::size_t> choose_cases(const Plan& plan, const std::vector<Case>&
     for (const std::size_t i : select_cases(cases, choice.case_id)) both[i] = wanted[i];
     wanted = both;
   }
+  if (!choice.part.empty()) keep_part(cases, choice.part, wanted);
   std::vector<std::size_t> chosen = with_needed_cases(cases, wanted);
   if (chosen.empty())
-    throw InputError("no case of " + choice.case_id + " fits --only " + joined(choice.only));
+    throw InputError("no case of " + (choice.case_id.empty() ? choice.part : choice.case_id) +
+                     " fits --only " + joined(choice.only));
   return chosen;
 }
 
@@ -80,6 +102,7 @@ nlohmann::json describe_choice(const CaseChoice& choice) {
   nlohmann::json described = nlohmann::json::object();
   if (!choice.case_id.empty()) described["case"] = choice.case_id;
   if (!choice.only.empty()) described["only"] = choice.only;
+  if (!choice.part.empty()) described["part"] = std::filesystem::path(choice.part).filename().string();
   return described;
 }
 

@@ -21,15 +21,16 @@ void read_width(const YamlFields& fields, RunSettings& run) {
   if (most && !width)
     most->fail("\"most_repeats\" needs \"until_width\": repeats are asked for by \"repeats\"");
   if (!width) return;
+  if (!run.timed) width->fail("\"until_width\" is of times, and the plan says \"timed: false\"");
   if (!most) width->fail("\"until_width\" needs \"most_repeats\": an interval may never get so narrow");
   run.until_width = width->number(1e-6, 1e3);
   run.most_repeats = static_cast<int>(most->integer(run.repeats, 10'000));
 }
 
 RunSettings read_run(const YamlValue& value) {
-  const YamlFields fields =
-      value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s", "memory_mib",
-                    "judge_timeout_s", "judge_memory_mib", "until_width", "most_repeats", "order_seed"});
+  const YamlFields fields = value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s",
+                                          "memory_mib", "judge_timeout_s", "judge_memory_mib", "until_width",
+                                          "most_repeats", "order_seed", "timed"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("seed_repeats")) run.seed_repeats = static_cast<int>(v->integer(1, 10'000));
@@ -44,6 +45,7 @@ RunSettings read_run(const YamlValue& value) {
     run.judge_memory_mib = static_cast<std::uint64_t>(v->integer(1, 1 << 24));
   }
   if (const auto v = fields.find("order_seed")) run.order_seed = v->integer(0, kLargestOrderSeed);
+  if (const auto v = fields.find("timed")) run.timed = v->boolean();
   read_width(fields, run);
   return run;
 }
@@ -54,10 +56,11 @@ std::vector<AcceptBound> read_accept(const YamlValue& value) {
   return bounds;
 }
 
-void read_measures(const YamlValue& value, std::vector<std::string>& measures) {
+void read_measures(const YamlValue& value, bool timed, std::vector<std::string>& measures) {
   for (const YamlValue& item : value.items()) {
     const std::string name = item.text();
     known_measure(item, name, false);
+    if (!timed && is_clock_time(name)) item.fail(name + " is a time, and the plan says \"timed: false\"");
     if (std::find(measures.begin(), measures.end(), name) != measures.end()) {
       item.fail("measure \"" + name + "\" twice");
     }
@@ -170,7 +173,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   refuse_keys_of_others(fields, contest);
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   contest.read(fields, plan, registry);
-  if (const auto measure = fields.find("measure")) read_measures(*measure, plan.measure);
+  if (const auto measure = fields.find("measure")) read_measures(*measure, plan.run.timed, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, contest.charts);
   add_availability_notes(plan, registry);

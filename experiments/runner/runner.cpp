@@ -8,26 +8,32 @@
 #include "core/base/error.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/processes/disk_room.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/records/set_aside.h"
+#include "experiments/records/untimed.h"
 #include "experiments/rounds/case_choice.h"
+#include "experiments/rounds/case_groups.h"
 #include "experiments/rounds/case_state.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
+#include "experiments/runner/repeat_end.h"
+#include "experiments/runner/side_by_side.h"
+#include "experiments/runner/taken_parts.h"
 #include "experiments/spring_training/trained_springs.h"
-#include "reference/door/json_file.h"
+#include "reference/door/contest_files.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-using reference::or_null;
+
+/// So many more parts than jobs, that none waits long for the last.
+constexpr std::size_t kPartsAJob = 4;
 
 class Runner {
  public:
@@ -39,18 +45,25 @@ class Runner {
         threads_(options.threads.value_or(plan.run.threads)),
         folder_(options.folder, options.resume),
         cases_(build_cases(plan, registry)),
+        timed_(find_timed(plan, cases_)),
         states_(cases_.size()),
-        selected_(choose_cases(plan, cases_, {options.case_id, options.only})) {
+        selected_(choose_cases(plan, cases_, {options.case_id, options.only, options.part})) {
     contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
   }
 
   RunResult run() {
     prepare();
+    if (options_.prepare_only) {
+      result_.interrupted = !train_springs();
+      return result_;
+    }
     if (options_.retry_failed) set_failures_aside();
     RecordFile records(folder_.paths().records());
     load_records();
+    take_parts(records);
     result_.interrupted = !train_springs();
     if (!result_.interrupted) record_inputs(records);
+    if (!result_.interrupted && options_.jobs > 1) run_parts(records);
     if (!result_.interrupted) run_rounds(records);
     state_repeats(plan_.run, cases_, states_, provenance_);
     write_provenance();
@@ -71,6 +84,7 @@ class Runner {
   /// Plan, inputs and provenance: made, or taken up and compared.
   void prepare() {
     const json now = build_provenance(plan_, registry_, threads_);
+    node_ = node_kind(now);
     const auto then = folder_.earlier_provenance();
     if (then) {
       std::string changes;
@@ -95,7 +109,7 @@ class Runner {
     if (!known.contains("sittings")) known["sittings"] = json::array();
     sitting_ = known["sittings"].size();
     known["sittings"].push_back(describe_sitting(now));
-    const json chosen = describe_choice({options_.case_id, options_.only});
+    const json chosen = describe_choice({options_.case_id, options_.only, options_.part});
     if (!chosen.is_null()) known["sittings"].back()["chosen"] = chosen;
     provenance_ = std::move(known);
     write_provenance();
@@ -152,7 +166,55 @@ class Runner {
     write_provenance();
   }
 
+  /// Takes repeats from folders of other runs: those of the options, and what a run side by side left here.
+  void take_parts(RecordFile& records) {
+    const std::vector<fs::path> left = list_parts(folder_.paths().parts());
+    if (options_.take.empty() && left.empty()) return;
+    PartTaker taker = make_taker();
+    for (const fs::path& given : options_.take) {
+      for (const fs::path& part : find_parts(given)) take(taker, part, records);
+    }
+    for (const fs::path& part : left) take(taker, part, records);
+    fs::remove_all(folder_.paths().parts());
+    load_records();
+  }
+
+  PartTaker make_taker() {
+    std::map<std::string, fs::path> kept;
+    for (const Case& c : cases_) kept[c.id] = contest_->kept_output(c);
+    return {folder_.paths(), std::move(kept), reference::contest_files(plan_.contest).beside_file,
+            provenance_};
+  }
+
+  void take(PartTaker& taker, const fs::path& part, RecordFile& records) {
+    result_.records_added += taker.take(part, records);
+    write_provenance();
+  }
+
+  /// Runs cases that are not timed, and need none that is, side by side.
+  void run_parts(RecordFile& records) {
+    const std::vector<bool> free = find_free(cases_, timed_);
+    std::vector<bool> due(cases_.size(), false);
+    for (const std::size_t index : selected_) due[index] = free[index] && has_due(index);
+    const auto parts = split_cases(cases_, due, kPartsAJob * static_cast<std::size_t>(options_.jobs));
+    if (parts.empty()) return;
+    const SideBySide setting{plan_.file, folder_.paths().parts(), threads_, options_.jobs,
+                             options_.stop_flag};
+    PartTaker taker = make_taker();
+    progress_.start(parts.size());
+    std::size_t done = 0;
+    result_.interrupted = !run_side_by_side(parts, setting, [&](const fs::path& part) {
+      take(taker, part, records);
+      progress_.reach(++done, -1.0);
+    });
+    fs::remove_all(folder_.paths().parts());
+    load_records();
+  }
+
+  /// What the folder's records say of cases and inputs, from the start.
   void load_records() {
+    states_.assign(cases_.size(), {});
+    recorded_inputs_.clear();
     std::map<std::string, std::size_t> index;
     for (std::size_t i = 0; i < cases_.size(); ++i) index[cases_[i].id] = i;
     for (json& record : read_records(folder_.paths().records())) {
@@ -174,6 +236,15 @@ class Runner {
 
   bool is_due(std::size_t index, int repeat) const {
     return states_[index].is_due(repeat, plan_.run.warmup, bounds_of(index));
+  }
+
+  /// Whether any repeat of a case is to be run.
+  bool has_due(std::size_t index) const {
+    const int end = plan_.run.warmup + bounds_of(index).most;
+    for (int repeat = 0; repeat < end; ++repeat) {
+      if (is_due(index, repeat)) return true;
+    }
+    return false;
   }
 
   /// The time for the rest, at most: a case may end before it has the most repeats.
@@ -293,35 +364,12 @@ class Runner {
     throw_if_no_room(task.scratch, record);
     record["sitting"] = sitting_;
     add_load(load, answer, record);
+    if (!timed_[index]) drop_times(record, "the plan says that it is not timed");
+    if (node_kind(provenance_) != node_)
+      drop_times(record, "timed on another kind of node than the repeats that were taken from elsewhere");
     add_file_hashes(*registry_.find(contestant.method)->method, c, record);
     keep_output(c, repeat, answer, record);
     return record;
-  }
-
-  /// An output that a full disk cut short is nobody's: the repeat gets no record, and is run again.
-  static void throw_if_no_room(const fs::path& scratch, const json& record) {
-    if (scratch.empty() || !is_failure(record)) return;
-    const std::string message = record.at("message").get<std::string>();
-    const std::string no_room = room_complaint(scratch, message);
-    if (!no_room.empty()) throw UnavailableError(no_room + "; " + message);
-  }
-
-  /// What the machine did meanwhile. Of a child that was killed nobody knows what it took.
-  static void add_load(const MachineLoad& load, const ContestantAnswer& answer, json& record) {
-    const bool is_known = answer.user_s.has_value();
-    record["load_1min"] = or_null(load.load_1min);
-    record["processor_s"] = is_known ? or_null(load.processor_s) : json();
-    record["others_s"] = is_known ? or_null(load.others_s) : json();
-  }
-
-  /// A changed file is another case, whatever its name.
-  static void add_file_hashes(const MethodSpec& method, const Case& c, json& record) {
-    for (const OptionSpec& option : method.options) {
-      if (option.type != OptionType::kFile) continue;
-      const std::string file = c.options.at(option.name).get<std::string>();
-      std::error_code error;
-      if (!file.empty() && fs::is_regular_file(file, error)) record["files"][option.name] = hash_file(file);
-    }
   }
 
   void keep_output(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
@@ -331,14 +379,17 @@ class Runner {
       fs::create_directories(kept.parent_path(), error);
       fs::rename(answer.output, kept, error);
       if (error) throw InputError(kept.string(), 0, "a file that can be written", error.message());
+      keep_beside(answer.output, kept, reference::contest_files(plan_.contest).beside_file);
     }
     record["mesh_file"] = fs::exists(kept) ? json(kept.lexically_relative(options_.folder).string()) : json();
   }
 
   void summarise() {
+    result_.is_whole = !result_.interrupted;
     for (const std::size_t index : selected_) {
       const Case& c = cases_[index];
       const PlanContestant& contestant = contestant_of(c);
+      result_.is_whole = result_.is_whole && !has_due(index);
       std::string worst;
       for (const json& record : states_[index].records) {
         const std::string outcome = record.at("outcome").get<std::string>();
@@ -369,11 +420,13 @@ class Runner {
   int threads_;
   RunFolder folder_;
   std::vector<Case> cases_;
+  std::vector<bool> timed_;  ///< by case
   std::vector<CaseState> states_;
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;
   json provenance_;
+  json node_;                ///< this machine, as times name it
   std::size_t sitting_ = 0;  ///< which of the run's starts and resumptions this is
   RunResult result_;
 };

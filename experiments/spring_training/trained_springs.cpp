@@ -6,8 +6,8 @@
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
+#include "experiments/meshes/mesh_tools.h"
 #include "experiments/scene_reader/scene_problem.h"
-#include "experiments/spring_training/training_report.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -20,6 +20,7 @@ constexpr const char* kSchema = "palpate/trained/1";
 /// All that the answer depends on: plan, mesh, and the programs that solve and fit.
 json key_of(const fs::path& plan_file, const TrainingPlan& plan, const TrainingSetting& setting) {
   json key = {{"training", hash_file(plan_file)}, {"palpate", hash_file("/proc/self/exe")}};
+  if (why_unavailable(kSpringsTool).empty()) key["programs"]["springs"] = hash_file(tool_path(kSpringsTool));
   for (const char* method : {"fem.p2", "fem.p1"}) {
     const auto entry = setting.registry.find(method);
     if (entry && entry->contestant->unavailable().empty())
@@ -53,18 +54,12 @@ TrainedSprings train_cached(const fs::path& plan_file, const TrainingSetting& se
   const json key = key_of(plan_file, plan, setting);
   const fs::path folder = cache_entry("trained", key.dump());
   if (auto kept = load(folder, key)) return *std::move(kept);
-  const TrainingInput input = build_training_input(plan, setting);
-  const TrainingOutcome outcome = run_training(input, plan, setting);
-  TrainedSprings trained{folder / "springs.csv", {}, build_training_report(input, outcome)};
   create_folder(folder);
-  json files = json::object();
-  write_trained_springs(trained.springs, input, outcome);
-  files["springs.csv"] = hash_file(trained.springs);
-  if (plan.volume != TrainedVolume::kNone) {
-    trained.moduli = folder / "moduli.csv";
-    write_trained_moduli(trained.moduli, plan.volume, input, outcome);
-    files["moduli.csv"] = hash_file(trained.moduli);
-  }
+  TrainedSprings trained{folder / "springs.csv", {}, {}};
+  if (plan.volume != TrainedVolume::kNone) trained.moduli = folder / "moduli.csv";
+  trained.report = run_training(plan, setting, {trained.springs, trained.moduli});
+  json files = {{"springs.csv", hash_file(trained.springs)}};
+  if (!trained.moduli.empty()) files["moduli.csv"] = hash_file(trained.moduli);
   const json kept = {{"schema", kSchema}, {"key", key}, {"files", files}, {"report", trained.report}};
   write_file_atomically(folder / "trained.json", kept.dump(2) + "\n");
   return trained;

@@ -8,7 +8,7 @@
 
 namespace palpate::experiments {
 
-/// Files that a training plan gave, and its report (build_training_report).
+/// Files that a training plan gave, and its report (run_training).
 struct TrainedSprings {
   std::filesystem::path springs;
   std::filesystem::path moduli;  ///< empty without a volume model
@@ -16,7 +16,7 @@ struct TrainedSprings {
 };
 
 /// Runs a training plan, or takes what an earlier run of the same plan, mesh and programs left in the cache.
-/// Throws: as build_training_input; InputError if the cache cannot be written.
+/// Throws: as run_training; InputError if the cache cannot be written.
 TrainedSprings train_cached(const std::filesystem::path& plan_file, const TrainingSetting& setting);
 
 }  // namespace palpate::experiments

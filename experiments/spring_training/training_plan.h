@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/boundary_problem.h"
-#include "core/springs/identification/identify.h"
+#include "core/springs/identification/identify_options.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {

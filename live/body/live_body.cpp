@@ -67,13 +67,24 @@ LiveBody::LiveBody(const BodySetup& setup, const ModelChoice& choice)
 }
 
 void LiveBody::press(Index vertex, double radius_m, double stiffness_pa_per_m) {
+  put_pad(vertex, radius_m, stiffness_pa_per_m);
+  by_m_ = aim_m_ = {};
+}
+
+void LiveBody::slide(Index vertex, double radius_m, double stiffness_pa_per_m) {
+  if (pad_.faces.empty()) throw InputError("pad", 0, "a pad that is on the skin", "none");
+  put_pad(vertex, radius_m, stiffness_pa_per_m);
+  for (dynamics::SupportFace& face : model_.loads.back().loads.supports) face.by_m = by_m_;
+  stepper_->move_pad(by_m_);
+}
+
+void LiveBody::put_pad(Index vertex, double radius_m, double stiffness_pa_per_m) {
   if (!(radius_m > 0.0) || !(stiffness_pa_per_m > 0.0) || !std::isfinite(radius_m + stiffness_pa_per_m))
     throw InputError("pad", 0, "a radius and a stiffness above zero", "something else");
   const std::vector<Vec3>& rest = model_.elastic.rest;
   const Vec3 outward = skin_normal(rest, skin_, vertex);
   pad_ = find_pad(rest, skin_, rest[vertex], outward, radius_m);
   model_.loads.back().loads.supports = pad_faces(rest, pad_, stiffness_pa_per_m);
-  by_m_ = aim_m_ = {};
   const std::vector<dynamics::SupportFace> faces = model_.loads.back().loads.supports;
   stepper_->set_pad(faces);
 }

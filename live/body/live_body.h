@@ -58,6 +58,9 @@ class LiveBody {
   /// Puts an elastic pad on the skin around a vertex, in the place of the one before; it does not move yet.
   /// Throws: InputError for a vertex that is not of the skin, a radius or a stiffness that is not above zero.
   void press(Index vertex, double radius_m, double stiffness_pa_per_m);
+  /// The same pad slides: it now holds the skin around another vertex, moved as far as it was. What both
+  /// places have in common feels nothing of it. Throws: as press; without a pad, too.
+  void slide(Index vertex, double radius_m, double stiffness_pa_per_m);
   /// Where the pad is to go, from where it was put: it moves there at `speed_m_s` of simulated time.
   void aim(const Vec3& by_m, double speed_m_s);
   /// Takes the pad away.
@@ -84,6 +87,8 @@ class LiveBody {
   dynamics::StableStep predict_step(double pad_pa_per_m) const;
 
  private:
+  void put_pad(Index vertex, double radius_m, double stiffness_pa_per_m);
+
   std::vector<Triangle> skin_;
   dynamics::MotionModel model_;  ///< its second group of loads is the pad's
   ModelChoice choice_;

@@ -244,6 +244,10 @@ int live_press(uint32_t vertex, double radius_m, double stiffness_pa_per_m) {
   return guarded([&] { body().press(vertex, radius_m, stiffness_pa_per_m); });
 }
 
+int live_slide(uint32_t vertex, double radius_m, double stiffness_pa_per_m) {
+  return guarded([&] { body().slide(vertex, radius_m, stiffness_pa_per_m); });
+}
+
 int live_aim(double x_m, double y_m, double z_m, double speed_m_s) {
   return guarded([&] { body().aim({x_m, y_m, z_m}, speed_m_s); });
 }

@@ -50,6 +50,7 @@ PALPATE_LIVE int live_predict_step(double pad_pa_per_m, double* step_s, uint32_t
 
 /// Pad, motion and steps: LiveBody. live_step writes whether the body is whole (1) or broken (0).
 PALPATE_LIVE int live_press(uint32_t vertex, double radius_m, double stiffness_pa_per_m);
+PALPATE_LIVE int live_slide(uint32_t vertex, double radius_m, double stiffness_pa_per_m);
 PALPATE_LIVE int live_aim(double x_m, double y_m, double z_m, double speed_m_s);
 PALPATE_LIVE int live_release();
 /// How far the pad is moved now, three numbers.
@@ -71,8 +72,8 @@ PALPATE_LIVE int live_state(double* displacement_m, double* velocity_m_s);
 /// vertices, 3 n x 3 n numbers for skin and for the skin's rows of field (docs/reduced.md).
 PALPATE_LIVE int live_table(uint32_t skin, const uint32_t* skin_vertices, const float* skin_compliance,
                             const float* field, uint32_t element_order, uint32_t refine);
-/// Presses with the body's pad; call after each live_press. The pad's faces are looked for by the places of
-/// their vertices: the body may be a simplified one with the same skin.
+/// Presses with the body's pad; call after each live_press and live_slide. The pad's faces are looked for by
+/// the places of their vertices: the body may be a simplified one with the same skin.
 PALPATE_LIVE int live_answer_press(double stiffness_pa_per_m);
 PALPATE_LIVE int live_answer_release();
 /// Displacements of the skin's vertices, three numbers each, and the pad's force, three numbers, with the pad

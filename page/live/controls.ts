@@ -6,6 +6,8 @@ export interface Wishes {
   config: LiveConfig;
   depthM: number;
   radiusM: number;
+  /** Dragged, the finger slides over the skin; else it takes along what it holds. */
+  slides: boolean;
   pace: Pace;
   isBeside: boolean;
   coloursError: boolean;
@@ -78,6 +80,7 @@ export class Controls {
     this.group("Finger");
     this.number("depth", "Depth, mm", shortMm(0.4 * body.pad_radius_m), "", 0.01, 1000, "any");
     this.number("radius", "Radius, mm", shortMm(body.pad_radius_m), "", 0.01, 1000, "any");
+    this.select("drag", "Dragged, it", { hold: "takes the skin along", slide: "slides over the skin" }, "hold");
     this.buttons();
     this.group("Beside it");
     this.check("beside", "Finite elements", body.table !== null, body.table === null);
@@ -101,6 +104,7 @@ export class Controls {
       },
       depthM: this.positive("depth", 1) / 1000,
       radiusM: this.positive("radius", 1) / 1000,
+      slides: this.value("drag") === "slide",
       pace: Number(this.value("pace")),
       isBeside: this.isChecked("beside"),
       coloursError: this.isChecked("error"),

@@ -108,6 +108,10 @@ export class LiveEngine {
     this.call("live_press", vertex, radiusM, stiffnessPaPerM);
   }
 
+  slide(vertex: number, radiusM: number, stiffnessPaPerM: number): void {
+    this.call("live_slide", vertex, radiusM, stiffnessPaPerM);
+  }
+
   aim(by: Vector, speedMS: number): void {
     this.call("live_aim", ...by, speedMS);
   }

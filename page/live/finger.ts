@@ -7,15 +7,22 @@ export interface FingerEvents {
   /** `normal` looks outwards; the finger starts there without having moved. */
   press(vertex: number, by: Vector): void;
   move(by: Vector): void;
+  /** It has come to another vertex. */
+  slide(vertex: number, by: Vector): void;
   release(): void;
 }
 
 export interface FingerReach {
   /** How far the first touch presses in, in m. */
   depthM: number;
+  /** Dragged, it slides over the skin. */
+  slides: boolean;
 }
 
-/** Presses where the organ is under the pointer, and lets it turn elsewhere. Shift pulls; the wheel goes deeper. */
+/**
+ * Presses where the organ is under the pointer, and lets it turn elsewhere. Shift pulls; the wheel goes deeper. Dragged, it takes along what
+ * it holds, or slides over the skin, always as deep; what is pulled is held.
+ */
 export class Finger {
   private pointer: number | null = null;
   private plane = new THREE.Plane();
@@ -23,6 +30,8 @@ export class Finger {
   private normal = new THREE.Vector3();
   private depthM = 0;
   private along = new THREE.Vector3();
+  private vertex = 0;
+  private slides = false;
   private readonly undo = new AbortController();
 
   constructor(private readonly view: OrganView, private readonly reach: () => FingerReach, private readonly events: FingerEvents) {
@@ -52,16 +61,27 @@ export class Finger {
     this.plane.setFromNormalAndCoplanarPoint(eye, this.start);
     this.along.set(0, 0, 0);
     this.depthM = event.shiftKey ? -this.reach().depthM : this.reach().depthM;
+    this.vertex = hit.vertex;
+    this.slides = this.reach().slides && !event.shiftKey;
     this.events.press(hit.vertex, this.by());
   }
 
   private moved(event: PointerEvent): void {
     if (event.pointerId !== this.pointer) return;
     event.stopPropagation();
+    if (this.slides) return this.slideTo(event);
     const at = this.view.rayAt(event.clientX, event.clientY).intersectPlane(this.plane, new THREE.Vector3());
     if (!at) return;
     this.along.copy(at).sub(this.start);
     this.events.move(this.by());
+  }
+
+  private slideTo(event: PointerEvent): void {
+    const hit = this.view.pick(event.clientX, event.clientY);
+    if (!hit || hit.vertex === this.vertex) return; // beside the organ it stays where it was last
+    this.vertex = hit.vertex;
+    this.normal.set(...this.view.restNormal(hit.vertex)); // not of the dent's wall
+    this.events.slide(hit.vertex, this.by());
   }
 
   private up(event: PointerEvent): void {

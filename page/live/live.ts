@@ -70,6 +70,13 @@ class Stage {
     return this.rest.length;
   }
 
+  /** How much of a way of the finger is out of the body, along the skin's normal where it is. */
+  outwards(by: Vector): number | null {
+    if (this.touched === null) return null;
+    const normal = this.own.restNormal(this.touched);
+    return by[0] * normal[0] + by[1] * normal[1] + by[2] * normal[2];
+  }
+
   /** Where a vertex is now. */
   placeOf(vertex: number): Vector {
     return [0, 1, 2].map((i) => this.positions[3 * vertex + i]!) as Vector;
@@ -78,6 +85,7 @@ class Stage {
   private placeMarks(): void {
     for (const [mark, vertex] of [[this.touch, this.touched], [this.mark, this.broken]] as const) {
       mark.hidden = vertex === null;
+      mark.dataset["vertex"] = String(vertex ?? "");
       if (vertex === null) continue;
       const at = this.own.clientPoint(this.placeOf(vertex));
       const box = this.own.container.getBoundingClientRect();
@@ -188,7 +196,12 @@ class LivePage {
     const vertices = this.body.table ? matchVertices(points, whole, tableVertices(this.body, this.bytes)) : null;
     const model = { springs: "Springs", smoothed: "Smoothed elements", reduced: "Table of compliances: at rest, small strain" }[this.wishes.config.model];
     this.stage = new Stage(this.box, vertices, points, u32(this.bytes, level.tets), this.wishes, `${model}, ${(points.length / 3).toLocaleString("en")} vertices`);
-    this.finger = new Finger(this.stage.own, () => this.wishes, { press: (vertex, by) => this.press(vertex, by), move: (by) => this.send({ type: "aim", by, speedMS: FINGER_M_S }), release: () => this.release() });
+    this.finger = new Finger(this.stage.own, () => this.wishes, { 
+      press: (vertex, by) => this.press(vertex, by),
+      move: (by) => this.send({ type: "aim", by, speedMS: FINGER_M_S }),
+      slide: (vertex, by) => this.slide(vertex, by),
+      release: () => this.release(),
+    });
     this.colour();
     this.displacement = new Float32Array(this.stage.numbers);
     this.answer = new Float32Array(3 * (vertices?.length ?? 0));
@@ -255,7 +268,7 @@ class LivePage {
     if (frame.numbers) this.showNumbers(frame.numbers, stage);
     const difference = stage.show(frame.displacement, frame.answer, frame.hasAnswer, this.wishes);
     if (!frame.numbers) return;
-    this.readouts.showFinger(frame.padBy, this.force, frame.hasAnswer && this.wishes.config.model !== "reduced" ? frame.answerForceN : null);
+    this.readouts.showFinger(frame.padBy, stage.outwards(frame.padBy), this.force, frame.hasAnswer && this.wishes.config.model !== "reduced" ? frame.answerForceN : null);
     this.readouts.showDifference(difference);
   }
 
@@ -268,6 +281,11 @@ class LivePage {
   private press(vertex: number, by: Vector): void {
     this.lastVertex = vertex;
     this.send({ type: "press", vertex, radiusM: this.wishes.radiusM, by, speedMS: FINGER_M_S });
+  }
+
+  private slide(vertex: number, by: Vector): void {
+    this.lastVertex = vertex;
+    this.send({ type: "slide", vertex, radiusM: this.wishes.radiusM, by, speedMS: FINGER_M_S });
   }
 
   private release(): void {

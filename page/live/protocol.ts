@@ -84,6 +84,7 @@ export type ToWorker =
   | { type: "load"; description: BodyDescription; bytes: ArrayBuffer }
   | { type: "configure"; config: LiveConfig }
   | { type: "press"; vertex: number; radiusM: number; by: Vector; speedMS: number }
+  | { type: "slide"; vertex: number; radiusM: number; by: Vector; speedMS: number }
   | { type: "aim"; by: Vector; speedMS: number }
   | { type: "release" }
   | { type: "reset" }

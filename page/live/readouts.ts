@@ -72,8 +72,12 @@ export class Readouts {
     if (!numbers.isBroken && Number.isFinite(numbers.largestM)) cell.dataset["largest"] = String(numbers.largestM);
   }
 
-  showFinger(by: Vector, force: Vector, elementForce: Vector | null): void {
-    this.say("finger", withUnit(Math.hypot(...by), "m"), Math.hypot(...by));
+  /** `outwards`: how much of its way is out of the body, in m; nothing without a finger. */
+  showFinger(by: Vector, outwards: number | null, force: Vector, elementForce: Vector | null): void {
+    const way = Math.hypot(...by);
+    const side = outwards === null || Math.abs(outwards) < 1e-6 ? "" : outwards > 0 ? ", pulling" : ", pressing";
+    this.say("finger", withUnit(way, "m") + side, way);
+    this.cells.get("finger")!.dataset["out"] = String(outwards ?? 0);
     const own = Math.hypot(...force);
     this.say("force", withUnit(own, "N") + (elementForce ? `; finite elements ${withUnit(Math.hypot(...elementForce), "N")}` : ""), own);
   }

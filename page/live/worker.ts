@@ -54,6 +54,10 @@ class LiveLoop {
         return this.configure(message.config);
       case "press":
         return this.press(message.vertex, message.radiusM, message.by, message.speedMS);
+      case "slide":
+        if (!this.isPressed) return;
+        this.ready().engine.slide(message.vertex, message.radiusM, this.ready().body.pad_pa_per_m);
+        return this.feel(message.vertex, message.by, message.speedMS);
       case "aim":
         return this.aimAt(message.by, message.speedMS);
       case "release":
@@ -110,6 +114,13 @@ class LiveLoop {
     engine.press(vertex, radiusM, body.pad_pa_per_m);
     this.isPressed = true;
     this.by = [0, 0, 0];
+    this.feel(vertex, by, speedMS);
+    this.startClock();
+  }
+
+  /** The pad is on another part of the skin: so is that of the finite elements. */
+  private feel(vertex: number, by: Vector, speedMS: number): void {
+    const { engine, body } = this.ready();
     let answerProblem = this.hasTable ? "" : body.no_table;
     this.hasAnswer = false;
     if (this.hasTable && (this.isBeside || this.config?.model === "reduced")) {
@@ -122,7 +133,6 @@ class LiveLoop {
     }
     scope.postMessage({ type: "pressed", vertex, answerProblem });
     this.aimAt(by, speedMS);
-    this.startClock();
   }
 
   private aimAt(by: Vector, speedMS: number): void {

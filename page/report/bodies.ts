@@ -42,6 +42,8 @@ export interface Scene {
   mode: ViewMode;
   colour: string;
   time_s?: number;
+  /** Where the eye stands, seen from the body, and what is up; as at first if it is not given. */
+  from?: { toEye: [number, number, number]; up: [number, number, number] };
 }
 
 class BodyStage {
@@ -111,6 +113,10 @@ class BodyStage {
     }
     this.restyle();
     this.reshape();
+    for (const { view } of this.shown) {
+      view.resetCamera();
+      if (scene.from) view.lookFrom(scene.from.toEye, scene.from.up);
+    }
     return this.shown.map(({ view }) => view.picture(width).toDataURL("image/png"));
   }
 

@@ -47,8 +47,13 @@ async function unpackFrames(data: BodyData, vertices: number): Promise<Float32Ar
   const { motion } = data;
   const steps = new Int16Array(await unpack(motion!.data));
   if (steps.length !== 3 * vertices * motion!.times_s.length) throw new Error(`${data.title}: frames are missing`);
-  const size = motion!.most / 32767;
-  return motion!.times_s.map((_, frame) => Float32Array.from(steps.subarray(3 * vertices * frame, 3 * vertices * (frame + 1)), (step) => step * size));
+  // Each frame but the first is what it differs by from the one before.
+  const size = motion!.most / motion!.levels;
+  const sum = new Int32Array(3 * vertices);
+  return motion!.times_s.map((_, frame) => {
+    for (let i = 0; i < sum.length; i++) sum[i] = sum[i]! + steps[sum.length * frame + i]!;
+    return Float32Array.from(sum, (step) => step * size);
+  });
 }
 
 /** The vertices with a displacement added, `scale` times. */

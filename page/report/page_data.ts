@@ -53,7 +53,7 @@ export interface BodyData {
   mesh: number;
   fields: FieldData[];
   displacement?: { type: "f32"; data: string };
-  motion?: { times_s: number[]; most: number; of: number; data: string };
+  motion?: { times_s: number[]; most: number; levels: number; of: number; data: string };
 }
 
 export interface BodiesData {

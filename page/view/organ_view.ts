@@ -12,7 +12,10 @@ import type { OrganMesh } from "./skin";
 
 THREE.ColorManagement.enabled = false; // colours are shown as they are written
 
-/** `surface`: shaded skin; `edges`: the same with its edges; `wireframe`: edges alone, seen through; `cut`: tetrahedra behind a plane. */
+/**
+ * `surface`: shaded skin; `edges`: the same with its edges; `wireframe`: the edges of all tetrahedra, or of the skin where they are too many,
+ * seen through; `cut`: tetrahedra behind a plane.
+ */
 export type ViewMode = "surface" | "edges" | "wireframe" | "cut";
 
 export interface OrganViewOptions {
@@ -34,7 +37,11 @@ export interface ViewColours {
 
 const TINT = "#c4766a";
 const FIELD_DEG = 28;
+const ACROSS = 1.15; // how much broader than the field of view is high
 const KEY_TURN = Math.PI / 24;
+// Where pictures take longer than this one after the other, a body that is turned is drawn more coarsely until it stands still.
+const SLOW_MS = 50;
+const STILL_MS = 250;
 
 /**
  * One view in a container, whose size it takes; the page's style sheet has to give it one (view.css). It draws only when something
@@ -52,6 +59,7 @@ export class OrganView {
   readonly renderListeners = new Set<() => void>();
 
   private readonly renderer: THREE.WebGLRenderer;
+  private readonly isSmoothed: boolean;
   private readonly scene = new THREE.Scene();
   private readonly soup: TriangleSoup;
   private readonly material: THREE.ShaderMaterial;
@@ -64,6 +72,10 @@ export class OrganView {
   private plane: CutPlane;
   private colours: ViewColours = { background: "#ffffff", edges: "#26323c" };
   private waiting = 0;
+  private isTurning = false;
+  private isCoarse = false;
+  private turnedAt = 0; // of the last picture in a row of them; 0: none
+  private stillTimer = 0;
 
   /** Throws: Error, in words for a reader, where the mesh is broken or the browser has no WebGL. */
   constructor(readonly container: HTMLElement, mesh: OrganMesh, options: OrganViewOptions = {}) {
@@ -77,6 +89,7 @@ export class OrganView {
     this.canvas.setAttribute("role", "img");
     this.canvas.setAttribute("aria-label", `${options.label ?? "Organ"}, in 3D. Arrow keys turn it, plus and minus come nearer and go away, 0 looks as at first.`);
     this.renderer = openRenderer(this.canvas);
+    this.isSmoothed = this.renderer.getContextAttributes()?.antialias === true;
     this.legend = Object.assign(document.createElement("div"), { className: "organ-legend", hidden: true });
     container.append(this.canvas, this.legend);
 
@@ -91,6 +104,7 @@ export class OrganView {
     this.camera.up.set(...this.frame.up);
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener("change", () => {
+      this.isTurning = true;
       this.requestRender();
       for (const listener of this.cameraListeners) listener();
     });
@@ -114,6 +128,11 @@ export class OrganView {
   /** Where the vertices are now. */
   get positions(): Float32Array {
     return this.soup.positions;
+  }
+
+  /** At a vertex of the skin, of the shape that it had at first: outwards, of length 1. */
+  restNormal(vertex: number): [number, number, number] {
+    return this.soup.restNormal(vertex);
   }
 
   /** Moves the vertices; the texture sticks to the rest shape. Throws: Error if their number differs. */
@@ -151,9 +170,9 @@ export class OrganView {
 
   setMode(mode: ViewMode): void {
     this.mode = mode;
-    this.soup.showCut(mode === "cut" ? this.plane : null, this.frame);
+    this.soup.show(mode === "cut" ? this.plane : null, mode === "surface" ? "none" : mode === "wireframe" ? "all" : "drawn", this.frame);
     this.skin.visible = mode !== "wireframe";
-    this.lines.visible = mode !== "surface";
+    this.lines.visible = this.hasLines;
     this.lines.material.opacity = mode === "wireframe" ? 0.75 : 0.4;
     this.requestRender();
   }
@@ -200,8 +219,9 @@ export class OrganView {
   }
 
   resetCamera(): void {
-    const { centre, radius, toEye } = this.frame;
+    const { centre, radius, toEye, up } = this.frame;
     const distance = (0.94 * radius) / Math.sin((FIELD_DEG * Math.PI) / 360);
+    this.camera.up.set(...up);
     this.camera.position.set(...toEye).multiplyScalar(distance).add(new THREE.Vector3(...centre));
     this.camera.near = distance / 200;
     this.camera.far = distance * 20;
@@ -210,6 +230,16 @@ export class OrganView {
     this.controls.maxDistance = distance * 6;
     this.fitToShape();
     this.controls.update();
+  }
+
+  /** Looks from a side, as near as now: for a picture. */
+  lookFrom(toEye: readonly [number, number, number], up: readonly [number, number, number]): void {
+    const { target } = this.controls;
+    const distance = this.camera.position.distanceTo(target);
+    this.camera.up.set(...up);
+    this.camera.position.set(...toEye).setLength(distance).add(target);
+    this.camera.lookAt(target);
+    this.requestRender();
   }
 
   /** Looks as another view does, each relative to its own frame. */
@@ -221,6 +251,7 @@ export class OrganView {
     this.controls.target.copy(other.controls.target).sub(from).multiplyScalar(scale).add(to);
     this.camera.up.copy(other.camera.up);
     this.camera.lookAt(this.controls.target);
+    this.isTurning = true;
     this.requestRender();
   }
 
@@ -233,23 +264,69 @@ export class OrganView {
   render(): void {
     if (this.waiting) cancelAnimationFrame(this.waiting);
     this.waiting = 0;
+    this.choosePrecision();
     this.soup.upload();
     this.renderer.setClearColor(this.colours.background, 1);
     this.renderer.render(this.scene, this.camera);
     for (const listener of this.renderListeners) listener();
   }
 
+  // Only a row of pictures tells how long one takes: drawing goes on when its commands have been given.
+  private choosePrecision(): void {
+    const now = performance.now();
+    if (this.isTurning) {
+      if (this.turnedAt > 0 && now - this.turnedAt > SLOW_MS) this.drawCoarsely(true);
+      this.turnedAt = now;
+      this.waitForStill();
+    }
+    this.isTurning = false;
+  }
+
+  // The browser has time for a picture once the last one is drawn; by then it may have been turned further.
+  private waitForStill(): void {
+    clearTimeout(this.stillTimer);
+    this.stillTimer = window.setTimeout(() => requestAnimationFrame(() => (this.isTurning ? this.waitForStill() : this.drawFinely())), STILL_MS);
+  }
+
+  private drawFinely(): void {
+    this.turnedAt = 0;
+    clearTimeout(this.stillTimer);
+    if (!this.isCoarse) return;
+    this.drawCoarsely(false);
+    this.render();
+  }
+
+  // Half the points in each direction, no edges on a surface, and only what looks to the eye.
+  private drawCoarsely(on: boolean): void {
+    if (this.isCoarse === on) return;
+    this.isCoarse = on;
+    this.canvas.toggleAttribute("data-coarse", on);
+    this.material.side = on ? THREE.FrontSide : THREE.DoubleSide;
+    this.lines.visible = this.hasLines;
+    this.renderer.setPixelRatio(this.pixelRatio);
+  }
+
+  private get pixelRatio(): number {
+    return Math.min(2, window.devicePixelRatio || 1) * (this.isCoarse ? 0.5 : 1);
+  }
+
+  private get hasLines(): boolean {
+    return this.mode === "wireframe" || (this.mode !== "surface" && !this.isCoarse);
+  }
+
   /** The view as a picture of `width` pixels, with its legend. */
   picture(width = 1600): HTMLCanvasElement {
+    this.drawFinely();
     const shown = this.renderer.getSize(new THREE.Vector2());
     const ratio = this.renderer.getPixelRatio();
     const height = Math.round((width * shown.y) / Math.max(1, shown.x));
-    this.renderer.setPixelRatio(1);
+    this.renderer.setPixelRatio(this.isSmoothed ? 1 : 2);
     this.renderer.setSize(width, height, false);
     this.render();
     const picture = Object.assign(document.createElement("canvas"), { width, height });
     const context = picture.getContext("2d")!;
-    context.drawImage(this.canvas, 0, 0);
+    context.imageSmoothingQuality = "high";
+    context.drawImage(this.canvas, 0, 0, width, height);
     if (this.scalars) drawLegend(context, this.scalars, this.colours.edges, Math.round(width / 50));
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(shown.x, shown.y, false);
@@ -260,6 +337,7 @@ export class OrganView {
   /** Takes the view away and gives its memory back. */
   dispose(): void {
     if (this.waiting) cancelAnimationFrame(this.waiting);
+    clearTimeout(this.stillTimer);
     this.resizing.disconnect();
     this.controls.dispose();
     this.soup.dispose();
@@ -274,17 +352,17 @@ export class OrganView {
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas.parentElement === this.container ? this.container : this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
-    this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+    this.renderer.setPixelRatio(this.pixelRatio);
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.fitToShape();
     this.requestRender();
   }
 
-  // In a window that is higher than it is broad, the field of view is that across.
+  // In a window that is not much broader than high, the field of view is that across: a body lies with its longest axis there.
   private fitToShape(): void {
     const half = Math.tan((FIELD_DEG * Math.PI) / 360);
-    this.camera.fov = this.camera.aspect >= 1 ? FIELD_DEG : (360 / Math.PI) * Math.atan(half / this.camera.aspect);
+    this.camera.fov = (360 / Math.PI) * Math.atan(half * Math.max(1, ACROSS / this.camera.aspect));
     this.camera.updateProjectionMatrix();
   }
 
@@ -319,8 +397,20 @@ export class OrganView {
 }
 
 function openRenderer(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
-  if (!canvas.getContext("webgl2", { antialias: true })) throw new Error("this browser has no WebGL 2, so nothing is drawn in 3D");
-  return new THREE.WebGLRenderer({ canvas, antialias: true });
+  const antialias = !isDrawnBySoftware();
+  if (!canvas.getContext("webgl2", { antialias })) throw new Error("this browser has no WebGL 2, so nothing is drawn in 3D");
+  return new THREE.WebGLRenderer({ canvas, antialias });
+}
+
+// Where the processor draws, smooth edges double the time of each picture.
+let software: boolean | null = null;
+function isDrawnBySoftware(): boolean {
+  if (software !== null) return software;
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl ? String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return (software = /swiftshader|llvmpipe|softpipe|software/i.test(name));
 }
 
 /** Makes views turn together. Returns what undoes it. */

@@ -1,10 +1,12 @@
-// What of a mesh is drawn: the triangles of the skin or of a cut, corner by corner, so that each corner has the normal and the figure that
-// belong to its triangle. A skin is smooth (normals at its vertices), the faces of a cut are flat.
+// What of a mesh is drawn: the triangles of the skin or of a cut, and edges. A skin is smooth: its triangles share points, which have normals.
+// The faces of a cut are flat, and figures of tetrahedra belong to triangles: each of these has three points of its own.
 import * as THREE from "three";
 import type { Scalars } from "./colour_scale";
 import type { CutPlane, Frame } from "./framing";
 import { UNKNOWN } from "./organ_material";
 import { buildFaces, meshFault, outerFaces, uniqueEdges, vertexNormals, type Faces, type OrganMesh } from "./skin";
+
+const MOST_WIRED_FACES = 150_000;
 
 export class TriangleSoup {
   readonly geometry = new THREE.BufferGeometry();
@@ -22,10 +24,16 @@ export class TriangleSoup {
   private readonly tetCount: number;
   private centroids: Float32Array | null = null;
   private scalars: Scalars | null = null;
-  private corners: Uint32Array = new Uint32Array(); // vertex of each drawn corner
+  private corners: Uint32Array = new Uint32Array(); // three vertices of each drawn triangle
   private owners = new Int32Array(); // tetrahedron of each drawn triangle
   private isFlat = new Uint8Array(); // of each drawn triangle
-  private edges: Uint32Array = new Uint32Array();
+  private points: Uint32Array = new Uint32Array(); // vertex of each drawn point
+  private pointOwners = new Int32Array(); // a tetrahedron of each drawn point
+  private flatPoints: Uint32Array = new Uint32Array(); // the first of the three points of each flat triangle
+  private edgePoints: Uint32Array = new Uint32Array(); // vertex of each point that an edge ends at
+  private wires: Uint32Array | null = null;
+  private choice = "";
+  private isAllotted = false;
   private isMoved = true;
   private isRecoloured = true;
 
@@ -46,6 +54,10 @@ export class TriangleSoup {
     if (this.tetCount > 0) this.centroids = centroidsOf(mesh);
   }
 
+  restNormal(vertex: number): [number, number, number] {
+    return [this.restNormals[3 * vertex]!, this.restNormals[3 * vertex + 1]!, this.restNormals[3 * vertex + 2]!];
+  }
+
   /** Throws: Error if the number of vertices differs. */
   setPositions(positions: Float32Array): void {
     if (positions.length !== this.positions.length)
@@ -59,12 +71,19 @@ export class TriangleSoup {
     const expected = scalars?.on === "tet" ? this.tetCount : this.positions.length / 3;
     if (scalars && scalars.values.length !== expected)
       throw new Error(`${scalars.name}: expected ${expected} figures, found ${scalars.values.length}`);
+    if ((scalars?.on === "tet") !== (this.scalars?.on === "tet")) this.isAllotted = false;
     this.scalars = scalars;
     this.isRecoloured = true;
   }
 
-  /** Draws what lies behind the plane, whole tetrahedra by their middles, or the whole skin without a plane. */
-  showCut(plane: CutPlane | null, frame: Frame): void {
+  /**
+   * Draws what lies behind the plane, whole tetrahedra by their middles, or the whole skin without a plane; with the edges of what is drawn,
+   * of all tetrahedra, or none.
+   */
+  show(plane: CutPlane | null, edges: "none" | "drawn" | "all", frame: Frame): void {
+    const choice = JSON.stringify([plane, edges]);
+    if (choice === this.choice) return;
+    this.choice = choice;
     const { centroids } = this;
     let shown = this.skinFaces;
     let isKept: (tet: number) => boolean = () => true;
@@ -75,10 +94,12 @@ export class TriangleSoup {
       shown = outerFaces(this.faces, isKept);
     }
     this.choose(shown, isKept);
+    this.allotEdges(edges === "none" ? new Uint32Array() : edges === "drawn" ? uniqueEdges(this.corners, this.positions.length / 3) : this.allEdges());
   }
 
   /** Brings what has changed to the graphics memory. */
   upload(): void {
+    if (!this.isAllotted) this.allot();
     if (this.isMoved) this.fillPlaces();
     if (this.isRecoloured) this.fillScalars();
     this.isMoved = this.isRecoloured = false;
@@ -101,26 +122,61 @@ export class TriangleSoup {
       this.owners[i] = isTurned ? outer[face]! : inner[face]!;
       this.isFlat[i] = outer[face]! >= 0 ? 1 : 0;
     });
-    this.edges = uniqueEdges(this.corners, this.positions.length / 3);
-    this.allot();
-    this.isMoved = this.isRecoloured = true;
+    this.isAllotted = false;
   }
 
   private allot(): void {
-    const count = this.corners.length;
-    this.geometry.dispose();
-    for (const [name, width] of [["position", 3], ["normal", 3], ["rest", 3], ["restNormal", 3], ["scalar", 1]] as const)
-      this.geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(width * count), width).setUsage(THREE.DynamicDrawUsage));
-    this.edgeGeometry.dispose();
-    this.edgeGeometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * this.edges.length), 3).setUsage(THREE.DynamicDrawUsage));
-    const [rest, restNormal] = [this.array("rest"), this.array("restNormal")];
-    const size = extentOf(this.rest);
-    for (let i = 0; i < count; i++) {
-      for (let axis = 0; axis < 3; axis++) {
-        rest[3 * i + axis] = this.rest[3 * this.corners[i]! + axis]! / size;
-        restNormal[3 * i + axis] = this.restNormals[3 * this.corners[i]! + axis]!;
+    const isSplit = this.scalars?.on === "tet";
+    const first = new Int32Array(this.positions.length / 3).fill(-1); // the point that smooth triangles share
+    const [points, owners, flat] = [[] as number[], [] as number[], [] as number[]];
+    const index = new Uint32Array(this.corners.length);
+    this.corners.forEach((vertex, i) => {
+      const triangle = Math.floor(i / 3);
+      const isOwn = isSplit || this.isFlat[triangle] === 1;
+      if (this.isFlat[triangle] && i % 3 === 0) flat.push(points.length);
+      if (isOwn || first[vertex]! < 0) {
+        index[i] = points.length;
+        if (!isOwn) first[vertex] = points.length;
+        points.push(vertex);
+        owners.push(this.owners[triangle]!);
+      } else {
+        index[i] = first[vertex]!;
       }
+    });
+    this.points = Uint32Array.from(points);
+    this.pointOwners = Int32Array.from(owners);
+    this.flatPoints = Uint32Array.from(flat);
+    this.geometry.dispose();
+    this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
+    for (const [name, width] of [["position", 3], ["normal", 3], ["rest", 3], ["restNormal", 3], ["scalar", 1]] as const)
+      this.geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(width * points.length), width).setUsage(THREE.DynamicDrawUsage));
+    const rest = this.array("rest");
+    copyVertices(this.points, this.rest, rest);
+    const size = extentOf(this.rest);
+    for (let i = 0; i < rest.length; i++) rest[i] = rest[i]! / size;
+    copyVertices(this.points, this.restNormals, this.array("restNormal"));
+    this.isAllotted = this.isMoved = this.isRecoloured = true;
+  }
+
+  private allotEdges(edges: Uint32Array): void {
+    const place = new Int32Array(this.positions.length / 3).fill(-1);
+    const points: number[] = [];
+    for (const vertex of edges) {
+      if (place[vertex]! >= 0) continue;
+      place[vertex] = points.length;
+      points.push(vertex);
     }
+    this.edgePoints = Uint32Array.from(points);
+    this.edgeGeometry.dispose();
+    this.edgeGeometry.setIndex(new THREE.BufferAttribute(edges.map((vertex) => place[vertex]!), 1));
+    this.edgeGeometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * points.length), 3).setUsage(THREE.DynamicDrawUsage));
+    this.isMoved = true;
+  }
+
+  // Of all tetrahedra, or of the skin where they are so many that nothing is seen through them.
+  private allEdges(): Uint32Array {
+    const isFew = this.faces.inner.length <= MOST_WIRED_FACES;
+    return (this.wires ??= uniqueEdges(isFew ? this.faces.corners : this.boundary, this.positions.length / 3));
   }
 
   private array(name: string): Float32Array {
@@ -130,10 +186,10 @@ export class TriangleSoup {
   private fillPlaces(): void {
     vertexNormals(this.positions, this.boundary, this.normals);
     const [place, normal] = [this.array("position"), this.array("normal")];
-    copyVertices(this.corners, this.positions, place);
-    copyVertices(this.corners, this.normals, normal);
-    for (let i = 0; i < this.isFlat.length; i++) if (this.isFlat[i]) flatten(place, normal, 9 * i);
-    copyVertices(this.edges, this.positions, this.edgeGeometry.getAttribute("position").array as Float32Array);
+    copyVertices(this.points, this.positions, place);
+    copyVertices(this.points, this.normals, normal);
+    for (const point of this.flatPoints) flatten(place, normal, 3 * point);
+    copyVertices(this.edgePoints, this.positions, this.edgeGeometry.getAttribute("position").array as Float32Array);
     for (const name of ["position", "normal"]) this.geometry.getAttribute(name).needsUpdate = true;
     this.edgeGeometry.getAttribute("position").needsUpdate = true;
   }
@@ -142,7 +198,7 @@ export class TriangleSoup {
     const scalar = this.array("scalar");
     const { scalars } = this;
     for (let i = 0; i < scalar.length; i++) {
-      const value = scalars ? scalars.values[scalars.on === "tet" ? this.owners[Math.floor(i / 3)]! : this.corners[i]!]! : 0;
+      const value = scalars ? scalars.values[scalars.on === "tet" ? this.pointOwners[i]! : this.points[i]!]! : 0;
       scalar[i] = Number.isFinite(value) ? value : UNKNOWN;
     }
     this.geometry.getAttribute("scalar").needsUpdate = true;

@@ -92,6 +92,54 @@ void check_off_colors(const std::string& where) {
   }
 }
 
+/// CGAL 5.5 makes room for as many vertices, faces and corners as an OFF file claims, before it reads them:
+/// none of them takes less than a byte.
+void check_off_counts(const std::string& where) {
+  const std::uintmax_t size = std::filesystem::file_size(where);
+  std::ifstream file(where, std::ios::binary);
+  std::string line;
+  std::size_t number = 0;
+  std::size_t rows = 0;  // with words, behind the header's
+  std::size_t vertices = 0;
+  const auto check = [&](double claimed, const char* what) {
+    if (claimed > static_cast<double>(size))
+      throw InputError(where, number, std::string(what) + " that " + std::to_string(size) + " bytes can hold",
+                       line);
+  };
+  while (std::getline(file, line)) {
+    ++number;
+    const std::string text = line.substr(0, line.find('#'));
+    if (number == 1 && text.find("BINARY") != std::string::npos) return;  // CGAL reads its counts as 32 bits
+    const bool is_header = rows == 0 && text.find("OFF") != std::string::npos;
+    std::istringstream words(is_header ? text.substr(text.find("OFF") + 3) : text);
+    double first = 0.0;
+    if (!(words >> first)) continue;
+    if (rows == 0) {
+      double faces = 0.0;
+      words >> faces;
+      check(first, "vertices");
+      check(faces, "faces");
+      vertices = first > 0.0 ? static_cast<std::size_t>(first) : 0;
+    } else if (rows > vertices) {
+      check(first, "corners of a face");
+    }
+    ++rows;
+  }
+}
+
+/// An element takes a byte at least: CGAL 5.5 goes through all that are claimed, be they there or not.
+void check_ply_count(const std::string& where, std::size_t number, const std::string& line) {
+  std::istringstream words(line);
+  std::string word;
+  std::string name;
+  double count = 0.0;
+  const bool is_whole = static_cast<bool>(words >> word >> name >> count);
+  const std::uintmax_t size = std::filesystem::file_size(where);
+  if (!is_whole || count < 0.0 || count > static_cast<double>(size))
+    throw InputError(where, number,
+                     "an element of at most " + std::to_string(size) + ", as the file has bytes", line);
+}
+
 /// CGAL 5.5 takes the last element of a PLY header for the owner of a property, be there one or not.
 void check_ply_header(const std::string& where) {
   std::ifstream file(where, std::ios::binary);
@@ -101,6 +149,7 @@ void check_ply_header(const std::string& where) {
     std::string word;
     std::istringstream(line) >> word;
     has_element = has_element || word == "element";
+    if (word == "element") check_ply_count(where, number, line);
     if (word == "property" && !has_element)
       throw InputError(where, number, "an element before its properties", "none");
   }
@@ -121,6 +170,7 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(where, 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
   if (path.extension() == ".stl") check_stl_is_whole(where);
+  if (path.extension() == ".off") check_off_counts(where);
   if (path.extension() == ".off") check_off_colors(where);
   if (path.extension() == ".ply") check_ply_header(where);
   std::vector<Point> points;

@@ -296,4 +296,35 @@ MotionHistory read_history(const std::filesystem::path& path, const MotionProble
   return history;
 }
 
+MotionStates::MotionStates(double duration_s, std::size_t vertices)
+    : duration_s_(duration_s),
+      vertices_(vertices),
+      most_(std::min(kMostStates, kMostNumbers / (3 * std::max<std::size_t>(1, vertices)))) {}
+
+bool MotionStates::is_due(double time_s) const {
+  if (most_ < 2) return false;
+  const double between_s = duration_s_ / static_cast<double>(most_ - 1);
+  const double next_s = between_s * static_cast<double>(states_.size());
+  return states_.size() < most_ && time_s >= next_s * (1.0 - 1e-9);
+}
+
+void MotionStates::add(double time_s, std::vector<Vec3> displacement_m) {
+  require(displacement_m.size() == vertices_, "one displacement a vertex");
+  states_.push_back({time_s, std::move(displacement_m)});
+}
+
+void MotionStates::write_beside(const std::filesystem::path& history) const {
+  if (states_.size() < 2) return;
+  nlohmann::json written{{"schema", "palpate/states/1"}, {"states", nlohmann::json::array()}};
+  for (const State& state : states_) {
+    nlohmann::json field = nlohmann::json::array();
+    for (const Vec3& u : state.displacement_m) {
+      if (!is_finite(u)) return;
+      for (const double x : {u.x, u.y, u.z}) field.push_back(std::round(1e9 * x) / 1e9);
+    }
+    written["states"].push_back({{"time_s", state.time_s}, {"displacement_m", std::move(field)}});
+  }
+  write_file_atomically(history.parent_path() / "states.json", written.dump() + "\n");
+}
+
 }  // namespace palpate::reference

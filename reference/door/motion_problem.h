@@ -120,4 +120,38 @@ void write_history(const std::filesystem::path& path, const MotionHistory& histo
 /// times rise from 0 to the duration (to 1e-9 of it).
 MotionHistory read_history(const std::filesystem::path& path, const MotionProblem& problem);
 
+/// At most kMostStates states of a motion, spread evenly over its duration, and fewer of large bodies. They
+/// are looked at and never judged: they lie in states.json beside the history (palpate/states/1):
+///
+///   {"schema": "palpate/states/1", "states": [{"time_s": 0.1, "displacement_m": [x, y, z, x, ...]}]}
+class MotionStates {
+ public:
+  static constexpr std::size_t kMostStates = 25;
+  static constexpr std::size_t kMostNumbers = 1'500'000;  ///< of all states together
+
+  MotionStates() : MotionStates(0.0, 0) {}
+  MotionStates(double duration_s, std::size_t vertices);
+
+  /// Whether the state at `time_s` is to be added. The first and the last moment always are.
+  bool is_due(double time_s) const;
+
+  /// Adds a state. Shape: one displacement a vertex, in m. Throws: ContractError for another number.
+  void add(double time_s, std::vector<Vec3> displacement_m);
+
+  /// Writes them, to a nanometre, beside a history; nothing if a body is too large for two, or one is not
+  /// finite. Throws: InputError if the file cannot be written.
+  void write_beside(const std::filesystem::path& history) const;
+
+ private:
+  struct State {
+    double time_s = 0.0;
+    std::vector<Vec3> displacement_m;
+  };
+
+  double duration_s_;
+  std::size_t vertices_;
+  std::size_t most_;
+  std::vector<State> states_;
+};
+
 }  // namespace palpate::reference

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/dynamics/motion/integrator_kind.h"
-#include "core/dynamics/motion/motion_model.h"
+#include "core/dynamics/motion/spring_damping.h"
 #include "core/mesh/tet_mesh.h"
 #include "reference/door/motion_problem.h"
 

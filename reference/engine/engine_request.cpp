@@ -27,6 +27,7 @@ using nlohmann::json;
 constexpr double kThesisTickS = 5e-3;  ///< the thesis takes one step at each tick of its timer (4.2.9)
 constexpr double kMostSeconds = 1e9;
 constexpr std::int64_t kMostCount = 536'870'912;
+constexpr std::int64_t kMostFrames = 1'000'000;
 
 /// The text of a CSV as columns and rows; an empty cell is null.
 void add_table(const std::string& csv, json& out) {
@@ -67,6 +68,7 @@ struct ReplayOptions {
   double stop_after_s = 0.0;  ///< 0: never
   double most_output_bytes = 0.0;
   bool setup_only = false;
+  std::uint64_t frames = 0;  ///< in place of the scene's; 0: the scene's
 };
 
 ReplayOptions take_replay_options(json& left) {
@@ -74,6 +76,7 @@ ReplayOptions take_replay_options(json& left) {
   out.stop_after_s = take_number(left, "stop_after_s", 0.0, kMostSeconds, 0.0);
   out.most_output_bytes = 1e9 * take_number(left, "max_output_gb", 0.0, kMostSeconds, kMostOutputBytes / 1e9);
   out.setup_only = take_option<bool>(left, "setup_only", &json::is_boolean, "true or false", false);
+  out.frames = static_cast<std::uint64_t>(take_whole(left, "frames", 0, kMostFrames, 0));
   return out;
 }
 
@@ -106,11 +109,12 @@ void clear_folder(const Request& request, const MovingTask& task, const MotionSe
   remove_earlier_results(request.folder);
 }
 
-Response answer_replay(const MovingTask& task, const Request& request, json& left,
+Response answer_replay(MovingTask task, const Request& request, json& left,
                        const volatile std::sig_atomic_t* stop_flag) {
   const Stopwatch clock;
   const ReplayOptions options = take_replay_options(left);
   require_all_taken(left);
+  if (options.frames > 0) task.body.stepping.frames = options.frames;
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
   MotionOutput output(request.folder, task.body.motion, task.mesh);
   Response response;

@@ -112,6 +112,7 @@ class LatticeMotion {
   bool is_good() const { return is_good_; }
   double watching_s() const { return watching_s_; }
   const MotionHistory& history() const { return history_; }
+  const MotionStates& states() const { return states_; }
 
  private:
   static constexpr double kEscapeRatio = 1000.0;
@@ -156,6 +157,8 @@ class LatticeMotion {
     }
     moment.probe_m = interpolate(probes_, state_.displacement_m);
     history_.rows.push_back(history_row(task_.problem, phase.time, moment));
+    if (states_.is_due(state_.time_s))
+      states_.add(state_.time_s, interpolate(body_.vertices, state_.displacement_m));
   }
 
   springs::Embedding embed_probes() const {
@@ -169,6 +172,7 @@ class LatticeMotion {
   MotionModel model_;
   dynamics::MotionForces forces_;
   MotionHistory history_;
+  MotionStates states_{task_.problem.duration_s, task_.mesh.points.size()};
   springs::Embedding probes_ = embed_probes();
   std::vector<LatticePhase> phases_;
   double stable_step_s_ = std::numeric_limits<double>::infinity();
@@ -217,7 +221,10 @@ Response run_moving_lattice(const Request& request) {
   if (const std::string note = material_note(task.problem.body.material, wanted); !note.empty())
     response.notes.push_back(note);
   if (task.problem.frequencies > 0) report["frequencies_hz"] = motion.find_frequencies();
-  if (motion.is_good()) write_history(request.output, motion.history());
+  if (motion.is_good()) {
+    write_history(request.output, motion.history());
+    motion.states().write_beside(request.output);
+  }
   return response;
 }
 

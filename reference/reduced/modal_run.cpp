@@ -99,6 +99,7 @@ class ModalMotion {
   double kernel_s() const { return setup_s_ + stepping_s_; }
   bool is_finite() const { return is_finite_; }
   const MotionHistory& history() const { return history_; }
+  const MotionStates& states() const { return states_; }
 
  private:
   ModalPhase build_phase(const LoadPhase& phase) const {
@@ -149,6 +150,10 @@ class ModalMotion {
     std::vector<double> row = history_row(task_.problem, phase, moment);
     for (const double number : row) is_finite_ = is_finite_ && std::isfinite(number);
     history_.rows.push_back(std::move(row));
+    if (!states_.is_due(time_s)) return;
+    std::vector<Vec3> field = moving.state().displacement_m;
+    field.resize(task_.mesh.points.size());  // behind the vertices lie the middles of edges
+    states_.add(time_s, std::move(field));
   }
 
   const MotionTask& task_;
@@ -156,6 +161,7 @@ class ModalMotion {
   dynamics::ElementSpace space_;
   dynamics::ElementMatrices body_;
   MotionHistory history_;
+  MotionStates states_{task_.problem.duration_s, task_.mesh.points.size()};
   StepPlan plan_;
   std::uint64_t steps_ = 0;
   double longest_step_s_ = 0.0;
@@ -216,7 +222,10 @@ Response run_modal_motion(const Request& request) {
   motion.run();
   response.kernel_s = std::min(motion.kernel_s(), start.seconds());
   motion.report(response);
-  if (motion.is_finite()) write_history(request.output, motion.history());
+  if (motion.is_finite()) {
+    write_history(request.output, motion.history());
+    motion.states().write_beside(request.output);
+  }
   return response;
 }
 

@@ -11,6 +11,7 @@
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/motion_run.h"
 #include "reference/door/json_file.h"
+#include "reference/door/motion_problem.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_request.h"
 #include "reference/elastic_models/stepped_motion.h"
@@ -69,7 +70,8 @@ class PhaseRunner {
         moving_(moving),
         options_(options),
         plan_(plan_steps(problem, step_s, kMostSteps)),
-        history_{history_columns(problem), {}} {}
+        history_{history_columns(problem), {}},
+        states_(problem.duration_s, moving.phases.front().model.mass_kg.size()) {}
 
   void run() {
     state_ = start_at_rest(moving_.phases.front().model);
@@ -90,6 +92,7 @@ class PhaseRunner {
   }
 
   const MotionHistory& history() const { return history_; }
+  const MotionStates& states() const { return states_; }
   MotionOutcome outcome() const { return report_.outcome; }
   double watching_s() const { return watching_s_; }
 
@@ -121,6 +124,7 @@ class PhaseRunner {
                          energy.load_j, forces.group_forces(state), {}};
     for (const Index probe : problem_.probes) moment.probe_m.push_back(state.displacement_m[probe]);
     history_.rows.push_back(history_row(problem_, phase.time, moment));
+    if (states_.is_due(time_s)) states_.add(time_s, state.displacement_m);
   }
 
   const MotionProblem& problem_;
@@ -128,6 +132,7 @@ class PhaseRunner {
   const Options& options_;
   StepPlan plan_;
   MotionHistory history_;
+  MotionStates states_;
   MotionState state_;
   dynamics::MotionReport report_;
   double longest_step_s_ = 0.0;
@@ -173,8 +178,10 @@ Response run_motion_request(const Request& request) {
   response.report["spring_damping_n_s_per_m"] = moving.spring_damping_n_s_per_m;
   response.report["vertex_damping_n_s_per_m"] = moving.vertex_damping_n_s_per_m;
   if (task.problem.frequencies > 0) response.report["frequencies_hz"] = moving.modes.frequency_hz;
-  if (runner.outcome() == MotionOutcome::kCompleted || runner.outcome() == MotionOutcome::kUnsolved)
+  if (runner.outcome() == MotionOutcome::kCompleted || runner.outcome() == MotionOutcome::kUnsolved) {
     write_history(request.output, runner.history());
+    runner.states().write_beside(request.output);
+  }
   return response;
 }
 

@@ -1,10 +1,13 @@
 """What a contest of motions has for the page of its run."""
 
+import json
+from math import isfinite
+
 from motion import stages
 from motion.motion import COARSE, MARGIN, MEASURES, UNMARKED, history_of, label_of, own_text, read_history
-from shared.page_parts import BAD, OPEN, PLAIN, Axis, Chart, Column, PageParts, Section, Table
-from shared.records import median
-from shared.run_meshes import mesh_body
+from shared.page_parts import BAD, OPEN, PLAIN, Axis, Body, Chart, Column, PageParts, Section, Table
+from shared.records import BadRun, median
+from shared.run_meshes import mesh_beside, quality_field
 
 MOST_POINTS = 160  # of one history
 SIGNALS = [("probe_1_", "_m", 1e3, "displacement of the probe", "mm"), ("tool_", "_n", 1.0, "force of the tool", "N")]
@@ -122,13 +125,40 @@ def stage_table(found):
     return Table("From simplifier to motion: what each stage costs and adds", columns, rows, file="tables/stages.csv")
 
 
+def states_beside(run, history):
+    """(time, displacement of each vertex) of the states beside a history; none where there are none, or they cannot be read, which is noted."""
+    path = history.with_suffix(".states.json") if history else None
+    if path is None or not path.is_file():
+        return []
+    from shared.mesh_view import inside  # needs numpy
+    try:
+        inside(run.folder, str(path.relative_to(run.folder)))
+        found = json.loads(path.read_text(encoding="utf-8"))
+        states = [(float(each["time_s"]), [float(x) for x in each["displacement_m"]]) for each in found["states"]]
+        if not all(isfinite(x) for time, field in states for x in (time, *field)):
+            raise ValueError("a number that is not finite")
+        return states
+    except (BadRun, OSError, ValueError, KeyError, TypeError) as error:
+        run.notes.append(f"not played: {path.name}: {error}")
+        return []
+
+
 def bodies_of(run, sections):
-    """The bodies at rest: a run keeps histories of points, not of whole bodies."""
+    """Each motion whose states were kept and are of the whole mesh, to be played; the body at rest where there is none."""
     for section in sections:
         place = "/".join(["problems", section.scene, *(f"{key}={value}" for key, value in section.sweep)])
-        body = mesh_body(run, section.title, "Bodies at rest", f"{place}/in.mesh", unit="m")
-        if body:
-            yield body
+        mesh = mesh_beside(run, f"{place}/in.mesh")
+        if mesh is None:
+            continue
+        quality = quality_field(mesh)
+        played = 0
+        for row in section.rows:
+            states = states_beside(run, row.history)
+            if len(states) > 1 and all(len(field) == 3 * len(mesh.points) for _, field in states):
+                played += 1
+                yield Body(row.label, section.title, mesh, [quality], moves=states, unit="m")
+        if not played:
+            yield Body(section.title, "Bodies at rest", mesh, [quality], unit="m")
 
 
 def page_parts(run, sections):

@@ -11,7 +11,8 @@ import numpy as np
 
 MOST_BYTES = 1_500_000  # of all bodies together, as they stand in the page
 MOST_TETS = 400_000  # of one body: more take too long to open
-MOST_FRAMES = 60  # of a motion
+MOST_FRAMES = 160  # of a motion
+MOTION_LEVELS = 2047  # of the largest displacement: finer than a picture shows, and coarse enough to be packed
 
 
 def packed(array):
@@ -44,12 +45,13 @@ def field_data(field):
 
 
 def motion_data(moves, count):
-    """Frames as 16-bit steps of the largest displacement."""
+    """Frames as steps of the largest displacement, each frame but the first as what it differs by from the one before."""
     chosen = moves if len(moves) <= MOST_FRAMES else [moves[round(k * (len(moves) - 1) / (MOST_FRAMES - 1))] for k in range(MOST_FRAMES)]
     frames = np.array([np.asarray(field, dtype=float).reshape(count, 3) for _, field in chosen])
     most = float(np.abs(frames).max()) or 1.0
-    return {"times_s": [float(time) for time, _ in chosen], "most": most, "of": len(moves),
-            "data": packed(np.rint(frames / most * 32767).astype("<i2"))}
+    steps = np.rint(frames / most * MOTION_LEVELS)
+    return {"times_s": [float(time) for time, _ in chosen], "most": most, "levels": MOTION_LEVELS, "of": len(moves),
+            "data": packed(np.diff(steps, axis=0, prepend=0.0).astype("<i2"))}
 
 
 def mesh_data(mesh):

@@ -34,6 +34,14 @@ def repeat_command(run):
     return f"./palpate run {shlex.quote(name)}" if "/" not in name and (PLANS / f"{name}.yaml").is_file() else "./palpate run plan.yaml"
 
 
+def chosen_words(chosen):
+    """The words by which a run chose its cases: --only and --case, each as often as it was given."""
+    if not isinstance(chosen, dict):
+        return ""
+    named = [(key, each) for key in ("only", "case") for each in (chosen.get(key) if isinstance(chosen.get(key), list) else [chosen.get(key)]) if isinstance(each, str)]
+    return "".join(f" --{key} {shlex.quote(each)}" for key, each in named)
+
+
 def case_command(run, case):
     return f"{repeat_command(run)} --case {shlex.quote(str(case))}"
 
@@ -64,4 +72,4 @@ def provenance_html(run):
         said.append(("Cases", f"not all of the plan: {text_of(chosen)}"))
     records = sum(len(group.records) for group in run.groups) + len(run.inputs) + len(run.references)
     said.append(("Records", f"{records:,} in records.jsonl, which all of this was worked out from"))
-    return join([tag("p", "The command that repeats it:"), tag("pre", tag("code", repeat_command(run)), class_="command"), facts_html(said), plan_html(run)])
+    return join([tag("p", "The command that repeats it:"), tag("pre", tag("code", repeat_command(run) + chosen_words(chosen)), class_="command"), facts_html(said), plan_html(run)])

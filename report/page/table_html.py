@@ -6,6 +6,7 @@ from page.markup import Markup, escape, join, tag
 
 MOST_ROWS = 400  # of a table; the rest is in its file
 FEWEST_ROWS = 20  # of a table where the page is full
+LONG_TEXT = 40  # letters: from here on a cell is broad, so that its row does not become high
 
 
 def number_text(value, digits):
@@ -17,7 +18,7 @@ def number_text(value, digits):
     size = abs(value)
     if size >= 10 ** max(5, digits) or size < 1e-4:
         return f"{value:.{digits - 1}e}"
-    return f"{value:.{digits}g}"
+    return f"{float(f'{value:.{digits}g}'):,.15g}"
 
 
 def is_number(value):
@@ -28,7 +29,9 @@ def cell(value, column, is_first):
     if is_number(value):
         return tag("td", number_text(value, column.digits), class_="number", data_value=repr(value))
     text = "" if value is None or (isinstance(value, float) and not math.isfinite(value)) else "yes" if value is True else "no" if value is False else value
-    return tag("th", text, scope="row") if is_first else tag("td", text)
+    if is_first:
+        return tag("th", text, scope="row")
+    return tag("td", text, class_="long") if len(str(text)) > LONG_TEXT else tag("td", text)
 
 
 def rows_within(table, cells):
@@ -42,7 +45,7 @@ def table_html(table, name, most_rows=MOST_ROWS):
     left = len(table.rows) - len(rows)
     heads = [tag("th", column.title, tag("span", f" {column.unit}", class_="unit") if column.unit else "", scope="col") for column in table.columns]
     body = [tag("tr", *(cell(value, column, place == 0) for place, (value, column) in enumerate(zip(row, table.columns)))) for row in rows]
-    notes = [table.note] if table.note else []
+    notes = [table.note if table.note.endswith((".", "!", "?")) else f"{table.note}."] if table.note else []
     if left > 0:
         where = f"; all are in {table.file}" if table.file else ""
         notes.append(f"The first {len(rows):,} of {len(table.rows):,} rows{where}.")

@@ -275,7 +275,7 @@ def timing_summary(run):
                      *interval_text(timing), seconds_text(timing["wall_median_s"]), "" if memory is None else f"{memory / 2**20:.0f} MiB",
                      "" if rate is None else f"{rate:,.0f}", group.count_note])
     header = ["mesh", "label", "n", "kernel", "interval", "covers", "process", "memory", "tets removed/s", "note"]
-    return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no accepted answers: no times to compare"
+    return align(without_repeats(header, rows), without_repeats_rows(header, rows)) if rows else "no accepted answers with times: nothing to compare"
 
 
 def without_repeats(header, rows):

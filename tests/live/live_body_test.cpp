@@ -95,6 +95,51 @@ TEST(LiveBody, PressedMovesWithTheFingerAndComesBackOnceItIsLetGo) {
   }
 }
 
+TEST(LiveBody, SlidingToWhereItIsChangesNothingAndElsewhereMovesTheDent) {
+  for (const auto kind :
+       {dynamics::IntegratorKind::kSymplecticEuler, dynamics::IntegratorKind::kVelocityVerlet}) {
+    const BodySetup setup = make_live_cube(6);
+    ModelChoice choice = linear_tets();
+    choice.integrator = kind;
+    LiveBody still(setup, choice);
+    LiveBody sliding(setup, choice);
+    const double step_s = 0.9 * still.predict_step(kPadPaPerM).step_s;
+    for (LiveBody* body : {&still, &sliding}) press_to_rest(*body, setup.mesh);
+    sliding.slide(top_vertex(setup.mesh), kRadiusM, kPadPaPerM);
+    for (LiveBody* body : {&still, &sliding}) ASSERT_TRUE(body->step(step_s, 50));
+    for (std::size_t v = 0; v < setup.mesh.points.size();
+         ++v) {  // Verlet begins anew, with forces of this moment
+      const Vec3 apart = sliding.state().displacement_m[v] - still.state().displacement_m[v];
+      EXPECT_LT(length_sq(apart), 1e-24) << "a picometre";
+    }
+
+    Index corner = 0;  // of the top, farthest from its middle
+    double farthest_sq = 0.0;
+    for (Index v = 0; v < setup.mesh.points.size(); ++v) {
+      const Vec3 away = setup.mesh.points[v] - setup.mesh.points[top_vertex(setup.mesh)];
+      if (away.z == 0.0 && length_sq(away) > farthest_sq) {
+        farthest_sq = length_sq(away);
+        corner = v;
+      }
+    }
+    sliding.slide(corner, kRadiusM, kPadPaPerM);
+    EXPECT_EQ(sliding.pad_by_m(), still.pad_by_m());
+    for (int k = 0; k < 40; ++k) ASSERT_TRUE(sliding.step(step_s, static_cast<std::uint64_t>(0.05 / step_s)));
+    EXPECT_LT(sliding.state().displacement_m[corner].z, -0.001);
+    EXPECT_GT(sliding.state().displacement_m[top_vertex(setup.mesh)].z,
+              0.5 * still.state().displacement_m[top_vertex(setup.mesh)].z);
+  }
+}
+
+TEST(LiveBody, SlidesOnlyWithAPadOnTheSkin) {
+  const BodySetup setup = make_live_cube(3);
+  LiveBody body(setup, linear_tets());
+  EXPECT_THROW(body.slide(top_vertex(setup.mesh), kRadiusM, kPadPaPerM), InputError);
+  body.press(top_vertex(setup.mesh), kRadiusM, kPadPaPerM);
+  body.release();
+  EXPECT_THROW(body.slide(top_vertex(setup.mesh), kRadiusM, kPadPaPerM), InputError);
+}
+
 TEST(LiveBody, AtRestTheFingerBalancesTheSupports) {
   const BodySetup setup = make_live_cube(4);
   LiveBody body(setup, linear_tets());

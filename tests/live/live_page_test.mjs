@@ -98,6 +98,95 @@ async function testPressAndRelease(browser) {
   await page.close();
 }
 
+async function testPull(browser) {
+  const { page, complaints } = await open(browser, `file://${file}`);
+  await isWhole(page);
+  const [x, y] = await middleOf(page);
+  await page.mouse.move(x, y);
+  for (const [shift, sign] of [[false, "<"], [true, ">"]]) {
+    if (shift) await page.keyboard.down("Shift");
+    await page.mouse.down();
+    await until(page, "force", ">", 0.01);
+    await until(page, "finger", sign, sign === ">" ? 0.001 : -0.001, "out");
+    assert.match(await page.locator("[data-readout=finger]").textContent(), shift ? /pulling$/ : /pressing$/);
+    await page.mouse.up();
+    if (shift) await page.keyboard.up("Shift");
+    await until(page, "force", "===", 0);
+    await until(page, "state", "<", 1e-6, "largest");
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Dragged, the finger slides over the skin, as deep as it was, and the finite elements' with it. */
+async function testSlide(browser) {
+  const { page, complaints } = await open(browser, `file://${file}`);
+  await isWhole(page);
+  await page.selectOption("#live-drag", "slide");
+  const [x, y] = await middleOf(page);
+  const touched = () => page.locator(".live-touch").getAttribute("data-vertex");
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(page, "force", ">", 0.01);
+  await until(page, "energy", "<", 1e-7);
+  const [first, depth] = [await touched(), await value(page, "finger")];
+  await page.mouse.move(x + 70, y + 10, { steps: 7 });
+  await page.waitForFunction((before) => document.querySelector(".live-touch").dataset.vertex !== before, first);
+  await until(page, "energy", "<", 1e-7);
+  const mark = await page.locator(".live-touch").boundingBox();
+  const away = Math.hypot(mark.x + mark.width / 2 - (x + 70), mark.y + mark.height / 2 - (y + 10));
+  assert.ok(away < 60, `it is under the cursor, ${away} pixels away`);
+  assert.ok(Math.abs((await value(page, "finger")) - depth) < 0.02 * depth, "as deep as before");
+  assert.ok((await value(page, "force")) > 0.01, "it still presses");
+  const difference = await value(page, "difference");
+  assert.ok(difference > 0 && difference < 0.3, `the finite elements are pressed there too: ${difference}`);
+  await shoot(page, "live_slid");
+  await page.mouse.up();
+  await until(page, "force", "===", 0);
+  await until(page, "state", "<", 1e-6, "largest");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** From a scene to a fit to the page of what was fitted. */
+async function testFit(browser) {
+  const scene = join(folder, "bar.yaml");
+  const candidates = join(folder, "candidates.yaml");
+  const fitted = join(folder, "fitted");
+  const out = join(folder, "fitted.html");
+  writeFileSync(scene, `schema: palpate/scene/1
+mesh: {make: bar, vertices: 200, length_m: 0.1}
+material: {young_modulus_pa: 10000, poisson_ratio: 0.45, density_kg_m3: 1000}
+clamp: [{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+6}]
+load: [{gravity_m_s2: [0, 0, -9.81]}]
+analysis: static
+require: {error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 1000}
+`);
+  writeFileSync(candidates, `schema: palpate/candidates/1
+simplifiers: [{label: refined, method: palpate.refined, ratios: [0.3]}]
+models:
+  - {label: edge_node, method: smoothed.edge_node, works: {first: [], second: []}}
+`);
+  run("fit", scene, "-o", fitted, "--candidates", candidates);
+  run("live", fitted, "-o", out);
+  const { page, complaints } = await open(browser, `file://${out}`);
+  await isWhole(page);
+  assert.match(await page.locator(".live-head p").textContent(), /^As palpate fit chose it\./);
+  assert.equal(await page.locator("#live-model").inputValue(), "smoothed");
+  assert.equal(await page.locator("#live-smoothing").inputValue(), "edge_node");
+  const [x, y] = await middleOf(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(page, "force", ">", 0.001);
+  await until(page, "state", ">", 0.0005, "largest");
+  await shoot(page, "live_fitted");
+  await page.mouse.up();
+  await until(page, "force", "===", 0);
+  await until(page, "state", "<", 1e-5, "largest");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
 async function testKeyboardAndModels(browser) {
   const { page, complaints } = await open(browser, `file://${file}`, { colorScheme: "dark" });
   await isWhole(page);
@@ -216,7 +305,7 @@ try {
   run("make", "cube", "--vertices", "512", "-o", mesh);
   run("live", mesh, "--unit-m", "0.06", "-o", file);
   run("live", mesh, "--unit-m", "0.06", "--no-table", "-o", bare);
-  for (const test of [testPressAndRelease, testKeyboardAndModels, testBreaking, testBadData, testServer]) {
+  for (const test of [testPressAndRelease, testPull, testSlide, testFit, testKeyboardAndModels, testBreaking, testBadData, testServer]) {
     await test(browser);
     console.log(`${test.name}: ok`);
   }

@@ -283,6 +283,23 @@ test("a motion plays, stops, and its slider shows its frames", async () => {
   await close();
 });
 
+test("answers of the contest motion move side by side with one slider", async () => {
+  const { page, trouble, close } = await open(at("motion"));
+  await seeBodies(page);
+  assert.deepEqual((await page.locator(".body-views figcaption").allInnerTexts()).map((text) => text.split(" ")[0]), ["a", "b"]);
+  const seen = [];
+  for (const frame of ["0", "10"]) {
+    await page.locator(".playback input").fill(frame);
+    await settle(page);
+    seen.push(await look(page, 0), await look(page, 1));
+  }
+  assert.equal(await page.locator(".playback output").innerText(), "1.000 s");
+  assert.notEqual(seen[0].pixels, seen[2].pixels);
+  assert.notEqual(seen[1].pixels, seen[3].pixels);
+  assert.deepEqual(trouble, []);
+  await close();
+});
+
 test("the bodies are saved as a picture", async () => {
   const { page, trouble, close } = await open(at("engine"));
   await seeBodies(page);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A page of each contest, from made-up run folders, for the tests in a browser.
 
-    make_pages.py OUT SCRIPTS
+    make_pages.py OUT SCRIPTS [NAME...]
 
 Writes OUT/NAME/report.html with the scripts of the folder SCRIPTS; OUT/bare/report.html without any. The names of meshes and labels of
 OUT/simplify are markup, which has to stay text.
@@ -99,23 +99,31 @@ def make_frontier(folder):
 def make_motion(folder):
     folder.mkdir(parents=True, exist_ok=True)
     files = [motion_test.history(folder, f"{name}.csv", hz, 0.5) for name, hz in (("reference", 12.0), ("a", 13.0), ("b", 12.2))]
-    synthetic.write_mesh(folder / "problems" / "bar" / "in.mesh", *block((6, 2, 2)))
+    points, tets = block((6, 2, 2))
+    synthetic.write_mesh(folder / "problems" / "bar" / "in.mesh", points, tets)
+    for name in ("a", "b"):
+        states = [{"time_s": 0.1 * k, "displacement_m": [value for each in bent(points, 0.1 * k) for value in each]} for k in range(11)]
+        (folder / "histories" / f"{name}.states.json").write_text(json.dumps({"schema": "palpate/states/1", "states": states}), encoding="utf-8")
     test = motion_test.Motion
     synthetic.write_run(folder, [motion_test.reference(files[0]), motion_test.moved("b", files[2], test.B), motion_test.moved("a", files[1], test.A)], motion_test.PLAN)
 
 
-def make_engine(folder):
+def make_engine(folder, scenes=("soft", "stiff"), times=range(21), sizes=tuple(0.05 * (1 - abs(k - 10) / 10) for k in range(21))):
     points, tets = block((8, 3, 3), 0.1)
     synthetic.write_run(folder, engine_test.Engine.LINES, engine_test.PLAN)
     columns = ["time_s", "total_j", "largest_displacement_m", "probe_1_ux_m", "probe_1_uy_m", "probe_1_uz_m"]
-    for scene in ("soft", "stiff"):
-        sizes = [0.05 * (1 - abs(k - 10) / 10) for k in range(21)]
-        rows = [[float(k), 1e-3 * size, size, 0.0, 0.0, size] for k, size in enumerate(sizes)]
-        frames = [{"time_s": float(k), "displacement_m": [value for each in bent(points, 100 * size) for value in each]} for k, size in enumerate(sizes)]
+    for scene in scenes:
+        rows = [[float(time), 1e-3 * size, size, 0.0, 0.0, size] for time, size in zip(times, sizes)]
+        frames = [{"time_s": float(time), "displacement_m": [value for each in bent(points, 100 * size) for value in each]} for time, size in zip(times, sizes)]
         path = folder / "motions" / scene / "replay.json"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps({"columns": columns, "rows": rows, "frames": frames}), encoding="utf-8")
         synthetic.write_mesh(folder / "problems" / scene / "in.mesh", points, tets)
+
+
+def make_figures(folder):
+    """A motion at the times of the thesis's figures: pressed and let go, twice, and back."""
+    make_engine(folder, ("soft",), (0.0, 0.3, 0.32, 0.36, 1.8, 1.82, 1.86, 1.94, 3.0), (0.0, 0.05, 0.04, 0.02, 0.03, 0.025, 0.015, 0.005, 0.0))
 
 
 def make_stability(folder):
@@ -133,12 +141,16 @@ def make_verify(folder):
     synthetic.write_run(folder, lines, plan)
 
 
+PAGES = {"simplify": make_simplify, "contest": make_contest, "deform": make_deform, "frontier": make_frontier, "motion": make_motion, "engine": make_engine,
+         "stability": make_stability, "verify": make_verify, "bare": make_simplify, "figures": make_figures}
+
+
 def main(arguments):
-    out, scripts = map(pathlib.Path, arguments)
-    for name, make in (("simplify", make_simplify), ("contest", make_contest), ("deform", make_deform), ("frontier", make_frontier), ("motion", make_motion),
-                       ("engine", make_engine), ("stability", make_stability), ("verify", make_verify), ("bare", make_simplify)):
+    out, scripts, *names = arguments
+    out, scripts = pathlib.Path(out), pathlib.Path(scripts)
+    for name in names or [each for each in PAGES if each != "figures"]:
         folder = out / name
-        make(folder)
+        PAGES[name](folder)
         code = make_report.main([str(folder), "--scripts", str(scripts if name != "bare" else out / "none"), *(["--no-charts"] if name not in ("simplify", "bare") else [])])
         if code not in (0, 1):
             return code

@@ -6,6 +6,23 @@ import { pathToFileURL } from "node:url";
 
 const PATIENCE = 120_000; // on a machine that does much else
 
+/** How many pixels of a PNG differ from its corner, of how many; and all of them as text, to compare. The page draws it. */
+export async function readPixels(page, png) {
+  return page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = data;
+    await image.decode();
+    const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0);
+    const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
+    let drawn = 0;
+    for (let i = 0; i < pixels.length; i += 4)
+      if (Math.abs(pixels[i] - pixels[0]) + Math.abs(pixels[i + 1] - pixels[1]) + Math.abs(pixels[i + 2] - pixels[2]) > 30) drawn++;
+    return { drawn, of: pixels.length / 4, pixels: Array.from(pixels).join() };
+  }, `data:image/png;base64,${png.toString("base64")}`);
+}
+
 /** A browser, and what reads pages with it. */
 export async function startReader(root) {
   const { chromium } = createRequire(join(root, "page", "package.json"))("playwright-core");
@@ -37,6 +54,7 @@ export async function startReader(root) {
   }
 
   async function settle(page) {
+    await page.waitForFunction(() => !document.querySelector("canvas[data-coarse]"));
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
 
@@ -48,22 +66,10 @@ export async function startReader(root) {
     await settle(page);
   }
 
-  /** How many pixels of a view differ from its corner, of how many; and all of them as text, to compare. */
+  /** readPixels of a view. */
   async function look(page, number = 0) {
     const shot = await page.locator("canvas.organ-canvas").nth(number).screenshot();
-    return page.evaluate(async (data) => {
-      const image = new Image();
-      image.src = data;
-      await image.decode();
-      const canvas = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height });
-      const context = canvas.getContext("2d");
-      context.drawImage(image, 0, 0);
-      const { data: pixels } = context.getImageData(0, 0, image.width, image.height);
-      let drawn = 0;
-      for (let i = 0; i < pixels.length; i += 4)
-        if (Math.abs(pixels[i] - pixels[0]) + Math.abs(pixels[i + 1] - pixels[1]) + Math.abs(pixels[i + 2] - pixels[2]) > 30) drawn++;
-      return { drawn, of: pixels.length / 4, pixels: Array.from(pixels).join() };
-    }, `data:image/png;base64,${shot.toString("base64")}`);
+    return readPixels(page, shot);
   }
 
   return { browser, chromium, flags, look, open, PATIENCE, seeBodies, settle };

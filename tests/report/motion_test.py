@@ -1,10 +1,13 @@
 """The report of a contest of motions, on made-up records and histories."""
 
+import json
 import math
 import unittest
 
 from support import ReportTest
 import synthetic
+from motion import motion, motion_page
+from shared import records
 
 PLAN = {"question": "How far off?", "contest": "motion", "scenes": ["bar"], "contestants": [{"method": "moving_springs.a", "label": "a"},
                                                                                            {"method": "moving_springs.b", "label": "b"}]}
@@ -95,6 +98,30 @@ class Motion(ReportTest):
         code, _, err = self.report()
         self.assertEqual(code, 2)
         self.assertIn("a.csv", err)
+
+    def bodies(self):
+        """What the page shows in 3D, by title, and what it says of what it does not."""
+        run = records.read_run(self.folder)
+        return {body.title: body for body in motion_page.bodies_of(run, motion.read_sections(run))}, " ".join(run.notes)
+
+    def keep_states(self, name, states):
+        (self.folder / "histories" / f"{name}.states.json").write_text(
+            json.dumps({"schema": "palpate/states/1", "states": [{"time_s": time, "displacement_m": field} for time, field in states]}), encoding="utf-8")
+
+    def test_states_beside_a_history_are_played_and_broken_ones_are_said(self):
+        synthetic.write_mesh(self.folder / "problems" / "bar" / "in.mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)])
+        self.write()
+        self.assertEqual([body.group for body in self.bodies()[0].values()], ["Bodies at rest"])
+        self.keep_states("a", [(0.0, [0.0] * 12), (0.5, [0.1] * 12), (1.0, [0.0] * 12)])
+        self.keep_states("b", [(0.0, [0.0] * 12), (1.0, [0.1] * 9)])  # of a mesh of three vertices: another one
+        found, notes = self.bodies()
+        self.assertEqual([(title, [time for time, _ in body.moves]) for title, body in found.items()], [("a", [0.0, 0.5, 1.0])])
+        self.assertNotIn("not played", notes)
+        for broken in ("{", "[]", '{"states": [{"time_s": 0, "displacement_m": [NaN]}]}', '{"states": 3}', '{"states": [{"time_s": "now"}]}'):
+            (self.folder / "histories" / "b.states.json").write_text(broken, encoding="utf-8")
+            found, notes = self.bodies()
+            self.assertEqual(list(found), ["a"], broken)
+            self.assertIn("not played: b.states.json", notes, broken)
 
     def test_without_histories_there_are_still_errors(self):
         synthetic.write_run(self.folder, [reference(None), moved("a", None, self.A)], PLAN)

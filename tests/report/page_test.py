@@ -15,7 +15,7 @@ import numpy as np
 from support import ReportTest
 import compare_page
 import synthetic
-from page import bodies_json, chart_html, markup, table_html
+from page import bodies_json, chart_html, facts, markup, table_html
 from shared.mesh_file import Mesh
 from shared.page_parts import Axis, Body, Chart, Column, Field, Table
 
@@ -242,10 +242,10 @@ class Bodies(unittest.TestCase):
     def test_a_motion_comes_back_to_half_a_step_and_keeps_its_ends(self):
         moves = [(0.1 * k, np.full((30, 3), 1e-3 * k)) for k in range(200)]
         data = bodies_json.body_data(Body("a", "g", self.MESH, moves=moves))["motion"]
-        frames = self.unpack(data["data"], "<i2").reshape(len(data["times_s"]), 30, 3) * data["most"] / 32767
+        frames = np.cumsum(self.unpack(data["data"], "<i2").reshape(len(data["times_s"]), 30, 3).astype(int), axis=0) * data["most"] / data["levels"]
         self.assertEqual((len(frames), data["of"], data["times_s"][0]), (bodies_json.MOST_FRAMES, 200, 0.0))
         self.assertAlmostEqual(data["times_s"][-1], 19.9)
-        self.assertLessEqual(np.abs(frames[:, 0, 0] - 1e-2 * np.array(data["times_s"])).max(), 0.5 * data["most"] / 32767 + 1e-12)
+        self.assertLessEqual(np.abs(frames[:, 0, 0] - 1e-2 * np.array(data["times_s"])).max(), 0.5 * data["most"] / data["levels"] + 1e-12)
 
     def test_figures_that_do_not_fit_the_mesh_are_refused(self):
         with self.assertRaisesRegex(ValueError, "expected 2 figures, found 3"):
@@ -254,11 +254,21 @@ class Bodies(unittest.TestCase):
 
 class Parts(unittest.TestCase):
     def test_numbers_are_short_in_a_cell_and_whole_beside_it(self):
-        for value, digits, text in ((0.123456, 4, "0.1235"), (1234567, 4, "1,234,567"), (1.5e-7, 3, "1.50e-07"), (12.0, 4, "12"), (-0.5, 4, "-0.5"), (123456.7, 4, "1.235e+05")):
+        for value, digits, text in ((0.123456, 4, "0.1235"), (1234567, 4, "1,234,567"), (1.5e-7, 3, "1.50e-07"), (12.0, 4, "12"), (-0.5, 4, "-0.5"), (123456.7, 4, "1.235e+05"), (6386.5, 4, "6,386"),
+                                    (1e-4, 3, "0.0001")):
             self.assertEqual(table_html.number_text(value, digits), text)
         shown = table_html.table_html(Table("t", [Column("a"), Column("b", "ms")], [["x", 0.123456], ["y", None], ["z", float("nan")]]), "t")
         self.assertIn('data-value="0.123456">0.1235</td>', shown)
         self.assertNotIn("nan", shown)
+
+    def test_long_words_have_a_broad_cell_and_a_note_ends_with_a_full_stop(self):
+        shown = table_html.table_html(Table("t", [Column("a"), Column("b")], [["x", "short"], ["y", "a reason " * 9]], note="No stop", file="t.csv"), "t")
+        self.assertEqual(shown.count('class="long"'), 1)
+        self.assertIn("No stop. Also in t.csv.", shown)
+
+    def test_the_command_that_repeats_a_run_chooses_the_same_cases(self):
+        for chosen, words in (({"only": ["kidney", "a b"]}, " --only kidney --only 'a b'"), ({"case": "x/y"}, " --case x/y"), (None, ""), (3, ""), ({"only": 3}, "")):
+            self.assertEqual(facts.chosen_words(chosen), words)
 
     def test_what_is_no_number_is_null_in_data(self):
         self.assertEqual(markup.plain({"a": [float("nan"), float("inf"), 0.1 + 0.2, True, None]}), {"a": [None, None, 0.3, True, None]})

@@ -69,11 +69,6 @@ bool appears(const fs::path& file) {
   return holds_in_time([&] { return fs::exists(file); });
 }
 
-int full_or(int full, int quick) {
-  const char* mode = std::getenv("PALPATE_FULL");
-  return mode != nullptr && *mode != '\0' ? full : quick;
-}
-
 HostileContestant::HostileContestant(const std::string& text) {
   fs::create_directory(folder_ / "hostile");
   folder_.add("hostile/adapter.py", kStart + text);

@@ -72,7 +72,4 @@ class StartedProgram {
 /// Waits up to half a minute until the file is there; false if it never is.
 bool appears(const std::filesystem::path& file);
 
-/// `full` in the full mode of the tests, else `quick`.
-int full_or(int full, int quick);
-
 }  // namespace palpate::test

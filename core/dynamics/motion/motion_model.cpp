@@ -5,15 +5,12 @@
 #include <string>
 
 #include "core/base/component.h"
-#include "core/base/enum_names.h"
 #include "core/base/error.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/mesh/geometry.h"
 
 namespace palpate::dynamics {
 namespace {
-
-constexpr EnumNames<SpringDamping, 2> kDampingNames{"spring damping", {"axial", "isotropic"}};
 
 void check_sizes(const MotionModel& model) {
   const std::size_t n = model.elastic.rest.size();
@@ -37,14 +34,6 @@ void check_not_negative(const std::vector<double>& values, const char* where) {
 }
 
 }  // namespace
-
-SpringDamping parse_spring_damping(std::string_view name) {
-  return kDampingNames.parse(name);
-}
-
-const char* spring_damping_name(SpringDamping damping) {
-  return kDampingNames.of(damping);
-}
 
 void validate(const MotionModel& model) {
   check_sizes(model);

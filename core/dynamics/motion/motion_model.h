@@ -2,26 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include "core/dynamics/elasticity/elastic_model.h"
 #include "core/dynamics/elasticity/loads.h"
+#include "core/dynamics/motion/spring_damping.h"
 #include "core/dynamics/motion/time_profile.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::dynamics {
-
-/// How a spring resists the relative velocity w = v_b - v_a of its ends (force on a):
-///
-///   kAxial      c (w . n) n, n along the spring: a rotation is not resisted
-///   kIsotropic  c w, as the thesis's eq. 3.2 has it (sign corrected): resists rotations too
-enum class SpringDamping { kAxial, kIsotropic };
-
-/// "axial" or "isotropic". Throws: InputError.
-SpringDamping parse_spring_damping(std::string_view name);
-/// The name that parse_spring_damping reads.
-const char* spring_damping_name(SpringDamping damping);
 
 /// Loads that grow and shrink together: dead loads, and how far supports and held vertices are moved, are
 /// multiplied by the profile's share. A support is there, and a vertex held, whatever the share.

@@ -14,6 +14,7 @@
 #include "core/springs/identification/stiffness_fit.h"
 #include "core/springs/identification/thesis_rows.h"
 #include "core/springs/network/network.h"
+#include "core/springs/network/weak_vertices.h"
 #include "core/springs/solvers/nonnegative_least_squares.h"
 
 namespace palpate::springs {
@@ -22,28 +23,10 @@ namespace {
 constexpr double kNetworkRatio = 0.25;  ///< Poisson's ratio of every isotropic network of springs
 constexpr std::size_t kNamedVertices = 5;
 
-std::string text_of(double value) {
-  std::string text;
-  append_number(text, value);
-  return text;
-}
-
 std::string rounded(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.4g", value);
   return text.data();
-}
-
-void check_positive(double value, const std::string& what) {
-  if (!(value > 0.0) || !std::isfinite(value))
-    throw InputError(what, 0, "a finite number above 0", text_of(value));
-}
-
-void check_options(const IdentifyOptions& options) {
-  if (options.uniform_stiffness_n_per_m) check_positive(*options.uniform_stiffness_n_per_m, "stiffness");
-  check_positive(options.stiffness_row_weight, "row_weight");
-  check_positive(options.patch_length, "patch_length");
-  check_positive(options.tolerance, "tolerance");
 }
 
 void take_solver_report(const NonnegativeReport& solve, IdentifyReport& report) {
@@ -104,10 +87,11 @@ void run_method(const TetMesh& mesh, const Material& material, const IdentifyOpt
 
 void warn_of_ratio(const Material& material, IdentifyReport& report) {
   if (std::abs(material.poisson_ratio - kNetworkRatio) < 1e-9) return;
-  report.warnings.push_back(
-      "springs alone give Poisson's ratio 0.25, not " + text_of(material.poisson_ratio) +
-      "; with a volume model for the rest, identify for E = 2.5 mu = " + rounded(2.5 * material.mu_pa()) +
-      " Pa and 0.25");
+  std::string ratio;
+  append_number(ratio, material.poisson_ratio);
+  report.warnings.push_back("springs alone give Poisson's ratio 0.25, not " + ratio +
+                            "; with a volume model for the rest, identify for E = 2.5 mu = " +
+                            rounded(2.5 * material.mu_pa()) + " Pa and 0.25");
 }
 
 void warn_of_stiffness(IdentifyReport& report) {
@@ -174,39 +158,6 @@ void require_volumes(const TetMesh& mesh) {
 }
 
 }  // namespace
-
-const std::vector<std::string>& spring_method_names() {
-  static const std::vector<std::string> names{"uniform",          "van_gelder",    "lloyd",
-                                              "maciel",           "stiffness_fit", "thesis_printed",
-                                              "thesis_corrected", "isotropy",      "isotropy_patch"};
-  return names;
-}
-
-const char* spring_method_name(SpringMethod method) {
-  return spring_method_names().at(static_cast<std::size_t>(method)).c_str();
-}
-
-SpringMethod parse_spring_method(std::string_view name) {
-  const std::vector<std::string>& names = spring_method_names();
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    std::string known;
-    for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
-    throw InputError("spring method", 0, "one of " + known, "\"" + std::string(name) + "\"");
-  }
-  return static_cast<SpringMethod>(found - names.begin());
-}
-
-void check_material(const Material& material, const std::string& prefix) {
-  check_positive(material.young_modulus_pa, prefix + "young_modulus_pa");
-  const double nu = material.poisson_ratio;
-  if (!(nu > -1.0 && nu < 0.5))
-    throw InputError(prefix + "poisson_ratio", 0, "a number above -1 and below 0.5", text_of(nu));
-  if (!(material.density_kg_m3 >= 0.0) || !std::isfinite(material.density_kg_m3)) {
-    throw InputError(prefix + "density_kg_m3", 0, "a finite number of at least 0",
-                     text_of(material.density_kg_m3));
-  }
-}
 
 SpringNetwork identify_springs(const TetMesh& mesh, const Material& material, SpringMethod method,
                                const IdentifyOptions& options, IdentifyReport& report) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 
 namespace palpate::springs {
 namespace {
@@ -14,6 +15,17 @@ std::vector<SpringMethod> all_methods() {
   std::vector<SpringMethod> methods;
   for (const std::string& name : spring_method_names()) methods.push_back(parse_spring_method(name));
   return methods;
+}
+
+std::string text_of(double value) {
+  std::string text;
+  append_number(text, value);
+  return text;
+}
+
+void check_positive(double value, const std::string& what) {
+  if (!(value > 0.0) || !std::isfinite(value))
+    throw InputError(what, 0, "a finite number above 0", text_of(value));
 }
 
 std::string quoted(std::string_view text) {
@@ -39,6 +51,46 @@ bool takes(const SpringOption& option, SpringMethod method) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& spring_method_names() {
+  static const std::vector<std::string> names{"uniform",          "van_gelder",    "lloyd",
+                                              "maciel",           "stiffness_fit", "thesis_printed",
+                                              "thesis_corrected", "isotropy",      "isotropy_patch"};
+  return names;
+}
+
+const char* spring_method_name(SpringMethod method) {
+  return spring_method_names().at(static_cast<std::size_t>(method)).c_str();
+}
+
+SpringMethod parse_spring_method(std::string_view name) {
+  const std::vector<std::string>& names = spring_method_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    std::string known;
+    for (const std::string& other : names) known += (known.empty() ? "" : ", ") + other;
+    throw InputError("spring method", 0, "one of " + known, "\"" + std::string(name) + "\"");
+  }
+  return static_cast<SpringMethod>(found - names.begin());
+}
+
+void check_material(const Material& material, const std::string& prefix) {
+  check_positive(material.young_modulus_pa, prefix + "young_modulus_pa");
+  const double nu = material.poisson_ratio;
+  if (!(nu > -1.0 && nu < 0.5))
+    throw InputError(prefix + "poisson_ratio", 0, "a number above -1 and below 0.5", text_of(nu));
+  if (!(material.density_kg_m3 >= 0.0) || !std::isfinite(material.density_kg_m3)) {
+    throw InputError(prefix + "density_kg_m3", 0, "a finite number of at least 0",
+                     text_of(material.density_kg_m3));
+  }
+}
+
+void check_options(const IdentifyOptions& options) {
+  if (options.uniform_stiffness_n_per_m) check_positive(*options.uniform_stiffness_n_per_m, "stiffness");
+  check_positive(options.stiffness_row_weight, "row_weight");
+  check_positive(options.patch_length, "patch_length");
+  check_positive(options.tolerance, "tolerance");
+}
 
 std::span<const SpringOption> spring_options() {
   static const std::array<SpringOption, 5> options{{

@@ -55,23 +55,6 @@ VertexSprings build_vertex_springs(const SpringNetwork& network, std::size_t ver
 /// Unit direction of each spring, from its first vertex to its second.
 std::vector<Vec3> build_spring_directions(const TetMesh& mesh, const SpringNetwork& network);
 
-/// The bound of find_degenerate_vertices.
-inline constexpr double kFlatFan = 0.03;
-
-/// Vertices whose constants rest on too few directions: those of one tet, and flat fans, whose springs lie
-/// within kFlatFan of a plane (root mean square of the sine of the angle between spring and plane). Sorted.
-std::vector<Index> find_degenerate_vertices(const TetMesh& mesh, const SpringNetwork& network);
-
-/// The bound of find_hanging_vertices.
-inline constexpr double kHanging = 1e-6;
-
-/// Vertices that their springs don't hold: the least eigenvalue of sum k e e^T over the springs at the vertex
-/// is below kHanging of what it is on average where they are as stiff as the solid, 4 E V_m / (mean U^2).
-/// Such a vertex can move without resistance while all others stand still, so the network has no stable
-/// equilibrium. Sorted. Requires: young_modulus_pa > 0.
-std::vector<Index> find_hanging_vertices(const TetMesh& mesh, const SpringNetwork& network,
-                                         double young_modulus_pa);
-
 /// Per vertex, the sum of k U^2 over its springs, divided by 12 E V_m: 1 where the network is as stiff as the
 /// solid (thesis 3.4, with its lost factor 1/2 restored). Mean over all: sum of k U^2 over springs / (6 E V).
 std::vector<double> build_stiffness_ratios(const SpringNetwork& network,

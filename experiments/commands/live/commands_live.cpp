@@ -5,7 +5,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/springs/identification/identify.h"
+#include "core/springs/identification/identify_options.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/live/live_page.h"

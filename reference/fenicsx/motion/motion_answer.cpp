@@ -73,7 +73,10 @@ Response answer_motion(const Request& request) {
     response.report["frequencies_hz"] = find_frequencies(mesh, problem, body, problem.frequencies);
     response.report["frequencies_s"] = frequencies_watch.seconds();
   }
-  if (found.outcome == "completed") write_history(request.output, found.history);
+  if (found.outcome == "completed") {
+    write_history(request.output, found.history);
+    if (options.refine == 0) found.states.write_beside(request.output);
+  }
   return response;
 }
 

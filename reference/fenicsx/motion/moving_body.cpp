@@ -167,6 +167,20 @@ void MovingBody::append_tools(const std::vector<std::size_t>& groups, const Moti
   }
 }
 
+std::vector<Vec3> MovingBody::at_vertices(const MotionState& state) const {
+  const LocalEntries entries(state.displacement.get());
+  std::vector<double> all(3 * mesh_.points.size());
+  for (std::size_t node = 0; node < body_.owned_nodes(); ++node) {
+    const auto [a, b] = body_.nodes()[node];
+    if (a == b) std::copy_n(&entries[3 * node], 3, all.begin() + 3 * static_cast<std::ptrdiff_t>(a));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size()), MPI_DOUBLE, MPI_SUM,
+                PETSC_COMM_WORLD);
+  std::vector<Vec3> found;
+  for (std::size_t k = 0; k < all.size(); k += 3) found.push_back({all[k], all[k + 1], all[k + 2]});
+  return found;
+}
+
 void MovingBody::append_probes(const MotionState& state, std::vector<double>& row) const {
   const LocalEntries entries(state.displacement.get());
   for (const std::size_t node : probe_nodes_) {

@@ -45,6 +45,8 @@ class MovingBody {
   Vector residual(const std::vector<std::size_t>& groups, const MotionState& state) const;
   /// The row of the history.
   std::vector<double> measure(const std::vector<std::size_t>& groups, const MotionState& state) const;
+  /// The displacement of each vertex of the mesh.
+  std::vector<Vec3> at_vertices(const MotionState& state) const;
 
  private:
   struct Group {

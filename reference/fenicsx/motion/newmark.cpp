@@ -105,16 +105,20 @@ class Stepping {
     const double h = (phase.to_s - phase.from_s) / static_cast<double>(steps);
     found_.time_step_s = std::max(found_.time_step_s, h);
     if (!start(phase.from_s)) return false;
-    if (is_first) found_.history.rows.push_back(moving_.measure(groups_, state_));
+    if (is_first) add_row();
     StepSystem system(build_matrix(h), held_, direct_);
     for (std::uint64_t k = 1; k <= steps; ++k) {
       state_.time_s = k == steps ? phase.to_s : phase.from_s + static_cast<double>(k) * h;
       if (!step(system, h)) return false;
       ++found_.steps;
-      if (found_.steps % stride_ == 0 || (is_last && k == steps))
-        found_.history.rows.push_back(moving_.measure(groups_, state_));
+      if (found_.steps % stride_ == 0 || (is_last && k == steps)) add_row();
     }
     return true;
+  }
+
+  void add_row() {
+    found_.history.rows.push_back(moving_.measure(groups_, state_));
+    if (found_.states.is_due(state_.time_s)) found_.states.add(state_.time_s, moving_.at_vertices(state_));
   }
 
   /// M (1 + gamma h alpha) + K h (gamma beta + h / 4) + supports h^2 / 4.
@@ -209,6 +213,7 @@ Motion find_motion(const TetMesh& mesh, const MotionProblem& problem, ElasticBod
   const bool direct = options.solver == SolverChoice::kAuto ? body.global_nodes() <= kMostNodesForMumps
                                                             : options.solver == SolverChoice::kMumps;
   Motion found;
+  found.states = MotionStates(problem.duration_s, mesh.points.size());
   found.solver = direct ? "mumps" : "conjugate gradients";
   found.history.columns = history_columns(problem);
   const MovingBody moving(mesh, problem, body, direct ? "aij" : "baij");

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "reference/door/motion_problem.h"
 #include "reference/fenicsx/motion/moving_body.h"
 #include "reference/fenicsx/statics/linear_solver.h"
 
@@ -18,6 +19,7 @@ struct NewmarkOptions {
 struct Motion {
   std::string outcome;  ///< "completed" or "not_converged"
   MotionHistory history;
+  MotionStates states;  ///< at the mesh's vertices
   std::string solver;
   std::uint64_t steps = 0;
   std::uint64_t linear_iterations = 0;

@@ -20,6 +20,7 @@
 #include "core/base/random.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
+#include "tests/support/full_mode.h"
 #include "tests/support/hostile_contestant.h"
 
 namespace palpate::experiments {

@@ -7,6 +7,7 @@
 #include "core/judge/surface/surface.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/cgal_oracle.h"
+#include "tests/support/full_mode.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::judge {
@@ -38,8 +39,10 @@ TEST(SelfIntersections, CountingEndsAtAMillion) {
     }
     return count_self_intersections(same);
   };
-  EXPECT_EQ(pairs_of(1400), 1400U * 1399U / 2U);
+  EXPECT_EQ(pairs_of(200), 200U * 199U / 2U);
   EXPECT_EQ(pairs_of(1500), kMostSelfIntersections);
+  if (!test::is_full()) return;
+  EXPECT_EQ(pairs_of(1400), 1400U * 1399U / 2U);
   EXPECT_EQ(pairs_of(4000), kMostSelfIntersections);
 }
 

@@ -24,6 +24,7 @@
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/refined.h"
 #include "core/simplify/tet_operations/smoothing.h"
+#include "tests/support/full_mode.h"
 #include "tests/support/hard_meshes.h"
 
 namespace palpate::simplify {
@@ -203,7 +204,7 @@ TEST(Audit, EveryMethodOnEveryHardMeshEndsValidOrRefuses) {
   Operations done;
   for (const HardMesh& hard : small_hard_meshes(seed)) {
     for (const Method method : kMethods) {
-      for (std::uint64_t run = 0; run < 3; ++run) {
+      for (std::uint64_t run = 0; run < static_cast<std::uint64_t>(test::full_or(3, 1)); ++run) {
         SCOPED_TRACE(std::string(name_of(method)) + " on " + hard.name + ", seed " +
                      std::to_string(seed + run));
         run_and_check(method, hard.mesh, seed + run, done);

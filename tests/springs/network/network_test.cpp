@@ -14,6 +14,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "core/springs/identification/closed_forms.h"
+#include "core/springs/network/weak_vertices.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::springs {

@@ -1,0 +1,147 @@
+#include "experiments/campaign/campaign.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "core/base/atomic_file.h"
+#include "core/base/error.h"
+#include "experiments/files/output_file.h"
+#include "experiments/files/places.h"
+#include "experiments/records/record_file.h"
+#include "experiments/records/run_folder.h"
+#include "experiments/rounds/case_groups.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+constexpr double kMebibyte = 1024.0 * 1024.0;
+constexpr double kMemoryMargin = 1.25;
+constexpr std::size_t kOwnMemoryMib =
+    1024;  // of the program, and of its judge on a mesh of some 100,000 tets
+constexpr double kTimeMargin = 4.0;
+constexpr double kExtraSeconds = 600.0;  // inputs that are made anew, a slow file system
+
+const std::vector<std::string> kFiles{"Snakefile", "slurm/config.yaml", "slurm/status.py"};
+
+std::string part_name(std::size_t number) {
+  std::ostringstream name;
+  name << std::setw(4) << std::setfill('0') << number;
+  return name.str();
+}
+
+/// What the cases of one group ask for together.
+struct Group {
+  std::vector<std::size_t> cases;
+  double seconds = 0.0;
+  double longest_seconds = 0.0;  // if every repeat runs into its time-out
+  double memory_mib = 0.0;
+  bool is_timed = false;
+};
+
+std::vector<Group> list_groups(const Plan& plan, const std::vector<Case>& cases,
+                               const std::map<std::string, CaseCost>& costs, double unknown_seconds) {
+  const std::vector<bool> timed = find_timed(plan, cases);
+  const std::vector<std::size_t> group = group_cases(cases, timed);
+  std::map<std::size_t, Group> groups;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    Group& own = groups[group[i]];
+    const auto known = costs.find(cases[i].id);
+    const double repeats = plan.run.warmup + most_repeats_of(plan.run, cases[i]);
+    own.cases.push_back(i);
+    own.seconds += repeats * (known != costs.end() ? known->second.seconds : unknown_seconds);
+    own.longest_seconds += repeats * (plan.run.timeout_s + plan.run.judge_timeout_s);
+    own.memory_mib =
+        std::max(own.memory_mib, known != costs.end() ? kMemoryMargin * known->second.memory_mib
+                                                      : static_cast<double>(plan.run.memory_mib));
+    own.is_timed = own.is_timed || timed[i];
+  }
+  std::vector<Group> list;
+  list.reserve(groups.size());
+  for (auto& [first, own] : groups) list.push_back(std::move(own));
+  return list;
+}
+
+}  // namespace
+
+std::map<std::string, CaseCost> read_costs(const std::vector<fs::path>& runs) {
+  std::map<std::string, std::vector<double>> seconds;
+  std::map<std::string, CaseCost> costs;
+  for (const fs::path& run : runs) {
+    for (const json& record : read_records(find_run(run) / "records.jsonl")) {
+      if (!record.value("wall_s", json()).is_number()) continue;
+      const std::string id = record.at("case").get<std::string>();
+      seconds[id].push_back(record.at("wall_s").get<double>());
+      const json memory = record.value("peak_rss_bytes", json());
+      if (memory.is_number())
+        costs[id].memory_mib = std::max(costs[id].memory_mib, memory.get<double>() / kMebibyte);
+    }
+  }
+  for (const auto& [id, times] : seconds) costs[id].seconds = median(times);
+  return costs;
+}
+
+std::vector<CampaignPart> split_campaign(const Plan& plan, const std::vector<Case>& cases,
+                                         const std::map<std::string, CaseCost>& costs,
+                                         const CampaignSettings& settings) {
+  std::vector<CampaignPart> parts;
+  double longest = 0.0;
+  for (const Group& group : list_groups(plan, cases, costs, settings.unknown_seconds)) {
+    const bool is_full = parts.empty() || parts.back().is_timed != group.is_timed ||
+                         parts.back().seconds + group.seconds > settings.job_seconds;
+    if (is_full) {
+      parts.emplace_back().name = part_name(parts.size());
+      longest = 0.0;
+    }
+    CampaignPart& part = parts.back();
+    for (const std::size_t i : group.cases) part.cases.push_back(cases[i].id);
+    part.seconds += group.seconds;
+    longest += group.longest_seconds;
+    part.is_timed = group.is_timed;
+    const double asked = kExtraSeconds + std::min(kTimeMargin * part.seconds, longest);
+    part.minutes = static_cast<std::size_t>(std::ceil(asked / 60.0));
+    part.memory_mib =
+        std::max(part.memory_mib, kOwnMemoryMib + static_cast<std::size_t>(std::ceil(group.memory_mib)));
+  }
+  return parts;
+}
+
+void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads,
+                    const fs::path& folder) {
+  create_folder(folder);
+  if (!fs::is_empty(folder))
+    throw InputError(folder.string(), 0, "an empty folder for the workflow", "other files");
+  json listed = json::array();
+  create_folder(folder / "cases");
+  for (const CampaignPart& part : parts) {
+    std::string lines;
+    for (const std::string& id : part.cases) lines += id + "\n";
+    write_file_atomically(folder / "cases" / (part.name + ".txt"), lines);
+    listed.push_back({{"name", part.name},
+                      {"cases", part.cases.size()},
+                      {"seconds", part.seconds},
+                      {"minutes", part.minutes},
+                      {"memory_mib", part.memory_mib},
+                      {"timed", part.is_timed}});
+  }
+  const json campaign = {{"schema", "palpate/campaign/1"},
+                         {"palpate", program_folder() + "/palpate"},
+                         {"plan", fs::absolute(plan.file).lexically_normal().string()},
+                         {"threads", threads},
+                         {"parts", listed}};
+  write_file_atomically(folder / "campaign.json", campaign.dump(1) + "\n");
+  const fs::path from = fs::path(source_folder()) / "experiments" / "campaign" / "workflow";
+  create_folder(folder / "slurm");
+  create_folder(folder / "logs");  // where Slurm writes before a job starts
+  for (const std::string& name : kFiles) {
+    std::error_code error;
+    fs::copy_file(from / name, folder / name, error);
+    if (error) fail_to_write(folder / name, "a file that can be written", error.value());
+  }
+}
+
+}  // namespace palpate::experiments
