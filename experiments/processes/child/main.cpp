@@ -97,15 +97,21 @@ class TreeMemory {
   Clock::time_point next_{};
 };
 
-/// A flood on standard error is cut off before it fills the disk. Its end is what matters: the file is
-/// written by appending, so that what comes later stands in it.
+/// A flood on standard error is cut off before it fills the disk. Its end is what matters, so that is kept: the
+/// file is written by appending, and what comes later stands behind it.
 void cut_flood() {
   constexpr off_t kMost = off_t{16} << 20U;
+  constexpr std::size_t kKept = std::size_t{64} << 10U;
   struct stat status {};
   if (::fstat(STDERR_FILENO, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size <= kMost) return;
+  static char kept[kKept];
+  const int file = ::open("/proc/self/fd/2", O_RDONLY | O_CLOEXEC);  // ours may only write
+  const ssize_t got = file >= 0 ? ::pread(file, kept, kKept, status.st_size - static_cast<off_t>(kKept)) : 0;
+  if (file >= 0) ::close(file);
   if (::ftruncate(STDERR_FILENO, 0) != 0) return;
   constexpr char kNote[] = "(more than 16 MiB before this were cut off)\n";
   if (::write(STDERR_FILENO, kNote, sizeof kNote - 1) < 0) return;
+  if (got > 0 && ::write(STDERR_FILENO, kept, static_cast<std::size_t>(got)) < 0) return;
 }
 
 enum class Watch { kEnded, kKill, kTooMuchMemory };
@@ -191,6 +197,7 @@ int main(int argc, char** argv) {
   TreeMemory memory(std::strtoull(argv[1], nullptr, 10));
   const Watch seen = watch(program, memory, report.value);
   clean_up(program, report.value);
+  cut_flood();  // what came since the last look
   report.kind = seen == Watch::kTooMuchMemory ? ChildReport::kTooMuchMemory : ChildReport::kEnded;
   ::getrusage(RUSAGE_CHILDREN, &report.usage);
   report.peak_bytes = std::max(memory.peak(), static_cast<std::uint64_t>(report.usage.ru_maxrss) * 1024);

@@ -107,7 +107,7 @@ sys.exit(9)
   EXPECT_THAT(answer.message, HasSubstr("exit code 9 without an answer"));
   EXPECT_THAT(answer.message, testing::EndsWith("the end"));
   EXPECT_LE(answer.standard_error.size(), 4096U);
-  EXPECT_LT(fs::file_size(flood.folder() / "scratch/stderr.txt"), std::uint64_t{64} << 20U);
+  EXPECT_LT(fs::file_size(flood.folder() / "scratch/stderr.txt"), std::uint64_t{17} << 20U);
 }
 
 /// What stands where a file should be, and what is said of it.
