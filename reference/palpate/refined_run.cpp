@@ -1,5 +1,7 @@
 // palpate.refined at the door.
 
+#include <array>
+
 #include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/tet_operations/refined.h"
@@ -26,6 +28,8 @@ simplify::RefinedOptions read_refined_options(const Request& request) {
                                    simplify::CollapsePlacement::kMidpoint};
   options.collapse_placement =
       kPlacements[take_choice(left, "collapse_placement", {"first", "best", "midpoint"})];
+  constexpr std::array kObjectives{simplify::Objective::kQuality, simplify::Objective::kStableStep};
+  options.objective = kObjectives[take_choice(left, "objective", {"quality", "stable_step"})];
   simplify::RepairTools& tools = options.tools;
   options.interleave = take_switch(left, "interleave", options.interleave);
   options.repair = take_switch(left, "repair", options.repair);

@@ -93,12 +93,17 @@ def mesh_text(record):
     return made if simplify == NO_SIMPLIFIER else f"{made}, {simplified_text(simplify, sweep.get('tets_removed_ratio'))}"
 
 
-def read_point(group, references, families):
+def family_of(group, record, families, of_simplifiers):
+    label = str(sweep_of(record).get("simplify", NO_SIMPLIFIER)) if of_simplifiers else group.label
+    return families.get(label, label)
+
+
+def read_point(group, references, families, of_simplifiers):
     record = (group.accepted() or group.records)[0]
     problem = problem_of(record)
     tets = figure(record, "solved_on", "tets")
     note = "" if group.cases() else first_reason(group) or "not run"
-    return Point(problem.scene, problem.poisson_ratio, group.label, families.get(group.label, group.label), mesh_text(record),
+    return Point(problem.scene, problem.poisson_ratio, group.label, family_of(group, record, families, of_simplifiers), mesh_text(record),
                  tets if tets is not None else figure(record, "mesh", "tets"), str(record.get("case", "")),
                  {name: median(group.figures("judge", name)) for name, _, _ in ERRORS},
                  own_errors_of(references.get(problem), record), works_of(group), note)
@@ -126,10 +131,11 @@ def mark_frontier(points):
 def read_points(run):
     """The points scene by scene, Poisson's ratios apart: {(scene, ratio): points}."""
     families = {str(label): str(name) for name, labels in asked(run)["families"].items() for label in labels}
+    of_simplifiers = asked(run).get("of") == "simplifiers"
     references = {problem_of(record): record for record in run.references}
     scenes = {}
     for group in run.groups:
-        point = read_point(group, references, families)
+        point = read_point(group, references, families, of_simplifiers)
         scenes.setdefault((point.scene, point.poisson_ratio), []).append(point)
     for points in scenes.values():
         mark_frontier(points)

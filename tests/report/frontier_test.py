@@ -80,6 +80,19 @@ class Points(FrontierTest):
         self.assertIn("Not on any frontier", out)
 
 
+class OfSimplifiers(FrontierTest):
+    def test_a_family_may_be_the_meshes_that_a_simplifier_left(self):
+        frontier = {**PLAN["frontier"], "of": "simplifiers", "families": {"as it is": ["none"], "ours": ["one"], "theirs": ["other"]}}
+        lines = [reference(), *repeats("quick", 0.08, 1.0)]
+        for simplify, seconds in (("one", 0.1), ("other", 0.4)):
+            lines += repeats("quick", 0.08, seconds, sweep={"simplify": simplify, "tets_removed_ratio": 0.5})
+        _, out = self.run_frontier(lines, frontier=frontier)
+        rows = {row["family"]: row for row in self.table("equal_error.csv") if row["work"] == "first" and float(row["error"]) == 0.1}
+        self.assertEqual(set(rows), {"as it is", "ours", "theirs"})
+        self.assertAlmostEqual(float(rows["theirs"]["time_s"]) / float(rows["ours"]["time_s"]), 4, delta=0.1)
+        self.assertIn("ours", out)
+
+
 class EqualError(FrontierTest):
     def lines(self):
         return [reference(), *repeats("quick", 0.08, 0.01), *repeats("middle", 0.015, 0.1), *repeats("exact", 0.01, 1.0)]

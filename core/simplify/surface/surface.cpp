@@ -200,12 +200,18 @@ void press_on(Run& run, std::uint64_t target) {
   coarsen_inside(run, target);
 }
 
-/// Last moves in the skin, now that the inside is good, and repairs around them.
-void polish(Run& run, std::uint64_t target) {
-  run.aim_at(static_cast<double>(target));
+/// How far flips may take the count.
+FlipRule window_of(const Run& run, std::uint64_t target) {
   FlipRule rule;
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
+  return rule;
+}
+
+/// Last moves in the skin, now that the inside is good, and repairs around them.
+void polish(Run& run, std::uint64_t target) {
+  run.aim_at(static_cast<double>(target));
+  const FlipRule rule = window_of(run, target);
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
   Repairer repairer(run.mesh, run.scores, rule, {});
@@ -256,6 +262,10 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   const RefinedReport refined = refine_inside(run, mesh, inside);
   press_on(run, target);
   if (run.has_changed_boundary()) polish(run, target);
+  if (options.objective == Objective::kStableStep) {
+    run.aim_at(static_cast<double>(target));
+    StepLengthener(run.mesh, run.scores, window_of(run, target)).run(kStepRounds);
+  }
   run.report.boundary_faces_out = run.boundary.size();
   mesh = extract_mesh(std::move(run.mesh));
   SurfaceRunReport report = std::move(run.report);

@@ -83,6 +83,29 @@ class Run {
         repairer_(mesh_, scores_, {}, options.tools) {}
 
   void simplify() {
+    reduce();
+    if (options_.objective == Objective::kQuality) return;
+    StepLengthener lengthener(mesh_, scores_, final_rule());
+    lengthener.run(kStepRounds);
+    step_ = lengthener.counts();
+  }
+
+  WorkingMesh& mesh() { return mesh_; }
+  const CollapseReport& collapses() const { return collapses_; }
+  RepairCounts counts() const {
+    RepairCounts sum = repairer_.counts();
+    sum.moves += counts_.moves + step_.moves;
+    sum.edges_removed += counts_.edges_removed + step_.edges_removed;
+    sum.faces_removed += counts_.faces_removed + step_.faces_removed;
+    return sum;
+  }
+
+ private:
+  static constexpr int kCompoundSteps = 4;
+  static constexpr double kVeryBad = 0.03;  ///< scores that are worth giving up a vertex elsewhere
+
+  /// Down to the wanted count, for quality.
+  void reduce() {
     const int stages = options_.interleave ? go_down() : 0;
     collapse_to(share_of(target_, kLastAim));
     set_window(kLeastShareInStages, mesh_.alive);
@@ -106,20 +129,6 @@ class Run {
     }
     make_room_for_splits();
   }
-
-  WorkingMesh& mesh() { return mesh_; }
-  const CollapseReport& collapses() const { return collapses_; }
-  RepairCounts counts() const {
-    RepairCounts sum = repairer_.counts();
-    sum.moves += counts_.moves;
-    sum.edges_removed += counts_.edges_removed;
-    sum.faces_removed += counts_.faces_removed;
-    return sum;
-  }
-
- private:
-  static constexpr int kCompoundSteps = 4;
-  static constexpr double kVeryBad = 0.03;  ///< scores that are worth giving up a vertex elsewhere
 
   /// Returns the number of stages.
   int go_down() {
@@ -218,6 +227,7 @@ class Run {
   Repairer repairer_;
   CollapseReport collapses_;
   RepairCounts counts_;  ///< but those of the repairs
+  StepCounts step_;
 };
 
 /// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the

@@ -9,6 +9,7 @@
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/tet_operations/edge_collapse.h"
 #include "core/simplify/tet_operations/repair.h"
+#include "core/simplify/tet_operations/stable_step.h"
 
 namespace palpate::simplify {
 
@@ -18,6 +19,7 @@ inline constexpr int kMostEffort = 5;
 /// How far the mesh is coarsened, and by which means.
 struct RefinedOptions {
   StopRule stop;   ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
+  Objective objective = Objective::kQuality;
   int effort = 1;  ///< 0 .. kMostEffort: more passes and higher thresholds, better and slower
   CollapsePlacement collapse_placement = CollapsePlacement::kFirst;
   bool interleave = true;  ///< smooth and flip on the way down; else collapse in one go

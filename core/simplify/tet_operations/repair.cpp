@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/error.h"
-
 namespace palpate::simplify {
 namespace {
 
@@ -122,7 +120,7 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
       if (is_split_wanted && is_worth_it(shifted_) && shifted_.note(try_shifted_flips(tet, score_now, steps)))
         continue;
       remember_more();
-      const Index slot = find_tet(tet);
+      const Index slot = find_tet(mesh_, tet);
       hopeless_at_[slot] = given_up_at_[slot] = flipper_.known_score(slot);
     }
     if (is_split_wanted && is_worth_it(split_)) split_.note(try_splits(tet, score_now, steps));
@@ -164,7 +162,7 @@ bool Repairer::try_compound(const Tet& tet, double score, int steps) {
     return true;
   }
   for (std::size_t corner = 0; corner < 4 && tools_.face_removal; ++corner) {
-    const Index t = find_tet(tet);
+    const Index t = find_tet(mesh_, tet);
     if (!trial_.try_remove_face(t, corner_in(mesh_.tets[t], tet[corner])) ||
         !keep_if_better(score, steps, true)) {
       continue;
@@ -173,15 +171,6 @@ bool Repairer::try_compound(const Tet& tet, double score, int steps) {
     return true;
   }
   return false;
-}
-
-/// The slot of the tet with these vertices.
-Index Repairer::find_tet(const Tet& tet) const {
-  for (const Index t : mesh_.star(tet[0])) {
-    const Tet& other = mesh_.tets[t];
-    if (std::is_permutation(other.begin(), other.end(), tet.begin())) return t;
-  }
-  throw ContractError("find_tet: no tet has these vertices");
 }
 
 bool Repairer::try_shifted_flips(const Tet& tet, double score, int steps) {

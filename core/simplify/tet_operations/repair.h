@@ -73,7 +73,6 @@ class Repairer {
   bool try_moves(const Tet& tet, int steps);
   bool try_compound(const Tet& tet, double score, int steps);
   bool try_splits(const Tet& tet, double score, int steps);
-  Index find_tet(const Tet& tet) const;
   double worst_around();
   double worst_beside();
   bool keep_if_better(double score, int steps, bool by_sum);

@@ -289,6 +289,14 @@ void collect_edge_star(const WorkingMesh& mesh, Index a, Index b, std::vector<In
   }
 }
 
+Index find_tet(const WorkingMesh& mesh, const Tet& tet) {
+  for (const Index t : mesh.star(tet[0])) {
+    const Tet& other = mesh.tets[t];
+    if (std::is_permutation(other.begin(), other.end(), tet.begin())) return t;
+  }
+  throw ContractError("find_tet: no tet has these vertices");
+}
+
 Index neighbour_across(const WorkingMesh& mesh, Index tet, Index a, Index b, Index c) {
   for (const Index t : mesh.star(a)) {
     if (t != tet && has_vertex(mesh.tets[t], b) && has_vertex(mesh.tets[t], c)) return t;

@@ -86,6 +86,9 @@ void remove_vertex(WorkingMesh& mesh, Index v);
 /// The tets that have both a and b, appended to `result` after it is cleared.
 void collect_edge_star(const WorkingMesh& mesh, Index a, Index b, std::vector<Index>& result);
 
+/// The slot of the tet with these vertices, in any order. Throws: ContractError if there is none.
+Index find_tet(const WorkingMesh& mesh, const Tet& tet);
+
 /// The other tet with face (a, b, c) than `tet`; kNoIndex on the boundary.
 Index neighbour_across(const WorkingMesh& mesh, Index tet, Index a, Index b, Index c);
 

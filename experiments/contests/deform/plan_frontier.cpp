@@ -14,24 +14,33 @@ namespace {
 constexpr double kLeastError = 1e-6;
 constexpr double kMostError = 10.0;
 
-/// The names of the families. Their labels are checked: each of the plan's belongs to one.
-std::vector<std::string> read_families(const YamlValue& value, const Plan& plan) {
+/// The names of the families. Their labels are checked: each of `entries` belongs to one.
+std::vector<std::string> read_families(const YamlValue& value, const std::vector<PlanContestant>& entries) {
   std::vector<std::string> names;
   std::map<std::string, std::string> family_of;
   for (const auto& [name, members] : value.entries()) {
     names.push_back(name);
     for (const YamlValue& item : members.items()) {
-      const std::string label = known_label(item, plan.contestants);
+      const std::string label = known_label(item, entries);
       const auto [place, is_new] = family_of.emplace(label, name);
       if (!is_new) item.fail("label \"" + label + "\" is in the family \"" + place->second + "\" already");
     }
     if (members.items().empty()) members.fail_expected("at least one label");
   }
-  for (const PlanContestant& contestant : plan.contestants) {
-    if (family_of.count(contestant.label) == 0)
-      value.fail("label \"" + contestant.label + "\" is in no family");
+  for (const PlanContestant& entry : entries) {
+    if (family_of.count(entry.label) == 0)
+      value.fail("label \"" + entry.label + "\" is in no family");
   }
   return names;
+}
+
+/// What the families are of: the plan's contestants, or its simplifiers.
+const std::vector<PlanContestant>& read_of(const YamlFields& frontier, const Plan& plan) {
+  const auto of = frontier.find("of");
+  if (!of || of->text() == "contestants") return plan.contestants;
+  if (of->text() != "simplifiers") of->fail_expected("contestants or simplifiers");
+  if (plan.simplifiers.empty()) of->fail("families of simplifiers in a plan without the key simplify");
+  return plan.simplifiers;
 }
 
 void check_family(const YamlValue& value, const std::vector<std::string>& families) {
@@ -45,8 +54,9 @@ void check_family(const YamlValue& value, const std::vector<std::string>& famili
 void check_frontier(const YamlFields& fields, const Plan& plan) {
   const auto given = fields.find("frontier");
   if (!given) return;
-  const YamlFields frontier = given->fields({"families", "against", "at", "targets"});
-  const std::vector<std::string> families = read_families(frontier.need("families"), plan);
+  const YamlFields frontier = given->fields({"of", "families", "against", "at", "targets"});
+  const std::vector<std::string> families = 
+      read_families(frontier.need("families"), read_of(frontier, plan));
   for (const YamlValue& name : frontier.need("against").items()) check_family(name, families);
   const YamlValue errors = frontier.need("at");
   for (const YamlValue& error : errors.items()) error.number(kLeastError, kMostError);

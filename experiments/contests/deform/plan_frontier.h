@@ -9,12 +9,13 @@ namespace palpate::experiments {
 /// Reads and checks the key "frontier" of a plan, if it has it:
 ///
 ///   frontier:
+///     of: contestants                     # or simplifiers: the labels of the key simplify
 ///     families: {springs: [van_gelder, opposite], linear elements: [fem_p1]}
 ///     against: [linear elements]
 ///     at: [0.1, 0.05, 0.02, 0.01]
 ///     targets: [{work: first, against: linear elements, at: 0.05, factor: 20}]
 ///
-/// Every label of the plan belongs to one family. `against` names those that the others' times are divided
+/// Every label of what it is of belongs to one family. `against` names those that the others' times are divided
 /// by, `at` the errors at which times are compared. A target is a factor between the fastest of all other
 /// families and the one that it is held against, in the work of a first answer, a further one, or a simulated
 /// second. The report reads them from the plan itself

@@ -1,0 +1,115 @@
+// The longest stable time step of explicit schemes: which vertices hold it down, and operations that let go of
+// them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/simplify/tet_operations/flips.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// What a mesh is to be good for.
+enum class Objective : std::uint8_t {
+  kQuality,    ///< the scores of ScoreScale
+  kStableStep  ///< those first, then the longest stable step of explicit schemes
+};
+
+/// Rounds of StepLengthener::run at the end of a run with kStableStep; most end before.
+inline constexpr int kStepRounds = 10;
+
+/// How often each operation was made.
+struct StepCounts {
+  std::uint64_t moves = 0;
+  std::uint64_t edges_removed = 0;
+  std::uint64_t faces_removed = 0;
+};
+
+/// A vertex with its neighbours held: K_vv, the stiffness that its tets (linear elements) put against its own
+/// displacement, and its lumped mass, a quarter of its tets'.
+///
+///   K_vv / mu = (lambda + mu) / mu S + tr(S) I,   S = sum over the tets of V grad grad^T
+///   rate = largest eigenvalue of K_vv / mu / sum of V / 4,   in 1 / length^2
+///
+/// at Poisson's ratio 0.3. grad is the gradient of the vertex's shape function, one over the altitude long. rate
+/// mu / rho is a Rayleigh quotient, so a lower bound of the square of the body's greatest frequency; where few
+/// vertices have great rates the step is within a tenth of what they say, where all are equal within a quarter.
+struct VertexRate {
+  std::array<double, 6> stiffness{};  ///< S: xx, yy, zz, xy, xz, yz
+  double volume = 0.0;                ///< of its tets
+
+  void add(const Vec3& gradient, double tet_volume, double sign);
+  /// The rate; 0 without tets.
+  double rate() const;
+};
+
+/// The rate of vertex v of a mesh. Requires: positive tets.
+VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
+
+/// Makes the longest stable step of a mesh longer: sees to the vertices with the greatest rates, one after
+/// another, by moves of free vertices around them and by flips.
+///
+/// A change is made if the greatest rate among the vertices that it touches falls by half a percent at least, no
+/// tet is left with a score below both the worst that was there and a guard (q about 0.5), and every tet stays
+/// positive, exactly. So the greatest rate of the mesh never rises. Boundary vertices and faces, and kept tets,
+/// stay as they are. Time: a star's gradients a trial; on organs a few times that of simplify_refined.
+class StepLengthener {
+ public:
+  /// Holds references to the mesh and the score rule.
+  StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window);
+  StepLengthener(const StepLengthener&) = delete;
+  StepLengthener& operator=(const StepLengthener&) = delete;
+
+  /// Rounds over the vertices whose rate is within a fifth of the greatest, until a round changes nothing;
+  /// `rounds` at most.
+  void run(int rounds);
+
+  const StepCounts& counts() const { return counts_; }
+
+ private:
+  using StarTet = std::array<std::size_t, 3>;  ///< places in link_
+
+  /// A place of the vertex that moves: the sum of the powers of the rates around, and the greatest.
+  struct Place {
+    Vec3 at;
+    double powers = 0.0;
+    double most = 0.0;
+  };
+
+  bool round();
+  void renew(Index v);
+  double greatest(const std::vector<Index>& vertices) const;
+  bool improve(Index v);
+  bool try_moves(Index v);
+  bool try_move(Index v);
+  void take_star(Index v);
+  Place look_at(const Vec3& place);
+  Place descend(const Vec3& from, double edge);
+  void settle(Index v);
+  void put(Index v, const Vec3& place);
+  bool try_flips(Index v, bool with_moves);
+  double take_flip();
+  bool keep_flip();
+  bool keep_flip_with_moves();
+  void collect_link(Index v, std::vector<Index>& out) const;
+
+  WorkingMesh& mesh_;
+  ScoreRule scores_;
+  Flipper trial_;  ///< makes any flip
+  StepCounts counts_;
+  std::vector<VertexRate> known_;  ///< one a vertex
+  std::vector<double> rates_;      ///< theirs
+  StarQuality star_;
+  double reference_ = 1.0;
+  std::size_t tries_left_ = 0;
+  std::vector<Index> link_;       ///< of the vertex that moves, sorted
+  std::vector<VertexRate> rest_;  ///< of link_, without the tets of that vertex
+  std::vector<VertexRate> sums_;  ///< of link_, with the vertex at a place
+  std::vector<StarTet> star_tets_;
+  std::vector<Index> touched_;
+};
+
+}  // namespace palpate::simplify

@@ -1,0 +1,131 @@
+// A longer stable step: what holds it down is known, and let go of, with everything else kept.
+#include "core/simplify/tet_operations/stable_step.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/judge/linear_elements/linear_elements.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/mesh/topology.h"
+#include "core/simplify/surface/surface.h"
+#include "core/simplify/tet_operations/refined.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/small_meshes.h"
+
+namespace palpate::simplify {
+namespace {
+
+using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
+
+double greatest_rate(TetMesh mesh) {
+  const WorkingMesh working = build_working_mesh(std::move(mesh), SizingField());
+  double most = 0.0;
+  for (Index v = 0; v < working.points.size(); ++v) {
+    if (working.is_vertex_alive(v)) most = std::max(most, measure_vertex(working, v).rate());
+  }
+  return most;
+}
+
+TetMesh simplify_for(const TetMesh& input, Objective objective, double ratio) {
+  TetMesh mesh = input;
+  RefinedOptions options;
+  options.stop.ratio = ratio;
+  options.objective = objective;
+  const RefinedReport report = simplify_refined(mesh, options);
+  EXPECT_EQ(report.stop, "ratio");
+  return mesh;
+}
+
+double judged_step(const TetMesh& mesh) {
+  const judge::LinearElementFigures figures = judge::measure_linear_elements(mesh);
+  EXPECT_EQ(figures.reason, "");
+  return figures.explicit_step;
+}
+
+TEST(StableStep, ARegularTetIsKnown) {
+  // All altitudes h = a sqrt(2 / 3): S = V n n^T / h^2, so the rate is (2.5 + 1) 4 / h^2 = 21 / a^2.
+  const double a = 0.7;
+  const double s = a / std::sqrt(8.0);
+  TetMesh mesh;
+  mesh.points = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
+  mesh.tets = {{0, 2, 1, 3}};
+  if (signed_volume(mesh.points[0], mesh.points[2], mesh.points[1], mesh.points[3]) < 0.0)
+    mesh.tets = {{0, 1, 2, 3}};
+  const WorkingMesh working = build_working_mesh(std::move(mesh), SizingField());
+  for (Index v = 0; v < 4; ++v) EXPECT_NEAR(measure_vertex(working, v).rate(), 21.0 / (a * a), 1e-11 / (a * a));
+}
+
+TEST(StableStep, TheGreatestRateBoundsTheJudgesStep) {
+  for (const TetMesh& mesh : {build_kuhn_cube(4, 0.3, 1), build_kuhn_cube(6, 0.2, 4), build_kuhn_cube(5, 0.0, 1)}) {
+    const double shear_modulus = 1.0 / 2.6;  // of E = 1 at Poisson's ratio 0.3
+    const double size = std::cbrt(total_volume(mesh) / static_cast<double>(mesh.tets.size()));
+    const double bound = 2.0 / std::sqrt(greatest_rate(mesh) * shear_modulus) / size;
+    const double step = judged_step(mesh);
+    EXPECT_LE(step, 1.001 * bound) << "a Rayleigh quotient is no greater than the greatest eigenvalue";
+    EXPECT_GT(step, 0.6 * bound);
+  }
+}
+
+TEST(StableStep, IsLongerWithTheBoundaryUntouched) {
+  int longer = 0;
+  for (const TetMesh& input : {build_kuhn_cube(8, 0.3, 1), build_kuhn_cube(9, 0.2, 4), make_sliver_cube(8, 2)}) {
+    for (const double ratio : {0.3, 0.5}) {
+      SCOPED_TRACE(std::to_string(input.tets.size()) + " " + std::to_string(ratio));
+      const TetMesh plain = simplify_for(input, Objective::kQuality, ratio);
+      const TetMesh stepped = simplify_for(input, Objective::kStableStep, ratio);
+      expect_valid_with_boundary_of(stepped, input);
+      EXPECT_NEAR(static_cast<double>(stepped.tets.size()), static_cast<double>(plain.tets.size()),
+                  0.005 * static_cast<double>(plain.tets.size()) + 12.0);
+      EXPECT_LE(greatest_rate(stepped), (1.0 + 1e-9) * greatest_rate(plain));
+      const double gain = judged_step(stepped) / judged_step(plain);
+      EXPECT_GT(gain, 0.97);
+      longer += gain > 1.03 ? 1 : 0;
+      EXPECT_EQ(stepped.points, simplify_for(input, Objective::kStableStep, ratio).points) << "again, the same";
+    }
+  }
+  EXPECT_GE(longer, 3);
+}
+
+TEST(StableStep, WhatIsKeptStays) {
+  const TetMesh input = build_kuhn_cube(8, 0.3, 1);
+  TetMesh mesh = input;
+  RefinedOptions options;
+  options.stop.ratio = 0.3;
+  options.objective = Objective::kStableStep;
+  options.sizing.keep.push_back(
+      {.kind = KeptRegion::Kind::kSphere, .center = {0.5, 0.5, 0.5}, .radius = 0.2});
+  simplify_refined(mesh, options);
+  expect_valid_with_boundary_of(mesh, input);
+  std::size_t kept = 0;
+  for (const Tet& tet : input.tets) {
+    const auto is_near = [&](Index v) { return length(input.points[v] - Vec3{0.5, 0.5, 0.5}) < 0.2; };
+    if (!std::any_of(tet.begin(), tet.end(), is_near)) continue;
+    ++kept;
+    for (const Index v : tet)
+      EXPECT_NE(std::find(mesh.points.begin(), mesh.points.end(), input.points[v]), mesh.points.end());
+  }
+  EXPECT_GT(kept, 10U);
+}
+
+TEST(StableStep, TheSkinOfSurfaceIsTheSame) {
+  const TetMesh input = build_kuhn_cube(8, 0.3, 1);
+  const auto run = [&](Objective objective) {
+    TetMesh mesh = input;
+    SurfaceOptions options;
+    options.stop.ratio = 0.6;
+    options.max_surface_error = 0.02;
+    options.objective = objective;
+    simplify_surface(mesh, options);
+    return mesh;
+  };
+  const TetMesh plain = run(Objective::kQuality);
+  const TetMesh stepped = run(Objective::kStableStep);
+  expect_valid_with_boundary_of(stepped, plain);
+  EXPECT_LT(greatest_rate(stepped), greatest_rate(plain));
+}
+
+}  // namespace
+}  // namespace palpate::simplify
