@@ -18,7 +18,7 @@ inline constexpr int kMostEffort = 5;
 
 /// How far the mesh is coarsened, and by which means.
 struct RefinedOptions {
-  StopRule stop;   ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
+  StopRule stop;  ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
   Objective objective = Objective::kQuality;
   int effort = 1;  ///< 0 .. kMostEffort: more passes and higher thresholds, better and slower
   CollapsePlacement collapse_placement = CollapsePlacement::kFirst;

@@ -50,7 +50,8 @@ double power_of(double x) {
 
 /// Adds the tet (p, base) to the rates of its four vertices, or takes it away (sign -1). The gradient of a
 /// vertex's shape function is the normal of the face opposite over six volumes.
-void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::array<VertexRate*, 4>& to, double sign) {
+void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::array<VertexRate*, 4>& to,
+             double sign) {
   const Vec3& a = *base[0];
   const Vec3& b = *base[1];
   const Vec3& c = *base[2];
@@ -71,7 +72,8 @@ void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::a
 Triangle base_of(const Tet& tet, Index v) {
   const auto corner = static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
   const auto& face = kTetFaces[corner];
-  return {tet[static_cast<std::size_t>(face[0])], tet[static_cast<std::size_t>(face[1])], tet[static_cast<std::size_t>(face[2])]};
+  return {tet[static_cast<std::size_t>(face[0])], tet[static_cast<std::size_t>(face[1])],
+          tet[static_cast<std::size_t>(face[2])]};
 }
 
 /// Sorts, and leaves one of each.
@@ -166,8 +168,8 @@ void StepLengthener::run(int rounds) {
   }
 }
 
-/// The vertices with the greatest rates, the greatest first (ties: the smallest number). What lies well below one
-/// that nothing helps is left alone: it holds nothing down.
+/// The vertices with the greatest rates, the greatest first (ties: the smallest number). What lies well below
+/// one that nothing helps is left alone: it holds nothing down.
 bool StepLengthener::round() {
   const double most = *std::max_element(rates_.begin(), rates_.end());
   std::vector<std::pair<double, Index>> order;
@@ -303,7 +305,8 @@ bool StepLengthener::try_flips(Index v, bool with_moves) {
   for (const Index t : mesh_.star(v)) {
     const Tet& tet = tets.emplace_back(mesh_.tets[t]);
     for (const auto& e : kTetEdges)
-      edges.emplace_back(std::minmax(tet[static_cast<std::size_t>(e[0])], tet[static_cast<std::size_t>(e[1])]));
+      edges.emplace_back(
+          std::minmax(tet[static_cast<std::size_t>(e[0])], tet[static_cast<std::size_t>(e[1])]));
   }
   make_set(edges);
   for (const auto& [a, b] : edges) {
@@ -316,7 +319,8 @@ bool StepLengthener::try_flips(Index v, bool with_moves) {
       const Index t = find_tet(mesh_, tet);
       const Tet& now = mesh_.tets[t];
       const auto corner = static_cast<std::size_t>(std::find(now.begin(), now.end(), opposite) - now.begin());
-      if (!trial_.try_remove_face(t, corner) || !(with_moves ? keep_flip_with_moves() : keep_flip())) continue;
+      if (!trial_.try_remove_face(t, corner) || !(with_moves ? keep_flip_with_moves() : keep_flip()))
+        continue;
       ++counts_.faces_removed;
       return true;
     }
@@ -331,8 +335,8 @@ double StepLengthener::take_flip() {
   for (const Tet& tet : trial_.removed()) {
     touched_.insert(touched_.end(), tet.begin(), tet.end());
     const Vec3& a = mesh_.points[tet[0]];
-    worst = std::min(worst, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]],
-                                      mesh_.points[tet[3]]));
+    worst = std::min(
+        worst, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
   }
   make_set(touched_);
   return worst;
@@ -369,7 +373,8 @@ bool StepLengthener::keep_flip_with_moves() {
   const auto& added = trial_.added();
   for (const auto& [v, unused] : places) {
     for (const Index t : mesh_.star(v)) {
-      if (std::find(added.begin(), added.end(), t) == added.end()) guard = std::min(guard, trial_.known_score(t));
+      if (std::find(added.begin(), added.end(), t) == added.end())
+        guard = std::min(guard, trial_.known_score(t));
     }
   }
   guard = std::min(guard, kGuardScore);

@@ -1,5 +1,5 @@
-// The longest stable time step of explicit schemes: which vertices hold it down, and operations that let go of
-// them.
+// The longest stable time step of explicit schemes: which vertices hold it down, and operations that let go
+// of them.
 #pragma once
 
 #include <array>
@@ -34,9 +34,10 @@ struct StepCounts {
 ///   K_vv / mu = (lambda + mu) / mu S + tr(S) I,   S = sum over the tets of V grad grad^T
 ///   rate = largest eigenvalue of K_vv / mu / sum of V / 4,   in 1 / length^2
 ///
-/// at Poisson's ratio 0.3. grad is the gradient of the vertex's shape function, one over the altitude long. rate
-/// mu / rho is a Rayleigh quotient, so a lower bound of the square of the body's greatest frequency; where few
-/// vertices have great rates the step is within a tenth of what they say, where all are equal within a quarter.
+/// at Poisson's ratio 0.3. grad is the gradient of the vertex's shape function, one over the altitude long.
+/// rate mu / rho is a Rayleigh quotient, so a lower bound of the square of the body's greatest frequency;
+/// where few vertices have great rates the step is within a tenth of what they say, where all are equal
+/// within a quarter.
 struct VertexRate {
   std::array<double, 6> stiffness{};  ///< S: xx, yy, zz, xy, xz, yz
   double volume = 0.0;                ///< of its tets
@@ -52,10 +53,11 @@ VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
 /// Makes the longest stable step of a mesh longer: sees to the vertices with the greatest rates, one after
 /// another, by moves of free vertices around them and by flips.
 ///
-/// A change is made if the greatest rate among the vertices that it touches falls by half a percent at least, no
-/// tet is left with a score below both the worst that was there and a guard (q about 0.5), and every tet stays
-/// positive, exactly. So the greatest rate of the mesh never rises. Boundary vertices and faces, and kept tets,
-/// stay as they are. Time: a star's gradients a trial; on organs a few times that of simplify_refined.
+/// A change is made if the greatest rate among the vertices that it touches falls by half a percent at least,
+/// no tet is left with a score below both the worst that was there and a guard (q about 0.5), and every tet
+/// stays positive, exactly. So the greatest rate of the mesh never rises. Boundary vertices and faces, and
+/// kept tets, stay as they are. Time: a star's gradients a trial; on organs a few times that of
+/// simplify_refined.
 class StepLengthener {
  public:
   /// Holds references to the mesh and the score rule.

@@ -28,8 +28,7 @@ std::vector<std::string> read_families(const YamlValue& value, const std::vector
     if (members.items().empty()) members.fail_expected("at least one label");
   }
   for (const PlanContestant& entry : entries) {
-    if (family_of.count(entry.label) == 0)
-      value.fail("label \"" + entry.label + "\" is in no family");
+    if (family_of.count(entry.label) == 0) value.fail("label \"" + entry.label + "\" is in no family");
   }
   return names;
 }
@@ -55,8 +54,7 @@ void check_frontier(const YamlFields& fields, const Plan& plan) {
   const auto given = fields.find("frontier");
   if (!given) return;
   const YamlFields frontier = given->fields({"of", "families", "against", "at", "targets"});
-  const std::vector<std::string> families = 
-      read_families(frontier.need("families"), read_of(frontier, plan));
+  const std::vector<std::string> families = read_families(frontier.need("families"), read_of(frontier, plan));
   for (const YamlValue& name : frontier.need("against").items()) check_family(name, families);
   const YamlValue errors = frontier.need("at");
   for (const YamlValue& error : errors.items()) error.number(kLeastError, kMostError);

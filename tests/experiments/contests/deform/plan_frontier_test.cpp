@@ -42,9 +42,11 @@ TEST(PlanFrontier, FamiliesErrorsAndTargetsAreAccepted) {
 
 TEST(PlanFrontier, FamiliesMayBeOfSimplifiers) {
   const test::ExperimentFixture fixture;
-  const std::string frontier = "frontier: {of: simplifiers, families: {all: [none, copy]}, against: [], at: [0.1]}\n";
-  EXPECT_NO_THROW(read_plan(
-      add_frontier_plan(fixture, "simplify: [none, {method: test.copy, label: copy}]\n" + frontier), fixture.registry()));
+  const std::string frontier =
+      "frontier: {of: simplifiers, families: {all: [none, copy]}, against: [], at: [0.1]}\n";
+  EXPECT_NO_THROW(
+      read_plan(add_frontier_plan(fixture, "simplify: [none, {method: test.copy, label: copy}]\n" + frontier),
+                fixture.registry()));
   EXPECT_THAT([&] { read_plan(add_frontier_plan(fixture, frontier), fixture.registry()); },
               testing::ThrowsMessage<InputError>(HasSubstr("without the key simplify")));
 }
