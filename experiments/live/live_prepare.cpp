@@ -10,7 +10,7 @@
 #include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/refined/refined.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/live/live_model.h"

@@ -7,8 +7,8 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/subdivision/bisection.h"
 #include "core/mesh/topology.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/sizing/triangle_tree.h"
-#include "core/simplify/tet_operations/refined.h"
 
 namespace palpate::reference {
 namespace {

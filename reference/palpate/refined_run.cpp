@@ -4,7 +4,7 @@
 
 #include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
-#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/refined/refined.h"
 #include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
 #include "reference/simplifier_support/fusion_run.h"

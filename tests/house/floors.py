@@ -26,7 +26,7 @@ MOST_FILES = 17
 PLAN = {
     "core/base": ["."],
     "core/mesh": [".", "io", "subdivision", "shapes"],
-    "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "surface"],
+    "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "refined", "surface"],
     "core/springs": ["solvers", "network", "lattice", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
                       "time_loop", "stability", "reduced", "enriched"],

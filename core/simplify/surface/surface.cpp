@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface_flip.h"
-#include "core/simplify/tet_operations/refined.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
 namespace palpate::simplify {

@@ -8,10 +8,10 @@
 
 #include "core/mesh/tet_mesh.h"
 #include "core/simplify/fusion/fusion_options.h"
+#include "core/simplify/refined/stable_step.h"
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/surface/surface_collapse.h"
 #include "core/simplify/tet_operations/edge_collapse.h"
-#include "core/simplify/tet_operations/stable_step.h"
 
 namespace palpate::simplify {
 

@@ -5,8 +5,8 @@
 #include <map>
 
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface.h"
-#include "core/simplify/tet_operations/refined.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "core/simplify/tet_operations/repair.h"
+#include "core/simplify/refined/repair.h"
 
 #include <algorithm>
 #include <array>

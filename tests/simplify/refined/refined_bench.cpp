@@ -6,7 +6,7 @@
 #include <map>
 
 #include "core/mesh/shapes/shapes.h"
-#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // Repairs where many tets are bad: none makes the worst worse, and what keeps failing is given up.
-#include "core/simplify/tet_operations/repair.h"
+#include "core/simplify/refined/repair.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/refined/refined.h"
 
 #include <gtest/gtest.h>
 

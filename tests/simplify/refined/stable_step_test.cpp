@@ -1,5 +1,5 @@
 // A longer stable step: what holds it down is known, and let go of, with everything else kept.
-#include "core/simplify/tet_operations/stable_step.h"
+#include "core/simplify/refined/stable_step.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface.h"
-#include "core/simplify/tet_operations/refined.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/small_meshes.h"
 

@@ -1,4 +1,4 @@
-#include "core/simplify/tet_operations/stable_step.h"
+#include "core/simplify/refined/stable_step.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,10 +6,10 @@
 
 #include "core/mesh/tet_mesh.h"
 #include "core/simplify/fusion/fusion_options.h"
+#include "core/simplify/refined/repair.h"
+#include "core/simplify/refined/stable_step.h"
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/tet_operations/edge_collapse.h"
-#include "core/simplify/tet_operations/repair.h"
-#include "core/simplify/tet_operations/stable_step.h"
 
 namespace palpate::simplify {
 
