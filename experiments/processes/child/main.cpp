@@ -97,8 +97,8 @@ class TreeMemory {
   Clock::time_point next_{};
 };
 
-/// A flood on standard error is cut off before it fills the disk. Its end is what matters, so that is kept: the
-/// file is written by appending, and what comes later stands behind it.
+/// A flood on standard error is cut off before it fills the disk. Its end is what matters, so that is kept:
+/// the file is written by appending, and what comes later stands behind it.
 void cut_flood() {
   constexpr off_t kMost = off_t{16} << 20U;
   constexpr std::size_t kKept = std::size_t{64} << 10U;
