@@ -1,7 +1,8 @@
-// Palpates one body for as long as it is told, and writes a line a cycle. soak.py starts it and judges what it
-// wrote.
+// Palpates one body for as long as it is told, and writes a line a cycle. soak.py starts it and judges what
+// it wrote.
 //
-//     palpate_soak '{"source": FILE or "cube:N", "vertices": N, "model": "springs" or "smoothed", "cycles": N, "wall_s": S, "seed": N,
+//     palpate_soak '{"source": FILE or "cube:N", "vertices": N, "model": "springs" or "smoothed", "cycles":
+//     N, "wall_s": S, "seed": N,
 //                   "depth_share": X}' OUT.csv
 //
 // Standard output: one line of JSON with what the body is. Ctrl-C and kill end it after the cycle that it is
@@ -31,8 +32,10 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kHeader =
-    "cycle,simulated_s,steps,vertex,depth_m,slid,pressed_kinetic_j,pressed_elastic_j,pressed_load_j,pressed_force_n,"
-    "pressed_largest_m,pressed_inverted,rest_kinetic_j,rest_elastic_j,rest_load_j,rest_largest_m,rest_mean_x_m,"
+    "cycle,simulated_s,steps,vertex,depth_m,slid,pressed_kinetic_j,pressed_elastic_j,pressed_load_j,pressed_"
+    "force_n,"
+    "pressed_largest_m,pressed_inverted,rest_kinetic_j,rest_elastic_j,rest_load_j,rest_largest_m,rest_mean_x_"
+    "m,"
     "rest_mean_y_m,rest_mean_z_m,rest_inverted,broken,hash,rss_bytes,wall_s\n";
 
 struct Body {
@@ -97,8 +100,8 @@ void append_numbers(std::string& line, Numbers... values) {
 std::string line_of(std::uint64_t cycle, const CycleFigures& f, std::uint64_t steps, double wall_s) {
   std::string line;
   append_numbers(line, cycle, f.rest.time_s, steps, f.vertex, f.depth_m, f.has_slid ? 1 : 0);
-  append_numbers(line, f.pressed.kinetic_j, f.pressed.elastic_j, f.pressed.load_j, length(f.pressed.pad_force_n),
-                 f.pressed.largest_m, f.pressed.inverted);
+  append_numbers(line, f.pressed.kinetic_j, f.pressed.elastic_j, f.pressed.load_j,
+                 length(f.pressed.pad_force_n), f.pressed.largest_m, f.pressed.inverted);
   append_numbers(line, f.rest.kinetic_j, f.rest.elastic_j, f.rest.load_j, f.rest.largest_m);
   append_numbers(line, f.mean_offset_m.x, f.mean_offset_m.y, f.mean_offset_m.z, f.rest.inverted,
                  f.rest.is_broken ? 1 : 0);
@@ -139,7 +142,8 @@ int run(const json& wish, const std::string& out) {
   const auto wall_s = wish.at("wall_s").get<double>();
   const Stopwatch watch;
   bool is_whole = true;
-  for (std::uint64_t cycle = 1; cycle <= cycles && is_whole && *stop == 0 && watch.seconds() < wall_s; ++cycle) {
+  for (std::uint64_t cycle = 1; cycle <= cycles && is_whole && *stop == 0 && watch.seconds() < wall_s;
+       ++cycle) {
     const CycleFigures figures = palpation.run_cycle();
     is_whole = !figures.rest.is_broken;
     csv << line_of(cycle, figures, cycle * kCycleTicks * palpation.steps_per_tick(), watch.seconds())
@@ -151,7 +155,8 @@ int run(const json& wish, const std::string& out) {
 
 int run_main(int argc, char** argv) {
   try {
-    if (argc != 3) throw InputError("palpate_soak", 0, "its wishes as JSON, and a file to write", "something else");
+    if (argc != 3)
+      throw InputError("palpate_soak", 0, "its wishes as JSON, and a file to write", "something else");
     return run(json::parse(argv[1]), argv[2]);
   } catch (const InputError& error) {
     std::cerr << "palpate_soak: " << error.what() << '\n';

@@ -1,4 +1,5 @@
-// A finger that presses, slides, lifts and lets go of a body, cycle after cycle at places of the skin at random.
+// A finger that presses, slides, lifts and lets go of a body, cycle after cycle at places of the skin at
+// random.
 #pragma once
 
 #include <cstdint>

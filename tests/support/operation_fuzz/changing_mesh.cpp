@@ -37,6 +37,28 @@ struct ChangingMesh::Workshop {
 
 namespace {
 
+/// A tet that is alive, and wanted if one of those is found soon; kNoIndex if a few tries find none.
+template <typename Mesh, typename IsWanted>
+Index draw_tet(const Mesh& mesh, SplitMix64& random, const IsWanted& is_wanted) {
+  constexpr int kTries = 16;
+  Index found = kNoIndex;
+  for (int i = 0; i < kTries; ++i) {
+    const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+    if (!mesh.is_alive(t)) continue;
+    found = t;
+    if (is_wanted(t)) break;
+  }
+  return found;
+}
+
+/// A tet with something to change: one with a vertex inside.
+Index draw_inner_tet(const WorkingMesh& mesh, SplitMix64& random) {
+  return draw_tet(mesh, random, [&](Index t) {
+    const Tet& tet = mesh.tets[t];
+    return std::any_of(tet.begin(), tet.end(), [&](Index v) { return mesh.is_free(v); });
+  });
+}
+
 bool is_positive(const WorkingMesh& mesh, const Tet& v) {
   return orientation(mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]) > 0;
 }
@@ -101,7 +123,8 @@ bool ChangingMesh::rebuild() {
   not_fused_ = build_boundary_vertex_flags(mesh);
   const auto kept = simplify::build_kept_vertices(simplify::build_kept_tets(field_, mesh), mesh);
   for (std::size_t v = 0; v < kept.size(); ++v) not_fused_[v] |= kept[v];
-  if (sabotage_ == Sabotage::kFuseOnBoundary) std::fill(not_fused_.begin(), not_fused_.end(), std::uint8_t{0});
+  if (sabotage_ == Sabotage::kFuseOnBoundary)
+    std::fill(not_fused_.begin(), not_fused_.end(), std::uint8_t{0});
   fusing_ = build_fusion_mesh(std::move(mesh), simplify::StorageOrder::kSpatial);
   shop_.reset();
   return true;
@@ -129,18 +152,17 @@ bool ChangingMesh::perform(Operation operation, SplitMix64& random) {
 
 bool ChangingMesh::flip(Operation operation, SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
-  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+  const Index t = draw_tet(mesh, random, [](Index) { return true; });
   const auto& [i, j] = kTetEdges[random.below(6)];
   const std::uint64_t corner = random.below(4);
   // Bad flips too: what is wanted of them is only that they leave the mesh valid.
   const double growth = std::array{1e-6, -20.0, -1e300}[random.below(3)];
-  if (!mesh.is_alive(t)) return false;
+  if (t == kNoIndex) return false;
   const Index a = mesh.tets[t][static_cast<std::size_t>(i)];
   const Index b = mesh.tets[t][static_cast<std::size_t>(j)];
   Flipper& flipper = shop_->flipper;
-  flipper.set_rule({.least_growth = growth,
-                    .least_of_worst = random.below(2) == 0 ? 0.5 : 0.0,
-                    .most_tets = most_tets_});
+  flipper.set_rule(
+      {.least_growth = growth, .least_of_worst = random.below(2) == 0 ? 0.5 : 0.0, .most_tets = most_tets_});
   if (operation == Operation::kRemoveFace) return flipper.try_remove_face(t, corner);
   if (operation == Operation::kEdgesOfTet) return flipper.try_edges_of(t);
   if (operation == Operation::kSplitEdge) return flipper.split_edge(a, b) != kNoIndex;
@@ -166,19 +188,19 @@ bool ChangingMesh::may_move(Index v) const {
 
 bool ChangingMesh::smooth(SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
-  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
-  if (!mesh.is_alive(t)) return false;
+  const Index t = draw_inner_tet(mesh, random);
+  if (t == kNoIndex) return false;
   const Index v = mesh.tets[t][random.below(4)];
   return mesh.is_free(v) && shop_->smoother.smooth(v, static_cast<int>(random.below(4))) > 0.0;
 }
 
 bool ChangingMesh::move(SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
-  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+  const Index t = draw_inner_tet(mesh, random);
   const std::uint64_t corner = random.below(4);
   const double share = random.uniform() * (random.below(2) == 0 ? 1.0 : 0.01);
   const Vec3 by{2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0, 2.0 * random.uniform() - 1.0};
-  if (!mesh.is_alive(t)) return false;
+  if (t == kNoIndex) return false;
   const Index v = mesh.tets[t][corner];
   if (!may_move(v)) return false;
   const Vec3 from = mesh.points[v];
@@ -193,21 +215,23 @@ bool ChangingMesh::move(SplitMix64& random) {
 
 bool ChangingMesh::collapse(SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
-  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
+  const Index t = draw_inner_tet(mesh, random);
   const auto& [i, j] = kTetEdges[random.below(6)];
   const bool is_swapped = random.below(2) == 0;
   const double along = std::array{0.0, 0.5, 1.0}[random.below(3)];
-  if (!mesh.is_alive(t)) return false;
+  if (t == kNoIndex) return false;
   const Tet tet = mesh.tets[t];
   Index gone = tet[static_cast<std::size_t>(i)];
   Index survivor = tet[static_cast<std::size_t>(j)];
   if (is_swapped) std::swap(gone, survivor);
-  if (!mesh.is_free(gone)) return false;
+  const bool may_go = mesh.is_free(gone) || (sabotage_ == Sabotage::kCollapseOnBoundary &&
+                                             mesh.vertex_flags[gone] == simplify::kOnBoundary);
+  if (!may_go) return false;
   const Vec3 at = mesh.points[survivor];
   const Vec3 to = mesh.is_free(survivor) ? at + along * (mesh.points[gone] - at) : at;
-  if (sabotage_ != Sabotage::kCollapseUnlinked && !meets_link_condition(mesh, gone, survivor, shop_->marks))
+  if (!meets_link_condition(mesh, gone, survivor, shop_->marks)) return false;
+  if (sabotage_ != Sabotage::kCollapseUnchecked && !is_collapse_positive(mesh, gone, survivor, to))
     return false;
-  if (sabotage_ != Sabotage::kCollapseUnchecked && !is_collapse_positive(mesh, gone, survivor, to)) return false;
   apply_collapse(mesh, gone, survivor, to);
   return true;
 }
@@ -226,7 +250,7 @@ bool ChangingMesh::collapse_shortest(SplitMix64& random) {
 bool ChangingMesh::repair(SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
   simplify::Repairer repairer(mesh, shop_->scores, {.most_tets = most_tets_}, {});
-  const double threshold = random.uniform();
+  const double threshold = 0.3 * random.uniform();
   if (random.below(2) == 0) repairer.set_manner(threshold);
   repairer.round(threshold, random.below(2) == 0 ? threshold : 0.0, static_cast<int>(random.below(4)));
   const simplify::RepairCounts& counts = repairer.counts();
@@ -253,8 +277,8 @@ bool ChangingMesh::coarsen_skin(SplitMix64& random) {
 /// One tet to its barycenter, if no tet around turns over.
 bool ChangingMesh::fuse(SplitMix64& random) {
   simplify::FusionMesh& mesh = *fusing_;
-  const auto t = static_cast<Index>(random.below(mesh.tets.size()));
-  if (!mesh.is_alive(t) || has_flagged_vertex(mesh, t, not_fused_)) return false;
+  const Index t = draw_tet(mesh, random, [&](Index i) { return !has_flagged_vertex(mesh, i, not_fused_); });
+  if (t == kNoIndex || has_flagged_vertex(mesh, t, not_fused_)) return false;
   plan_fusion(mesh, t, plan_);
   for (const simplify::MovedTet& m : plan_.moved) {
     const auto p = moved_points(mesh, plan_, m);

@@ -15,8 +15,9 @@ constexpr std::array<const char*, kOperations> kNames{
     "remove edge", "remove face",       "edges of a tet", "split edge", "undo", "smooth", "move",
     "collapse",    "collapse shortest", "repair",         "skin",       "fuse", "rebuild"};
 
-/// How often each is drawn, of kWeights in all; fusions have a mesh and a turn of their own.
-constexpr std::array<std::uint64_t, kOperations> kWeight{160, 130, 130, 90, 40, 130, 130, 100, 4, 4, 1, 0, 5};
+/// How often each is drawn, a share of the sum; fusions have a mesh and a turn of their own.
+constexpr std::array<std::uint64_t, kOperations> kWeight{320, 260, 260, 240, 80, 260, 260,
+                                                         180, 8,   4,   1,   0,  10};
 
 Operation draw(SplitMix64& random, bool is_fusing) {
   if (is_fusing) return random.below(200) == 0 ? Operation::kRebuild : Operation::kFuse;
@@ -38,7 +39,8 @@ std::optional<std::string> find_kept_fault(const TetMesh& mesh, const TetMesh& i
   return std::to_string(changed) + " kept tets changed";
 }
 
-std::optional<std::string> find_fault(const TetMesh& mesh, const TetMesh& input, const ChangingMesh& changing) {
+std::optional<std::string> find_fault(const TetMesh& mesh, const TetMesh& input,
+                                      const ChangingMesh& changing) {
   const judge::Validity validity = judge::check_validity(mesh);
   if (!validity.is_valid()) return validity.findings.empty() ? "not valid" : validity.findings.front();
   const judge::Comparison comparison = judge::compare_with_input(mesh, input);
@@ -63,8 +65,8 @@ std::optional<std::string> find_skin_fault(const TetMesh& mesh, const TetMesh& b
 }
 
 /// One operation; what is wrong already, where only the moment tells.
-std::optional<std::string> perform(Operation operation, ChangingMesh& mesh, SplitMix64& random, TetMesh& input,
-                                   SequenceResult& result) {
+std::optional<std::string> perform(Operation operation, ChangingMesh& mesh, SplitMix64& random,
+                                   TetMesh& input, SequenceResult& result) {
   if (operation != Operation::kSkin) {
     result.changed[static_cast<std::size_t>(operation)] += mesh.perform(operation, random) ? 1U : 0U;
     return std::nullopt;
@@ -134,8 +136,9 @@ SequenceFault minimise(const SequenceOptions& options) {
 std::string describe_fault(const SequenceOptions& options, const SequenceResult& result,
                            const SequenceFault& fault) {
   return "on " + result.body + (result.has_kept_region ? " with a kept region" : "") + ", after \"" +
-         operation_name(fault.last) + "\": " + fault.what + "\nreplay: PALPATE_OPERATIONS_SEED=" +
-         std::to_string(options.seed) + " PALPATE_OPERATIONS=" + std::to_string(fault.operations) +
+         operation_name(fault.last) + "\": " + fault.what +
+         "\nreplay: PALPATE_OPERATIONS_SEED=" + std::to_string(options.seed) +
+         " PALPATE_OPERATIONS=" + std::to_string(fault.operations) +
          " build/release/bin/palpate_tests --gtest_filter=OperationFuzz.Replay";
 }
 

@@ -36,13 +36,13 @@ const char* operation_name(Operation operation);
 /// Which operation is broken on purpose, to see that the judge notices.
 enum class Sabotage {
   kNone,
-  kMoveUnchecked,      ///< moves turn tets over
-  kMoveOnBoundary,     ///< moves take boundary vertices too; the mesh stays valid
-  kMoveKept,           ///< moves take vertices of kept tets too; the mesh stays valid
-  kCollapseUnchecked,  ///< collapses turn tets over
-  kCollapseUnlinked,   ///< collapses ignore the link condition
-  kFuseOnBoundary,     ///< fusions take tets with a boundary vertex
-  kLoseTet             ///< removing an edge loses a tet
+  kMoveUnchecked,       ///< moves turn tets over
+  kMoveOnBoundary,      ///< moves take boundary vertices too; the mesh stays valid
+  kMoveKept,            ///< moves take vertices of kept tets too; the mesh stays valid
+  kCollapseUnchecked,   ///< collapses turn tets over
+  kCollapseOnBoundary,  ///< collapses take boundary vertices away
+  kFuseOnBoundary,      ///< fusions take tets with a boundary vertex
+  kLoseTet              ///< removing an edge loses a tet
 };
 
 /// Which sequence.

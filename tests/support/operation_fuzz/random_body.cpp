@@ -45,16 +45,17 @@ TetMesh make_random_shells(SplitMix64& random) {
 }  // namespace
 
 TetMesh make_random_cells(SplitMix64& random) {
-  const auto nx = static_cast<int>(2 + random.below(3));
-  const auto ny = static_cast<int>(2 + random.below(3));
-  const auto nz = static_cast<int>(1 + random.below(3));
+  const bool is_plate = random.below(2) == 0;
+  const auto nx = static_cast<int>(is_plate ? 3 + random.below(4) : 2 + random.below(3));
+  const auto ny = static_cast<int>(is_plate ? 3 + random.below(3) : 2 + random.below(3));
+  const auto nz = static_cast<int>(is_plate ? 1 : 2 + random.below(2));
   std::vector<Cell> cells;
   for (int z = 0; z < nz; ++z) {
     for (int y = 0; y < ny; ++y) {
       for (int x = 0; x < nx; ++x) cells.push_back({x, y, z});
     }
   }
-  const std::uint64_t wanted_out = random.below(1 + cells.size() / 3);
+  const std::uint64_t wanted_out = random.below(1 + cells.size() / 2);
   for (std::uint64_t out = 0, tries = 0; out < wanted_out && tries < 4 * cells.size(); ++tries) {
     std::vector<Cell> left = cells;
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(random.below(left.size())));
@@ -108,7 +109,8 @@ RandomBody make_random_body(std::uint64_t seed) {
     case 5:
       return {"fine skin with a cavity", with_fine_skin(make_divided_hollow(2, random.next()))};
     case 6:
-      return {"near to flat tets", squashed(build_kuhn_cube(side, 0.2, random.next()), 1e-9, 4, random.next())};
+      return {"near to flat tets",
+              squashed(build_kuhn_cube(side, 0.2, random.next()), 1e-9, 4, random.next())};
     default:
       return {"slivers", stretched(build_kuhn_cube(side, 0.4, random.next()), 0,
                                    -static_cast<int>(random.below(10)), -static_cast<int>(random.below(20)))};

@@ -16,8 +16,8 @@ struct RandomBody {
   TetMesh mesh;
 };
 
-/// Unit cells of a block of up to 4 x 4 x 3 with some taken out, as long as what is left is one manifold:
-/// handles and cavities come and go. Inner vertices are shaken.
+/// Unit cells of a plate of up to 6 x 5, or of a block of up to 4 x 4 x 3, with some taken out, as long as
+/// what is left is one manifold: handles and cavities come and go. Inner vertices are shaken.
 TetMesh make_random_cells(SplitMix64& random);
 
 /// The tets between shrinking copies of a closed skin around the origin, which every ray from there meets
