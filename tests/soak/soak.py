@@ -17,10 +17,12 @@ Exit code 0 if the record is flat, 1 if it is not, 2 for bad usage, 3 if somethi
 
 whole    nothing is NaN or infinite, the body never broke, and no tetrahedron is inverted once it was let alone
 enough   40 cycles or more: a slope needs them
-energy   1.3 s after each release the energy is below 1e-4 of what it was under the finger (1e-2 of the motion), and its slope over the
-         record is within its noise
-drift    the offset from rest (the largest displacement, and the mean one along x, y and z) has no slope: over the record it changes by
-         less than its noise, or by less than 1e-4 of the deepest press
+energy   1.3 s after each release the energy is below 1e-6 of what it was under the finger (a thousandth of the displacement), and its
+         slope over the record is within its noise
+drift    after each release no displacement is above 1e-4 of the deepest press, and the offset from rest (the largest displacement, and
+         the mean one along x, y and z) has no slope: over the record it changes by less than its noise, or by less than 1e-5 of the
+         deepest press
+clock    the body's own time is within a tick of 1 ms of the number of ticks
 memory   resident memory grows by less than 1 MiB after the first tenth of the record
 
 Noise: the record is cut into 20 blocks; the slope of their means by least squares is within its noise if it is below 3.92 of its
@@ -42,8 +44,9 @@ CYCLE_S = 2.0
 FEWEST_CYCLES = 40
 BLOCKS = 20
 STUDENT_T = 3.92  # two-sided, 18 degrees of freedom, 0.001
-REST_ENERGY_SHARE = 1e-4  # displacements of a hundredth
-DRIFT_SHARE = 1e-4  # of the deepest press
+REST_ENERGY_SHARE = 1e-6
+OFFSET_SHARE, DRIFT_SHARE = 1e-4, 1e-5  # of the deepest press
+TICK_S = 1e-3
 MEMORY_GROWTH = 1 << 20
 WORDS = {"hash"}
 OFFSETS = ("rest_largest_m", "rest_mean_x_m", "rest_mean_y_m", "rest_mean_z_m")
@@ -59,7 +62,10 @@ def read_record(path):
         rows = [row for row in csv.DictReader(file)]
     if not rows or any(None in row or None in row.values() for row in rows):
         raise SoakError(f"{path}: expected a whole line a cycle, found {'a line cut off' if rows else 'none'}", 2)
-    return [{key: value if key in WORDS else float(value) for key, value in row.items()} for row in rows]
+    try:
+        return [{key: value if key in WORDS else float(value) for key, value in row.items()} for row in rows]
+    except ValueError as error:
+        raise SoakError(f"{path}: expected numbers, found another thing: {error}", 2) from None
 
 
 def energy_at_rest(row):
@@ -98,13 +104,20 @@ def judge_energy(rows):
 
 
 def judge_drift(rows, deepest_m):
-    good, figures = True, {"bound_m": DRIFT_SHARE * deepest_m, "worst_m": max(row["rest_largest_m"] for row in rows)}
+    worst_m = max(row["rest_largest_m"] for row in rows)
+    good = worst_m <= OFFSET_SHARE * deepest_m
+    figures = {"worst_m": worst_m, "worst_bound_m": OFFSET_SHARE * deepest_m, "change_bound_m": DRIFT_SHARE * deepest_m}
     for name in OFFSETS:
         flat, of_name = is_within_noise([row[name] for row in rows])
         of_name["flat"] = flat or abs(of_name["change"]) <= DRIFT_SHARE * deepest_m
         good = good and of_name["flat"]
         figures[name] = of_name
     return good, figures
+
+
+def judge_clock(rows):
+    off = max(abs(row["simulated_s"] - CYCLE_S * row["cycle"]) for row in rows)
+    return off < TICK_S, {"worst_off_s": off, "bound_s": TICK_S}
 
 
 def judge_memory(rows):
@@ -120,7 +133,7 @@ def judge(rows, deepest_m):
     verdict = {"whole": {"good": whole, "inverted_pressed": sum(row["pressed_inverted"] > 0 for row in rows) if numbers else None},
                "enough": {"good": len(rows) >= FEWEST_CYCLES, "cycles": len(rows), "needed": FEWEST_CYCLES}}
     if verdict["whole"]["good"] and verdict["enough"]["good"]:
-        for name, (good, figures) in {"energy": judge_energy(rows), "drift": judge_drift(rows, deepest_m),
+        for name, (good, figures) in {"energy": judge_energy(rows), "drift": judge_drift(rows, deepest_m), "clock": judge_clock(rows),
                                       "memory": judge_memory(rows)}.items():
             verdict[name] = {"good": good, **figures}
     verdict["flat"] = all(part["good"] for part in verdict.values())
@@ -191,6 +204,15 @@ def run(options):
     (folder / "body.json").write_text(json.dumps(about, indent=1) + "\n")
 
 
+def flattened(part, before=""):
+    """The figures of a part of the verdict, those of its own parts with their names in front."""
+    for key, value in part.items():
+        if isinstance(value, dict):
+            yield from flattened(value, f"{before}{key} ")
+        elif key not in ("good", "flat"):
+            yield before + key, value
+
+
 def show(about, rows, verdict):
     last = rows[-1]
     print(f"{about['source']}, {about['model']} ({about['engine']}): {about['vertices']} vertices, {about['tets']} tetrahedra, "
@@ -199,8 +221,8 @@ def show(about, rows, verdict):
           f"{1e3 * about['step_s']:.3g} ms in {last['wall_s']:.0f} s")
     for name, part in verdict.items():
         if isinstance(part, dict):
-            figures = {key: value for key, value in part.items() if key != "good"}
-            print(f"{name:7} {'good' if part['good'] else 'NOT GOOD'}  {json.dumps(figures)}")
+            figures = [f"{key} {value:.3g}" for key, value in flattened(part) if isinstance(value, float | int) and not isinstance(value, bool)]
+            print(f"{name:7} {'good' if part['good'] else 'NOT GOOD'}: {', '.join(figures)}")
     print("flat" if verdict["flat"] else "NOT FLAT")
 
 
