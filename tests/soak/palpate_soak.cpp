@@ -3,7 +3,7 @@
 //
 //     palpate_soak '{"source": FILE or "cube:N", "vertices": N, "model": "springs" or "smoothed", "cycles":
 //     N, "wall_s": S, "seed": N,
-//                   "depth_share": X}' OUT.csv
+//                   "depth_share": X, "step_share": X}' OUT.csv
 //
 // Standard output: one line of JSON with what the body is. Ctrl-C and kill end it after the cycle that it is
 // in. Exit codes: 0 done, 1 the body broke, 2 bad input, 3 something needed could not run.
@@ -130,6 +130,7 @@ int run(const json& wish, const std::string& out) {
   Body made = make_body(wish);
   const double side_m = longest_side(bounding_box(made.setup.mesh.points));
   made.finger.seed = wish.at("seed").get<std::uint64_t>();
+  made.finger.share_of_bound = wish.at("step_share").get<double>();
   made.finger.deepest_m = wish.at("depth_share").get<double>() * side_m;
   live::LiveBody body(made.setup, choose_model(wish));
   Palpation palpation(body, made.finger);

@@ -14,7 +14,6 @@ namespace palpate::soak {
 namespace {
 
 constexpr double kTickS = 1e-3;
-constexpr double kShareOfBound = 0.9;
 constexpr double kMostStepsPerTick = 1e4;
 constexpr double kLeastDepth = 0.3;
 
@@ -29,7 +28,7 @@ std::string hash_fields(const std::vector<Vec3>& a, const std::vector<Vec3>& b) 
 Palpation::Palpation(live::LiveBody& body, const FingerOptions& options)
     : body_(body), options_(options), random_(options.seed) {
   const double bound_s = body.predict_step(options.stiffness_pa_per_m).step_s;
-  const double steps = std::ceil(kTickS / (kShareOfBound * bound_s));
+  const double steps = std::ceil(kTickS / (options.share_of_bound * bound_s));
   if (!(steps <= kMostStepsPerTick))
     throw InputError("soak", 0, "a body with a stable step above 0.1 us", three_digits(bound_s) + " s");
   steps_per_tick_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(steps));
@@ -50,6 +49,20 @@ Index Palpation::neighbour_of(Index vertex) {
   return found[random_.below(found.size())];
 }
 
+/// All of a dent at once in another place would be a blow: so the finger slides at a third of its depth.
+bool Palpation::hold(const Vec3& inward, Index slide_to) {
+  constexpr std::uint64_t kQuietTicks = 100;
+  constexpr std::uint64_t kRiseTicks = (kHeldTicks - 2 * kQuietTicks) / 2;
+  if (slide_to == kNoIndex) return step_ticks(kHeldTicks);
+  const double speed_m_s = 2.0 / 3.0 * length(inward) / (kTickS * static_cast<double>(kRiseTicks));
+  if (!step_ticks(kQuietTicks)) return false;
+  body_.aim((1.0 / 3.0) * inward, speed_m_s);
+  if (!step_ticks(kRiseTicks)) return false;
+  body_.slide(slide_to, options_.radius_m, options_.stiffness_pa_per_m);
+  body_.aim(inward, speed_m_s);
+  return step_ticks(kRiseTicks + kQuietTicks);
+}
+
 CycleFigures Palpation::run_cycle() {
   CycleFigures out;
   const Triangle& face = body_.skin()[random_.below(body_.skin().size())];
@@ -62,9 +75,7 @@ CycleFigures Palpation::run_cycle() {
 
   body_.press(out.vertex, options_.radius_m, options_.stiffness_pa_per_m);
   body_.aim(inward, out.depth_m / (kTickS * static_cast<double>(kDownTicks)));
-  bool is_whole = step_ticks(kDownTicks + kHeldTicks / 2);
-  if (is_whole && out.has_slid) body_.slide(to, options_.radius_m, options_.stiffness_pa_per_m);
-  is_whole = is_whole && step_ticks(kHeldTicks / 2);
+  bool is_whole = step_ticks(kDownTicks) && hold(inward, out.has_slid ? to : kNoIndex);
   out.pressed = body_.report();
   if (is_whole) {
     body_.aim({}, out.depth_m / (kTickS * static_cast<double>(kUpTicks)));

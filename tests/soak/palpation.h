@@ -15,13 +15,14 @@ struct FingerOptions {
   std::uint64_t seed = 1;
   double radius_m = 0.01;
   double stiffness_pa_per_m = 5e6;
-  double deepest_m = 0.005;  ///< a cycle goes to between 0.3 and 1 of it
+  double deepest_m = 0.005;     ///< a cycle goes to between 0.3 and 1 of it
+  double share_of_bound = 0.9;  ///< of the predicted stable step
 };
 
-/// Ticks of 1 ms of a cycle: down, held (in every other cycle, at random, it slides in the middle of it), up,
-/// and without a finger.
+/// Ticks of 1 ms of a cycle: down, held, up, and without a finger. In every other cycle, at random, the
+/// finger slides while it is held: it rises to a third of its depth, slides there, and goes down again.
 inline constexpr std::uint64_t kDownTicks = 200;
-inline constexpr std::uint64_t kHeldTicks = 300;
+inline constexpr std::uint64_t kHeldTicks = 300;  ///< 100 of them before the slide, 100 behind it
 inline constexpr std::uint64_t kUpTicks = 200;
 inline constexpr std::uint64_t kFreeTicks = 1300;
 inline constexpr std::uint64_t kCycleTicks = kDownTicks + kHeldTicks + kUpTicks + kFreeTicks;
@@ -40,8 +41,8 @@ struct CycleFigures {
 /// Takes a body through cycles.
 class Palpation {
  public:
-  /// Holds a reference to the body. The step is the longest below 0.9 of the predicted bound with the finger
-  /// anywhere of which a tick has a whole number.
+  /// Holds a reference to the body. The step is the longest below a share of the predicted bound, with the
+  /// finger anywhere, of which a tick has a whole number.
   /// Throws: InputError if there is no such step of a ten-thousandth of a tick or more.
   Palpation(live::LiveBody& body, const FingerOptions& options);
 
@@ -54,6 +55,7 @@ class Palpation {
  private:
   bool step_ticks(std::uint64_t ticks);
   Index neighbour_of(Index vertex);
+  bool hold(const Vec3& inward, Index slide_to);
   void measure_end(CycleFigures& out);
 
   live::LiveBody& body_;

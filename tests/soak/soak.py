@@ -1,7 +1,7 @@
 """A soak: a finger palpates a body for hours of simulated time, and energy, drift and memory have to stay flat.
 
     soak.py BUILD [SOURCE] [-o FOLDER] [--model springs|smoothed] [--vertices N] [--hours H] [--wall S] [--seed N]
-            [--depth-share X] [--against CSV]
+            [--depth-share X] [--step-share X] [--against CSV]
     soak.py --read FOLDER
 
 BUILD is a build folder (build/release). SOURCE is whatever `palpate live` takes (a mesh, a scene, a fit), a name that
@@ -10,8 +10,8 @@ BUILD is a build folder (build/release). SOURCE is whatever `palpate live` takes
 soak.json with the verdict, and soak.svg. --against holds the hash of each cycle against that of another record of the same soak.
 --read judges a folder anew.
 
-A cycle is 2 s: down in 0.2 s at a place and to a depth at random, held 0.3 s (in half of the cycles it slides meanwhile), up in
-0.2 s, let go, 1.3 s alone. Time goes on in ticks of 1 ms, each of as many steps as stability asks for.
+A cycle is 2 s: down in 0.2 s at a place and to a depth at random, held 0.3 s (in half of the cycles it slides meanwhile, lifted to a
+third of its depth), up in 0.2 s, let go, 1.3 s alone. Time goes on in ticks of 1 ms, each of as many steps as stability asks for.
 
 Exit code 0 if the record is flat, 1 if it is not, 2 for bad usage, 3 if something needed could not run. Flat means, all of:
 
@@ -196,7 +196,8 @@ def run(options):
         raise SoakError(f"{program} is not there: cmake --build {options.build} --target palpate_soak", 3)
     cycles = max(1, round(options.hours * 3600 / CYCLE_S))
     wish = {"source": body_source(build / "bin" / "palpate", options.source, options.vertices, folder), "model": options.model,
-            "cycles": cycles, "wall_s": options.wall, "seed": options.seed, "depth_share": options.depth_share}
+            "cycles": cycles, "wall_s": options.wall, "seed": options.seed, "depth_share": options.depth_share,
+            "step_share": options.step_share}
     done = subprocess.run([program, json.dumps(wish), folder / "soak.csv"], stdout=subprocess.PIPE, text=True, check=False)
     if done.returncode not in (0, 1):
         raise SoakError(f"palpate_soak ended with {done.returncode}", done.returncode if done.returncode in (2, 3) else 3)
@@ -237,10 +238,11 @@ def main(arguments=None):
     parser.add_argument("--wall", type=float, default=1e9)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--depth-share", type=float, default=0.05, help="the deepest press over the body's longest side")
+    parser.add_argument("--step-share", type=float, default=0.9, help="the longest step over the predicted bound")
     parser.add_argument("--against", help="soak.csv of another run of the same soak")
     parser.add_argument("--read", help="judge a folder anew")
     options = parser.parse_args(arguments)
-    for name, low, high in (("hours", 1e-6, 1e5), ("wall", 1e-3, 1e9), ("depth_share", 1e-6, 0.2), ("vertices", 10, 1e6), ("seed", 0, 2**63)):
+    for name, low, high in (("hours", 1e-6, 1e5), ("wall", 1e-3, 1e9), ("depth_share", 1e-6, 0.2), ("step_share", 1e-3, 0.999), ("vertices", 10, 1e6), ("seed", 0, 2**63)):
         if not low <= getattr(options, name) <= high:
             parser.error(f"--{name.replace('_', '-')}: expected a number from {low:g} to {high:g}")
     if (options.build is None) == (options.read is None):

@@ -140,7 +140,8 @@ TEST(OperationFuzz, AnOperationThatIsBrokenOnPurposeIsCaughtAndCutDown) {
     options.check_every = 0;
     options.operations = least.operations;
     EXPECT_TRUE(run_sequence(options).fault.has_value());
-    if (--options.operations > 0) EXPECT_FALSE(run_sequence(options).fault.has_value());
+    --options.operations;
+    EXPECT_FALSE(run_sequence(options).fault.has_value()) << "one operation fewer";
     SequenceOptions whole = options;
     whole.operations = least.operations;
     whole.sabotage = Sabotage::kNone;
