@@ -75,13 +75,13 @@ CycleFigures Palpation::run_cycle() {
 
   body_.press(out.vertex, options_.radius_m, options_.stiffness_pa_per_m);
   body_.aim(inward, out.depth_m / (kTickS * static_cast<double>(kDownTicks)));
-  bool is_whole = step_ticks(kDownTicks) && hold(inward, out.has_slid ? to : kNoIndex);
+  const bool is_whole = step_ticks(kDownTicks) && hold(inward, out.has_slid ? to : kNoIndex);
   out.pressed = body_.report();
   if (is_whole) {
     body_.aim({}, out.depth_m / (kTickS * static_cast<double>(kUpTicks)));
-    is_whole = step_ticks(kUpTicks);
+    step_ticks(kUpTicks);
     body_.release();
-    is_whole = is_whole && step_ticks(kFreeTicks);
+    step_ticks(kFreeTicks);
   }
   measure_end(out);
   return out;

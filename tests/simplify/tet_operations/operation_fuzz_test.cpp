@@ -22,6 +22,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/full_mode.h"
 #include "tests/support/operation_fuzz/operation_sequence.h"
+#include "tests/support/operation_fuzz/random_body.h"
 
 namespace palpate::testing_support {
 namespace {

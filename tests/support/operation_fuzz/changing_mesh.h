@@ -1,14 +1,17 @@
 // A mesh under operations in any order: that of flips, moves and collapses, or that of fusions, by turns.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "core/base/random.h"
 #include "core/simplify/fusion/fusion.h"
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/smoothing.h"
-#include "tests/support/operation_fuzz/operation_sequence.h"
+#include "tests/support/operation_fuzz/operation.h"
 
 namespace palpate::testing_support {
 

@@ -1,12 +1,14 @@
 #include "tests/support/operation_fuzz/operation_sequence.h"
 
 #include <exception>
+#include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
 #include "core/judge/mesh/judge.h"
 #include "core/judge/surface/surface.h"
 #include "tests/support/operation_fuzz/changing_mesh.h"
+#include "tests/support/operation_fuzz/random_body.h"
 
 namespace palpate::testing_support {
 namespace {
@@ -19,11 +21,11 @@ constexpr std::array<const char*, kOperations> kNames{
 constexpr std::array<std::uint64_t, kOperations> kWeight{320, 260, 260, 240, 80, 260, 260,
                                                          180, 8,   4,   1,   0,  10};
 
+constexpr std::uint64_t kWeights = std::accumulate(kWeight.begin(), kWeight.end(), std::uint64_t{0});
+
 Operation draw(SplitMix64& random, bool is_fusing) {
   if (is_fusing) return random.below(200) == 0 ? Operation::kRebuild : Operation::kFuse;
-  std::uint64_t sum = 0;
-  for (const std::uint64_t weight : kWeight) sum += weight;
-  std::uint64_t at = random.below(sum);
+  std::uint64_t at = random.below(kWeights);
   std::size_t i = 0;
   while (at >= kWeight[i]) at -= kWeight[i++];
   return static_cast<Operation>(i);
