@@ -181,10 +181,11 @@ void check_ply(const std::string& where, bool is_broken) {
   bool has_element = false;
   bool is_text = false;
   double elements = 0.0;
-  for (std::size_t number = 1; std::getline(file, line) && line.rfind("end_header", 0) != 0; ++number) {
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
     std::string word;
     std::string second;
     std::istringstream(line) >> word >> second;
+    if (word == "end_header") break;  // the whole word: what only begins so ends nothing for CGAL
     has_element = has_element || word == "element";
     is_text = is_text || (word == "format" && second == "ascii");
     if (word == "element") elements += check_ply_count(where, number, line);

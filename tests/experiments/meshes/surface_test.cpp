@@ -211,6 +211,8 @@ TEST(Surface, AFileThatClaimsMoreThanItHoldsIsRefusedInOneLine) {
       {"f40.ply", ply("4", "40", ""), "expected 44 elements, as the header says, found 8 rows"},
       {"huge.ply", ply("4000000000", "4", ""), "as the file has bytes"},
       {"faces.ply", ply("4", "4000000000", ""), "as the file has bytes"},
+      {"owner.ply", "ply\nformat ascii 1.0\nend_header_of_none\nproperty float x\nend_header\n",
+       "expected an element before its properties"},
       {"property.ply", ply("4", "4", "property float q\n"), "a broken or truncated one"},
   };
   for (const auto& [name, bytes, expected] : all) {
