@@ -155,14 +155,15 @@ def earlier_rows(folder):
 
 def run_stages(stages, all_names, folder, about, run=run_stage):
     """Runs the stages and keeps the summary in `folder`, rows in the order of `all_names`. Returns the rows."""
+    done = {}
     rows = earlier_rows(folder)
     for stage in stages:
         print(f"== {stage.name}: {stage.what}", flush=True)
-        rows[stage.name] = run(stage, folder)
-        ordered = [rows[name] for name in all_names if name in rows]
-        write_summary(folder, about, ordered)
-        print(f"   {rows[stage.name]['result']} after {duration(rows[stage.name]['wall_s'])}", flush=True)
-        if rows[stage.name]["result"] == INTERRUPTED:
+        done[stage.name] = run(stage, folder)
+        rows = {**earlier_rows(folder), **done}  # read anew: another run may have written its own there meanwhile
+        write_summary(folder, about, [rows[name] for name in all_names if name in rows])
+        print(f"   {done[stage.name]['result']} after {duration(done[stage.name]['wall_s'])}", flush=True)
+        if done[stage.name]["result"] == INTERRUPTED:
             break
     return [rows[name] for name in all_names if name in rows]
 
