@@ -111,6 +111,12 @@ std::string line_of(std::uint64_t cycle, const CycleFigures& f, std::uint64_t st
   return line;
 }
 
+#ifdef PALPATE_SANITIZED
+constexpr bool kIsSanitized = true;
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 json describe(const live::LiveBody& body, const Palpation& palpation, const Body& made) {
   const BoundingBox box = bounding_box(made.setup.mesh.points);
   return {{"vertices", made.setup.mesh.points.size()},
@@ -123,7 +129,8 @@ json describe(const live::LiveBody& body, const Palpation& palpation, const Body
           {"cycle_s", 1e-3 * static_cast<double>(kCycleTicks)},
           {"pad_radius_m", made.finger.radius_m},
           {"pad_pa_per_m", made.finger.stiffness_pa_per_m},
-          {"deepest_m", made.finger.deepest_m}};
+          {"deepest_m", made.finger.deepest_m},
+          {"sanitized", kIsSanitized}};
 }
 
 int run(const json& wish, const std::string& out) {

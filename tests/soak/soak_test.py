@@ -76,6 +76,10 @@ class Verdict(unittest.TestCase):
     def test_memory_may_settle_first(self):
         self.assertEqual(self.bad_parts(made_up(rss_bytes=lambda value, share: value - (5e6 if share < 0.05 else 0))), set())
 
+    def test_memory_is_not_asked_of_sanitizers(self):
+        growing = made_up(rss_bytes=lambda value, share: value + 2e7 * share)
+        self.assertTrue(soak.judge(growing, DEEPEST_M, is_sanitized=True)["flat"])
+
     def test_a_short_record_is_no_verdict(self):
         self.assertEqual(self.bad_parts(made_up(39)), {"enough"})
 
