@@ -1,6 +1,7 @@
 """The nightly mode of continuous integration: `.ci/run full`.
 
-    .ci/run full [STAGE...] [--folder DIR] [--list] [--no-build] [--seed N] [--fuzz-seconds S] [--readers NAME...] [--soak-wall S]
+    .ci/run full [STAGE...] [--folder DIR] [--list] [--no-build] [--seed N] [--audited N] [--operations N] [--fuzz-seconds S]
+                         [--readers NAME...] [--soak-wall S]
 
 Every stage by itself, one after another: one that fails, crashes or hangs does not stop the others. Without names all of them;
 with names those, in the order of the list. DIR (made; build/nightly/DATE by default) gets a log a stage, what a stage leaves, and
@@ -28,6 +29,7 @@ BUILD = ROOT / "build" / "release"
 TESTS = str(BUILD / "bin" / "palpate_tests")
 HOUR = 3600
 PASSED, FAILED, TIMED_OUT, INTERRUPTED = "passed", "failed", "timed out", "interrupted"
+STOPS = []  # not empty once somebody wants it to end
 
 
 @dataclasses.dataclass
@@ -56,10 +58,10 @@ def list_stages(options, folder):
         Stage("tests", "all tests in full, but those below", [palpate, "test", "--full", "-E", own_stages], limit_s=8 * HOUR),
         Stage("browser", "the pages in a real browser", [palpate, "test", "--full", "-R", r"^page\.|^live\.page"], pages),
         Stage("slurm", "a plan as jobs, on this machine and on a Slurm of its own", [palpate, "test", "--full", "-R", r"^campaign\."]),
-        Stage("audit", "1.2 million operations of whole methods", [TESTS, "--gtest_filter=Audit.*"],
-              {"PALPATE_AUDIT_OPERATIONS": "1200000", "PALPATE_AUDIT_SEED": seed}),
-        Stage("operations", "20 million single operations in any order", [TESTS, "--gtest_filter=OperationFuzz.AnyOrder*"],
-              {"PALPATE_OPERATIONS_TOTAL": "20000000", "PALPATE_OPERATIONS_SEED": seed}),
+        Stage("audit", f"{options.audited:,} operations of whole methods", [TESTS, "--gtest_filter=Audit.*"],
+              {"PALPATE_AUDIT_OPERATIONS": str(options.audited), "PALPATE_AUDIT_SEED": seed}),
+        Stage("operations", f"{options.operations:,} single operations in any order", [TESTS, "--gtest_filter=OperationFuzz.AnyOrder*"],
+              {"PALPATE_OPERATIONS_TOTAL": str(options.operations), "PALPATE_OPERATIONS_SEED": seed}),
         Stage("fuzz", f"{options.fuzz_seconds} s a reader under libFuzzer", fuzz),
         Stage("foreign", f"{options.fuzz_seconds} s a reader of a vendor's", foreign),
         Stage("sanitize", "the tests of C++ under the sanitizers", [palpate, "test", "-E", without_cpp], {"PALPATE_PRESET": "sanitize"},
@@ -92,6 +94,25 @@ def last_line(path):
     return next((line.strip() for line in reversed(lines) if line.strip()), "")
 
 
+def catch_stops():
+    """From now on Ctrl-C and kill are noted, and end the stage that runs: not wherever they happen to come."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: STOPS.append(1))
+
+
+def wait_for(process, until):
+    """Waits for the end of a process, a stop or a time. Returns what became of it, and the exit code if it has one."""
+    while True:
+        try:
+            code = process.wait(0.2)
+            return PASSED if code == 0 else FAILED, code
+        except subprocess.TimeoutExpired:
+            if STOPS:
+                return INTERRUPTED, None
+            if time.monotonic() > until:
+                return TIMED_OUT, None
+
+
 def run_stage(stage, folder):
     """Runs one stage with its output in FOLDER/NAME.log. Returns its row of the summary."""
     log = folder / f"{stage.name}.log"
@@ -106,15 +127,8 @@ def run_stage(stage, folder):
             file.write(f"cannot start {stage.command[0]}: {error.strerror}\n".encode())
             row["result"] = FAILED
         else:
-            try:
-                row["code"] = process.wait(stage.limit_s)
-                row["result"] = PASSED if row["code"] == 0 else FAILED
-            except subprocess.TimeoutExpired:
-                row["result"] = TIMED_OUT
-            except KeyboardInterrupt:
-                row["result"] = INTERRUPTED
-            finally:
-                end_group(process)  # what a stage left running, too
+            row["result"], row["code"] = wait_for(process, began + stage.limit_s)
+            end_group(process)  # what a stage left running, too
     row["wall_s"] = round(time.monotonic() - began, 1)
     row["note"] = "" if row["result"] == PASSED else last_line(log)
     return row
@@ -163,7 +177,7 @@ def run_stages(stages, all_names, folder, about, run=run_stage):
         rows = {**earlier_rows(folder), **done}  # read anew: another run may have written its own there meanwhile
         write_summary(folder, about, [rows[name] for name in all_names if name in rows])
         print(f"   {done[stage.name]['result']} after {duration(done[stage.name]['wall_s'])}", flush=True)
-        if done[stage.name]["result"] == INTERRUPTED:
+        if STOPS:
             break
     return [rows[name] for name in all_names if name in rows]
 
@@ -176,6 +190,8 @@ def read_options(arguments):
     parser.add_argument("--list", action="store_true", help="list the stages, run none")
     parser.add_argument("--no-build", action="store_true", help="leave the stage build out: all is built")
     parser.add_argument("--seed", type=int, default=int(f"{today:%Y%m%d}"), help="of audit, operations, foreign and soak (the date)")
+    parser.add_argument("--audited", type=int, default=1_200_000, metavar="N", help="operations of the stage audit (1200000)")
+    parser.add_argument("--operations", type=int, default=20_000_000, metavar="N", help="of the stage operations (20000000)")
     parser.add_argument("--fuzz-seconds", type=int, default=30, help="a reader (30)")
     parser.add_argument("--readers", nargs="+", default=[], metavar="NAME", help="that are fuzzed (all)")
     parser.add_argument("--soak-wall", type=float, default=float(HOUR), help="seconds that a soak may take (3600)")
@@ -199,13 +215,18 @@ def main(arguments=None):
     if options.no_build:
         chosen = [stage for stage in chosen if stage.name != "build"]
     options.folder.mkdir(parents=True, exist_ok=True)
+    try:
+        earlier_rows(options.folder)
+    except (ValueError, KeyError, TypeError) as error:
+        print(f".ci/run full: {options.folder / 'summary.json'}: expected an earlier summary, found another thing: {error}", file=sys.stderr)
+        return 2
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
     about = {"commit": commit or None, "seed": options.seed, "processors": os.cpu_count()}
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    catch_stops()
     rows = run_stages(chosen, names, options.folder, about)
     print(f"== summary, in {options.folder}")
     print(table(rows), end="")
-    if any(row["result"] == INTERRUPTED for row in rows):
+    if STOPS:
         return 130
     return 0 if all(row["result"] == PASSED for row in rows) else 1
 

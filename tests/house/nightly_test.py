@@ -92,8 +92,8 @@ class Nightly(unittest.TestCase):
             self.assertFalse(is_running(process), script)
 
     def test_an_interrupt_ends_it_and_is_in_the_summary(self):
-        program = (f"import sys, pathlib; sys.path.insert(0, {str(ROOT / '.ci')!r}); import nightly, signal\n"
-                   "signal.signal(signal.SIGTERM, signal.default_int_handler)\n"
+        program = (f"import sys, pathlib; sys.path.insert(0, {str(ROOT / '.ci')!r}); import nightly\n"
+                   "nightly.catch_stops()\n"
                    f"stages = [nightly.Stage(n, n, ['/bin/sh', '-c', 'echo started; sleep 1000']) for n in 'ab']\n"
                    f"nightly.run_stages(stages, ['a', 'b'], pathlib.Path({str(self.folder)!r}), {{}})\n")
         process = subprocess.Popen([sys.executable, "-B", "-c", program], stdout=subprocess.DEVNULL)
@@ -117,6 +117,13 @@ class Nightly(unittest.TestCase):
                     self.assertTrue(path.exists(), word)
         bench = next(stage for stage in stages if stage.name == "bench")
         self.assertIn(str(self.folder / "bench.json"), " ".join(bench.command))
+
+    def test_a_summary_that_is_none_is_refused(self):
+        for text in ("no json", "{}", "[1]", '{"stages": [1]}'):
+            (self.folder / "summary.json").write_text(text)
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(nightly.main(["--no-build", "bench", "--folder", str(self.folder)]), 2)
+            self.assertIn("expected an earlier summary", said.getvalue())
 
     def test_usage(self):
         for words in (["nonsense"], ["--soak-wall", "long"]):
