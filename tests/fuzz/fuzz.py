@@ -127,7 +127,8 @@ def main():
     if program is None:
         return 3
     environment = {key: value for key, value in os.environ.items() if key != "PALPATE_FUZZ_READER"}
-    listed = subprocess.run([str(program), "-runs=1"], env=environment, capture_output=True, text=True, check=False)
+    # It ends before it runs, which libFuzzer keeps as a finding: in the build folder.
+    listed = subprocess.run([str(program), "-runs=1"], cwd=program.parent, env=environment, capture_output=True, text=True, check=False)
     known = [word for word in listed.stdout.split() if re.fullmatch(r"[a-z_]+", word)]
     unknown = [reader for reader in options.readers if reader not in known]
     if not known or unknown:

@@ -128,6 +128,7 @@ const Reader& wanted_reader() {
     if (name != nullptr && name == std::string(reader.name)) return reader;
   }
   for (const Reader& reader : kReaders) std::cout << reader.name << '\n';
+  std::cout.flush();  // libFuzzer ends the process before the streams are
   std::exit(2);
 }
 

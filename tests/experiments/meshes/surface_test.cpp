@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
@@ -176,6 +177,51 @@ TEST(Surface, BrokenFilesAreRefused) {
             std::string::npos);
   EXPECT_NE(refused("a.txt", "x").find(".stl, .off, .obj or .ply"), std::string::npos);
   EXPECT_NE(refusal(folder.path() / "missing.stl"), "");
+}
+
+/// Each is a good file whose header claims more than is there, or a row that does.
+TEST(Surface, AFileThatClaimsMoreThanItHoldsIsRefusedInOneLine) {
+  const test::ScratchFolder folder;
+  const std::string points = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+  const std::string faces = "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+  const auto off = [&](const std::string& counts) { return "OFF\n" + counts + " 0\n" + points + faces; };
+  const auto ply = [&](const std::string& vertices, const std::string& count, const std::string& more) {
+    return "ply\nformat ascii 1.0\nelement vertex " + vertices +
+           "\nproperty float x\nproperty float y\nproperty float z\n" + more + "element face " + count +
+           "\nproperty list uchar int vertex_indices\nend_header\n" + points + faces;
+  };
+  const auto refused = [&](const std::string& name, const std::string& bytes) {
+    write_text(folder.path() / name, bytes);
+    return refusal(folder.path() / name);
+  };
+  EXPECT_EQ(refused("good.off", off("4 4")), "");
+  EXPECT_EQ(refused("good.ply", ply("4", "4", "")), "");
+  EXPECT_EQ(refused("comment.off", "# a comment\nOFF # another\n\n4 4 0\n" + points + "# and one\n" + faces),
+            "");
+  const std::vector<std::array<std::string, 3>> all{
+      {"v5.off", off("5 4"), "expected 5 vertices and 4 faces, as the header says, found 8 rows"},
+      {"f40.off", off("4 40"), "expected 4 vertices and 40 faces, as the header says, found 8 rows"},
+      {"huge.off", off("4000000000 4"), "expected vertices that 75 bytes can hold"},
+      {"faces.off", off("4 4000000000"), "expected faces that 75 bytes can hold"},
+      {"negative.off", off("-4 4"), ""},
+      {"corners.off", off("4 4").replace(off("4 4").find("3 1 2 3"), 1, "300000"),
+       "expected corners of a face"},
+      {"color.off", "C" + off("4 4"), "expected a colour of 3 or 4 numbers"},
+      {"v5.ply", ply("5", "4", ""), "expected 9 elements, as the header says, found 8 rows"},
+      {"f40.ply", ply("4", "40", ""), "expected 44 elements, as the header says, found 8 rows"},
+      {"huge.ply", ply("4000000000", "4", ""), "as the file has bytes"},
+      {"faces.ply", ply("4", "4000000000", ""), "as the file has bytes"},
+      {"owner.ply", "ply\nformat ascii 1.0\nend_header_of_none\nproperty float x\nend_header\n",
+       "expected an element before its properties"},
+      {"property.ply", ply("4", "4", "property float q\n"), "a broken or truncated one"},
+  };
+  for (const auto& [name, bytes, expected] : all) {
+    const std::string message = refused(name, bytes);
+    EXPECT_NE(message, "") << name;
+    EXPECT_NE(message.find(expected), std::string::npos) << message;
+    EXPECT_NE(message.find(name), std::string::npos) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+  }
 }
 
 // gmsh returns without tets when two sheets cross: that must never pass for a mesh.
