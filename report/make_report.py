@@ -10,6 +10,7 @@ record is broken; 3 matplotlib is missing, a file could not be written, or a fau
 """
 
 import argparse
+import gc
 import pathlib
 import sys
 import traceback
@@ -219,9 +220,19 @@ def print_notes(notes):
         say(f"\nnote: {note}")
 
 
+def read_without_collecting(folder):
+    """The run. Its records have no circles for the collector to find, and are too many to be looked through again and again."""
+    gc.disable()
+    try:
+        return records.read_run(folder)
+    finally:
+        gc.enable()
+        gc.freeze()
+
+
 def make_report(options):
     """Does all of it; returns the exit code. What is required and does not hold is said last."""
-    run = records.read_run(options.run_dir)
+    run = read_without_collecting(options.run_dir)
     contest_report = choose_report(run)
     found, failed = contest_report.tables(run)
     run.notes += load.run_notes(run)

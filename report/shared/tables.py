@@ -10,7 +10,7 @@ import os
 
 from shared import load
 from shared.intervals import median_interval, percent
-from shared.records import BUCKETS, figure, histogram, median, present, quantile
+from shared.records import BUCKETS, figure, histogram, json_mark, median, present, quantile
 
 QUALITY_FIGURES = [
     "percent_above_0_5", "percent_above_0_6", "mean_quality", "min_quality", "min_dihedral_deg", "p1_dihedral_deg",
@@ -78,7 +78,7 @@ def timed_units(answers):
     times = {}
     for record in answers:
         if figure(record, "kernel_s") is not None:
-            times.setdefault(json.dumps(record.get("seed")), []).append(figure(record, "kernel_s"))
+            times.setdefault(json_mark(record.get("seed")), []).append(figure(record, "kernel_s"))
     if len(times) > 1:
         return [median(own) for own in times.values()], "seeds"
     return [value for own in times.values() for value in own], "repeats"
@@ -86,6 +86,10 @@ def timed_units(answers):
 
 def timing_of(group):
     """Times over the accepted repeats: a dict, or None if there is none. The median is that of the units of its interval."""
+    return group.once("timing", lambda: work_out_timing(group))
+
+
+def work_out_timing(group):
     answers = group.accepted()
     kernel = present(figure(record, "kernel_s") for record in answers)
     if not kernel:
@@ -99,7 +103,7 @@ def timing_of(group):
         seconds = figure(record, "kernel_s")
         if None not in (before, after, seconds) and seconds > 0:
             rates.append((before - after) / seconds)
-    loads = [load.load_of(record) for record in answers]
+    loads = load.loads_of(group)
     units, over = timed_units(answers)
     interval = median_interval(units)
     return {"n": len(kernel), "kernel_median_s": median(units), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
@@ -139,7 +143,7 @@ def validity_rows(run):
         for label, sweep, lines in subjects:
             seen = set()
             for record in lines:
-                mark = (json.dumps(record.get("seed")), record.get("outcome"))
+                mark = (json_mark(record.get("seed")), record.get("outcome"))
                 if mark in seen:
                     continue
                 seen.add(mark)
