@@ -27,6 +27,9 @@ from stability import stability, stability_page
 from verify import verification, verification_page
 
 
+MOST_MESHES = 100  # whose lines the summary of a contest of simplifiers has
+
+
 @dataclass
 class Findings:
     verdicts: list  # of the claim, mesh by mesh
@@ -35,11 +38,16 @@ class Findings:
     scaling: list  # growth of each label with the mesh, if the plan asks for that chart
 
 
-def print_summary(run, claim, found):
+def print_summary(whole, claim, found):
+    """What a reader can take in: of very many meshes the first ones, all are in the tables."""
+    run = whole.of_first_meshes(MOST_MESHES)
+    if run is not whole:
+        whole.notes.append(f"the summary has the first {MOST_MESHES} of {len(whole.meshes()):,} meshes; tables/ has all")
     if run.plan_data.get("question"):
         say(f"{run.plan_data['question']}\n")
     if found.sections:
-        say(contest.contest_text(run, found.sections))
+        meshes = set(run.meshes())
+        say(contest.contest_text(run, [section for section in found.sections if section.mesh in meshes]))
     else:
         say("Quality: median over seeds [least, greatest]\n")
         say(tables.quality_summary(run))

@@ -9,7 +9,7 @@ import math
 import pathlib
 import statistics
 from array import array
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from shared.compact_record import Record, RecordPacker
 
@@ -62,6 +62,10 @@ class Group:
         """A figure of each accepted case, by its path; cases that lack it are left out."""
         return list(self.once(keys, lambda: dense(present(figure(record, *keys) for record in self.cases()))))
 
+    def shares(self):
+        """Of each accepted case that has one, its histogram in percent of all tetrahedra."""
+        return self.once("shares", lambda: present(shares_of(record) for record in self.cases()))
+
     def outcomes(self):
         """How often each outcome occurred, warm-up left out."""
         return dict(self.once("outcomes", self.count_outcomes))
@@ -112,6 +116,7 @@ class Run:
     inputs: dict
     notes: list
     references: list = field(default_factory=list)  # their records, in the order of the file
+    known: dict = field(default_factory=dict, repr=False, compare=False)  # what was looked up before, and of how many groups
 
     @property
     def judges_displacements(self):
@@ -123,7 +128,22 @@ class Run:
         return list(dict.fromkeys([*self.inputs, *(group.mesh for group in self.groups)]))
 
     def of_mesh(self, mesh):
-        return [group for group in self.groups if group.mesh == mesh]
+        count, found = self.known.get("of_mesh", (-1, {}))
+        if count != len(self.groups):
+            found = {}
+            for group in self.groups:
+                found.setdefault(group.mesh, []).append(group)
+            self.known["of_mesh"] = (len(self.groups), found)
+        return list(found.get(mesh, []))
+
+    def of_first_meshes(self, most):
+        """The run with so many of its meshes at most; the run itself if it has no more."""
+        meshes = self.meshes()
+        if len(meshes) <= most:
+            return self
+        chosen = set(meshes[:most])
+        return replace(self, groups=[group for group in self.groups if group.mesh in chosen], known={},
+                       inputs={mesh: record for mesh, record in self.inputs.items() if mesh in chosen})
 
     def find(self, mesh, label):
         """The groups of a label on a mesh, one for each point of the sweep."""
@@ -154,6 +174,18 @@ def histogram(record):
     if isinstance(buckets, list) and len(buckets) == BUCKETS and all(isinstance(n, (int, float)) for n in buckets):
         return buckets
     return None
+
+
+def shares_of(record):
+    """The histogram in percent of all tetrahedra, or None."""
+    buckets = histogram(record) if record else None
+    whole = sum(buckets) if buckets else 0
+    return [100.0 * count / whole for count in buckets] if whole else None
+
+
+def figures_of(records, key):
+    """`figure` of each record by a key of its own, without those that lack it."""
+    return [value for value in (record.get(key) for record in records) if type(value) in (float, int) and math.isfinite(value)]
 
 
 def present(values):
