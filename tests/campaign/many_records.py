@@ -1,6 +1,6 @@
 """Run folders of as many records as one likes: a small plan is run, and its records are multiplied to those of a large one.
 
-    /usr/bin/python3 -B tests/report/many_records.py PALPATE FOLDER --records N [--repeats R] [--meshes M]
+    /usr/bin/python3 -B tests/campaign/many_records.py PALPATE FOLDER --records N [--repeats R] [--meshes M]
 
 FOLDER becomes what `palpate run` of FOLDER.yaml would have left: plan, meshes and provenance are the program's own (`--prepare`), each record is
 one of the small run with the case, seed, repeat, hash, times and figures of its own. So the figures are made up, and the form is not.
