@@ -100,19 +100,28 @@ def measure_report(options):
 
 
 def measure_jobs(options):
-    """The workflow of one job a case, and Snakemake's look at all of it."""
+    """The workflow of one job a case, Snakemake's look at all of it, and its run of jobs that do nothing."""
     rows, jobs = [], 100
     while jobs <= options.most_jobs:
         for seconds in (1, 1000) if jobs >= 1000 else (1,):
             with tempfile.TemporaryDirectory(prefix="palpate-scaling-") as folder:
-                seeds = -(-jobs // (2 * len(LABELS)))
-                plan = write_plan(folder, 2, seeds, 1, timed=False)
+                meshes = max(2, jobs // 10_000)
+                seeds = -(-jobs // (meshes * len(LABELS)))
+                plan = write_plan(folder, meshes, seeds, 1, timed=False)
                 written = cost_of(options.program, "workflow", plan, "-o", f"{folder}/jobs", "--job-seconds", seconds, "--unknown-seconds", 1)
                 parts = len(list((pathlib.Path(folder) / "jobs" / "cases").glob("*.txt")))
                 looked = cost_of("/usr/bin/snakemake", "-n", "-q", "-j2", cwd=f"{folder}/jobs")
-                rows.append([f"{seeds * 2 * len(LABELS):,}", f"{parts:,}", *cost_cells(written), *cost_cells(looked)])
+                idle = idle_run(pathlib.Path(folder) / "jobs") if parts <= options.most_idle else ["not run", "", ""]
+                rows.append([f"{seeds * meshes * len(LABELS):,}", f"{parts:,}", *cost_cells(written), *cost_cells(looked), *idle])
         jobs *= 10
-    table("Jobs", ["cases", "parts", *(f"palpate workflow: {head}" for head in COST_HEADS), *(f"snakemake -n: {head}" for head in COST_HEADS)], rows)
+    table("Jobs", ["cases", "parts", *(f"{what}: {head}" for what in ("palpate workflow", "snakemake -n", "snakemake, idle jobs") for head in COST_HEADS)], rows)
+
+
+def idle_run(jobs):
+    """What Snakemake takes for its jobs where these do nothing."""
+    campaign = json.loads((jobs / "campaign.json").read_text(encoding="utf-8"))
+    (jobs / "campaign.json").write_text(json.dumps({**campaign, "palpate": "/bin/true"}), encoding="utf-8")
+    return cost_cells(cost_of("/usr/bin/snakemake", "-q", "-j2", cwd=jobs))
 
 
 def measure_take(options):
@@ -150,6 +159,7 @@ def main():
     parser.add_argument("--only", action="append", choices=list(MEASURES))
     parser.add_argument("--most", type=int, default=1_000_000, metavar="RECORDS")
     parser.add_argument("--most-jobs", type=int, default=10_000, metavar="JOBS")
+    parser.add_argument("--most-idle", type=int, default=2000, metavar="JOBS")
     options = parser.parse_args()
     print(f"load at the start {os.getloadavg()[0]:.2f}, {os.cpu_count()} processors")
     for name in options.only or MEASURES:
