@@ -87,15 +87,19 @@ void CaseState::remember(const json& record, const RepeatBounds& bounds) {
 }
 
 void CaseState::remember_answer(const json& record) {
-  const json found = record.value("tuned", json::object());
+  static const json kNothing;
+  const auto part = [](const json& of,
+                       const char* key) -> const json& {  // a judge's block is too long to copy
+    const auto found = of.is_object() ? of.find(key) : of.end();
+    return found != of.end() ? *found : kNothing;
+  };
+  const json& found = part(record, "tuned");
   if (tuned.empty() && !found.empty()) tuned = found;
-  const json judge = record.value("judge", json());
-  if (!tets && judge.is_object() && judge.value("tets", json()).is_number())
-    tets = judge.at("tets").get<double>();
-  const json hash = record.value("output_hash", json());
+  const json& judge = part(record, "judge");
+  if (!tets && part(judge, "tets").is_number()) tets = judge.at("tets").get<double>();
+  const json& hash = part(record, "output_hash");
   if (!hash.is_string()) return;
-  const json report = record.value("report", json());
-  const json ended = report.is_object() ? report.value("outcome", json()) : json();
+  const json& ended = part(part(record, "report"), "outcome");
   const bool is_known = std::any_of(answers_.begin(), answers_.end(), [&](const PastAnswer& answer) {
     return hash == answer.output_hash && ended == answer.ended;
   });

@@ -27,7 +27,7 @@ class Load:
 
 
 def load_of(record):
-    return Load(*(figure(record, key) for key in ("load_1min", "processor_s", "others_s")))
+    return Load(figure(record, "load_1min"), figure(record, "processor_s"), figure(record, "others_s"))
 
 
 def loads_of(group):
