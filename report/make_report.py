@@ -10,6 +10,7 @@ record is broken; 3 matplotlib is missing, a file could not be written, or a fau
 """
 
 import argparse
+import gc
 import pathlib
 import sys
 import traceback
@@ -26,6 +27,9 @@ from stability import stability, stability_page
 from verify import verification, verification_page
 
 
+MOST_MESHES = 100  # whose lines the summary of a contest of simplifiers has
+
+
 @dataclass
 class Findings:
     verdicts: list  # of the claim, mesh by mesh
@@ -34,11 +38,16 @@ class Findings:
     scaling: list  # growth of each label with the mesh, if the plan asks for that chart
 
 
-def print_summary(run, claim, found):
+def print_summary(whole, claim, found):
+    """What a reader can take in: of very many meshes the first ones, all are in the tables."""
+    run = whole.of_first_meshes(MOST_MESHES)
+    if run is not whole:
+        whole.notes.append(f"the summary has the first {MOST_MESHES} of {len(whole.meshes()):,} meshes; tables/ has all")
     if run.plan_data.get("question"):
         say(f"{run.plan_data['question']}\n")
     if found.sections:
-        say(contest.contest_text(run, found.sections))
+        meshes = set(run.meshes())
+        say(contest.contest_text(run, [section for section in found.sections if section.mesh in meshes]))
     else:
         say("Quality: median over seeds [least, greatest]\n")
         say(tables.quality_summary(run))
@@ -219,9 +228,19 @@ def print_notes(notes):
         say(f"\nnote: {note}")
 
 
+def read_without_collecting(folder):
+    """The run. Its records have no circles for the collector to find, and are too many to be looked through again and again."""
+    gc.disable()
+    try:
+        return records.read_run(folder)
+    finally:
+        gc.enable()
+        gc.freeze()
+
+
 def make_report(options):
     """Does all of it; returns the exit code. What is required and does not hold is said last."""
-    run = records.read_run(options.run_dir)
+    run = read_without_collecting(options.run_dir)
     contest_report = choose_report(run)
     found, failed = contest_report.tables(run)
     run.notes += load.run_notes(run)

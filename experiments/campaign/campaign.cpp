@@ -72,14 +72,14 @@ std::map<std::string, CaseCost> read_costs(const std::vector<fs::path>& runs) {
   std::map<std::string, std::vector<double>> seconds;
   std::map<std::string, CaseCost> costs;
   for (const fs::path& run : runs) {
-    for (const json& record : read_records(find_run(run) / "records.jsonl")) {
-      if (!record.value("wall_s", json()).is_number()) continue;
+    for_each_record(find_run(run) / "records.jsonl", [&](const json& record) {
+      if (!record.value("wall_s", json()).is_number()) return;
       const std::string id = record.at("case").get<std::string>();
       seconds[id].push_back(record.at("wall_s").get<double>());
       const json memory = record.value("peak_rss_bytes", json());
       if (memory.is_number())
         costs[id].memory_mib = std::max(costs[id].memory_mib, memory.get<double>() / kMebibyte);
-    }
+    });
   }
   for (const auto& [id, times] : seconds) costs[id].seconds = median(times);
   return costs;

@@ -34,9 +34,14 @@ long long whole_lines(int file, long long size) {
 }  // namespace
 
 std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
+  std::vector<nlohmann::json> records;
+  for_each_record(path, [&records](nlohmann::json record) { records.push_back(std::move(record)); });
+  return records;
+}
+
+void for_each_record(const std::filesystem::path& path, const std::function<void(nlohmann::json)>& use) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path.string(), 0, "the records of a run", "no such file");
-  std::vector<nlohmann::json> records;
   std::string line;
   std::size_t number = 0;
   while (std::getline(file, line)) {
@@ -48,9 +53,8 @@ std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
                        record.value("outcome", nlohmann::json()).is_string() &&
                        record.value("repeat", nlohmann::json()).is_number_integer();
     if (!sound) throw InputError(path.string(), number, "a record (palpate/record/1)", "something else");
-    records.push_back(std::move(record));
+    use(std::move(record));
   }
-  return records;
 }
 
 double median(std::vector<double> values) {

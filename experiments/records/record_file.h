@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@ namespace palpate::experiments {
 /// out.
 /// Throws: InputError with the line for any other line that is no record.
 std::vector<nlohmann::json> read_records(const std::filesystem::path& path);
+
+/// The same records one after the other, so that no more than one is held.
+void for_each_record(const std::filesystem::path& path, const std::function<void(nlohmann::json)>& use);
 
 /// The median of `values`, the mean of the middle two for an even number. Requires at least one.
 double median(std::vector<double> values);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "experiments/records/case_record.h"
 #include "experiments/records/record_file.h"
 
 namespace palpate::experiments {
@@ -20,6 +21,11 @@ bool is_measured(const json& record) {
 std::optional<double> kernel_time(const json& record) {
   const json value = record.value("kernel_s", json());
   return value.is_number() ? std::optional<double>(value.get<double>()) : std::nullopt;
+}
+
+bool closes(const std::string& outcome) {
+  return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
+         outcome == "not_judged";
 }
 
 }  // namespace
@@ -53,36 +59,70 @@ RepeatBounds repeat_bounds(const RunSettings& run, const Case& c) {
   return {repeats_of(run, c), most_repeats_of(run, c), run.until_width};
 }
 
-void CaseState::remember(json record, const RepeatBounds& bounds) {
+void CaseState::remember(const json& record, const RepeatBounds& bounds) {
   done.insert(record.at("repeat").get<int>());
   if (record.value("wall_s", json()).is_number()) wall_s = record.at("wall_s").get<double>();
-  records.push_back(std::move(record));
-  if (count_measured() < bounds.least) return;
+  const std::string outcome = record.at("outcome").get<std::string>();
+  is_closed_ = is_closed_ || closes(outcome);
+  if (worst.empty() || outcome != "accepted") worst = outcome;
+  if (first_failure.empty() && outcome != "accepted") first_failure = outcome + ": " + reason_of(record);
+  remember_answer(record);
+  if (is_measured(record)) {
+    ++measured_;
+    if (const auto time = kernel_time(record)) times_.push_back(*time);
+  }
+  if (measured_ < bounds.least) return;
   if (bounds.most == bounds.least) {
     end = RepeatsEnd::kAll;
     return;
   }
-  std::vector<double> times;
-  for (const json& each : records) {
-    const auto time = kernel_time(each);
-    if (time && is_measured(each)) times.push_back(*time);
-  }
-  width = relative_median_width(times);
-  if (static_cast<int>(times.size()) < count_measured()) {
+  width = relative_median_width(times_);
+  if (static_cast<int>(times_.size()) < measured_) {
     end = RepeatsEnd::kNoTime;
   } else if (width <= *bounds.width) {
     end = RepeatsEnd::kNarrow;
-  } else if (count_measured() >= bounds.most) {
+  } else if (measured_ >= bounds.most) {
     end = RepeatsEnd::kLimit;
   }
 }
 
-bool CaseState::is_closed() const {
-  return std::any_of(records.begin(), records.end(), [](const json& record) {
-    const json& outcome = record.at("outcome");
-    return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
-           outcome == "not_judged";
+void CaseState::remember_answer(const json& record) {
+  static const json kNothing;
+  const auto part = [](const json& of,
+                       const char* key) -> const json& {  // a judge's block is too long to copy
+    const auto found = of.is_object() ? of.find(key) : of.end();
+    return found != of.end() ? *found : kNothing;
+  };
+  const json& found = part(record, "tuned");
+  if (tuned.empty() && !found.empty()) tuned = found;
+  const json& judge = part(record, "judge");
+  if (!tets && part(judge, "tets").is_number()) tets = judge.at("tets").get<double>();
+  const json& hash = part(record, "output_hash");
+  if (!hash.is_string()) return;
+  const json& ended = part(part(record, "report"), "outcome");
+  const bool is_known = std::any_of(answers_.begin(), answers_.end(), [&](const PastAnswer& answer) {
+    return hash == answer.output_hash && ended == answer.ended;
   });
+  if (!is_known) answers_.push_back({hash.get<std::string>(), ended, json::to_msgpack(judge)});
+}
+
+std::vector<json> CaseState::earlier_answers() const {
+  std::vector<json> found;
+  for (const PastAnswer& answer : answers_) {
+    const json report = answer.ended.is_null() ? json() : json{{"outcome", answer.ended}};
+    found.push_back({{"output_hash", answer.output_hash},
+                     {"report", report},
+                     {"judge", json::from_msgpack(answer.judge)}});
+  }
+  return found;
+}
+
+void CaseState::drop_answers() {
+  answers_ = {};
+}
+
+bool CaseState::is_closed() const {
+  return is_closed_;
 }
 
 bool CaseState::is_due(int repeat, int warmup, const RepeatBounds& bounds) const {
@@ -91,8 +131,14 @@ bool CaseState::is_due(int repeat, int warmup, const RepeatBounds& bounds) const
   return repeat < warmup + bounds.most && end == RepeatsEnd::kNotYet;
 }
 
+int CaseState::count_due(int warmup, const RepeatBounds& bounds) const {
+  int due = 0;
+  for (int repeat = 0; repeat < warmup + bounds.most; ++repeat) due += is_due(repeat, warmup, bounds) ? 1 : 0;
+  return due;
+}
+
 int CaseState::count_measured() const {
-  return static_cast<int>(std::count_if(records.begin(), records.end(), is_measured));
+  return measured_;
 }
 
 const char* repeats_end_name(RepeatsEnd end) {

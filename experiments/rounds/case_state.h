@@ -1,10 +1,12 @@
 // What earlier repeats of a case left, and whether there are enough of them.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "experiments/plan_reader/case_list.h"
@@ -50,16 +52,33 @@ enum class RepeatsEnd {
   kNoTime   ///< a repeat gave no kernel time: no number of them makes an interval
 };
 
-/// What earlier repeats of a case left.
+/// An answer that a case gave, as far as a later repeat's is held against it.
+struct PastAnswer {
+  std::string output_hash;
+  nlohmann::json ended;             ///< what the contestant said of its end; null where it said nothing
+  std::vector<std::uint8_t> judge;  ///< the judge's block as MessagePack: a fifth of what it takes as JSON
+};
+
+/// What earlier repeats of a case left: as much as its further repeats need, so that 10^6 of them can be
+/// held.
 struct CaseState {
   std::set<int> done;
-  std::vector<nlohmann::json> records;
   double wall_s = -1.0;  ///< of the last repeat; below zero: not known
   RepeatsEnd end = RepeatsEnd::kNotYet;
   double width = std::numeric_limits<double>::infinity();  ///< relative_median_width of its kernel times
+  std::optional<double> tets;                       ///< of the first answer that was judged to have some
+  nlohmann::json tuned = nlohmann::json::object();  ///< what the first search found
+  std::string worst;  ///< outcome of the last repeat that was not accepted, else of the first; empty: not run
+  std::string first_failure;  ///< outcome and reason of the first repeat that was not accepted
 
   /// Takes a record in. `bounds` are the case's.
-  void remember(nlohmann::json record, const RepeatBounds& bounds);
+  void remember(const nlohmann::json& record, const RepeatBounds& bounds);
+
+  /// The answers so far, each once, as records with output_hash, report and judge.
+  std::vector<nlohmann::json> earlier_answers() const;
+
+  /// Lets go of the answers: the case is not repeated any more.
+  void drop_answers();
 
   /// Whether an outcome forbids another repeat: it timed out, was refused, could not be had or judged.
   bool is_closed() const;
@@ -67,8 +86,19 @@ struct CaseState {
   /// Whether this repeat (0 is the first warm-up) is to be run.
   bool is_due(int repeat, int warmup, const RepeatBounds& bounds) const;
 
+  /// Repeats that are to be run.
+  int count_due(int warmup, const RepeatBounds& bounds) const;
+
   /// Measured repeats so far.
   int count_measured() const;
+
+ private:
+  void remember_answer(const nlohmann::json& record);
+
+  std::vector<PastAnswer> answers_;
+  std::vector<double> times_;  ///< kernel times of measured repeats
+  int measured_ = 0;
+  bool is_closed_ = false;
 };
 
 /// "narrow", "limit" or "no_time"; empty for the others.

@@ -18,6 +18,7 @@
 #include "experiments/rounds/case_choice.h"
 #include "experiments/rounds/case_groups.h"
 #include "experiments/rounds/case_state.h"
+#include "experiments/rounds/rest_time.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/repeat_end.h"
@@ -215,20 +216,41 @@ class Runner {
   void load_records() {
     states_.assign(cases_.size(), {});
     recorded_inputs_.clear();
+    failed_inputs_.clear();
     std::map<std::string, std::size_t> index;
     for (std::size_t i = 0; i < cases_.size(); ++i) index[cases_[i].id] = i;
-    for (json& record : read_records(folder_.paths().records())) {
+    for_each_record(folder_.paths().records(), [&](const json& record) {
       const std::string id = record.at("case").get<std::string>();
       const auto found = index.find(id);
-      if (found != index.end()) states_[found->second].remember(std::move(record), bounds_of(found->second));
-      recorded_inputs_.insert(id);
-    }
+      if (found != index.end()) {
+        remember(found->second, record);
+      } else {
+        note_input(record);
+      }
+    });
+  }
+
+  /// Takes the record of a case in, and lets go of what no further repeat of it needs.
+  void remember(std::size_t index, const json& record) {
+    CaseState& state = states_[index];
+    state.remember(record, bounds_of(index));
+    if (state.done.size() >= static_cast<std::size_t>(bounds_of(index).least) && !has_due(index))
+      state.drop_answers();
+  }
+
+  /// An input's record: that there is one, and why it failed.
+  void note_input(const json& record) {
+    const std::string id = record.at("case").get<std::string>();
+    recorded_inputs_.insert(id);
+    if (!record.at("contestant").is_null() || record.at("outcome") == "accepted") return;
+    failed_inputs_[id] = record.at("outcome").get<std::string>() + ": " + reason_of(record);
   }
 
   void record_inputs(RecordFile& records) {
     const bool finished = contest_->record_inputs(recorded_inputs_, [&](json record) {
       record["sitting"] = sitting_;
       records.append(record);
+      note_input(record);
       ++result_.records_added;
     });
     result_.interrupted = !finished;
@@ -239,53 +261,28 @@ class Runner {
   }
 
   /// Whether any repeat of a case is to be run.
-  bool has_due(std::size_t index) const {
-    const int end = plan_.run.warmup + bounds_of(index).most;
-    for (int repeat = 0; repeat < end; ++repeat) {
-      if (is_due(index, repeat)) return true;
-    }
-    return false;
-  }
-
-  /// The time for the rest, at most: a case may end before it has the most repeats.
-  double seconds_left(int round, const std::vector<std::size_t>& rest) const {
-    double known = 0.0;
-    std::size_t count = 0;
-    for (const CaseState& state : states_) {
-      if (state.wall_s < 0.0) continue;
-      known += state.wall_s;
-      ++count;
-    }
-    const double typical = count > 0 ? known / static_cast<double>(count) : 0.0;
-    double left = 0.0;
-    for (int r = round; r < rounds(); ++r) {
-      for (const std::size_t index : r == round ? rest : selected_) {
-        const CaseState& state = states_[index];
-        if (is_due(index, r)) left += state.wall_s >= 0.0 ? state.wall_s : typical;
-      }
-    }
-    return left;
+  bool has_due(std::size_t index) const { return count_due(index) > 0; }
+  int count_due(std::size_t index) const {
+    return states_[index].count_due(plan_.run.warmup, bounds_of(index));
   }
 
   void run_rounds(RecordFile& records) {
-    std::size_t due = 0;
-    for (int repeat = 0; repeat < rounds(); ++repeat) {
-      for (const std::size_t index : selected_) due += is_due(index, repeat) ? 1 : 0;
-    }
-    progress_.start(due);
-    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat) run_round(repeat, records);
+    RestTime rest;
+    for (const std::size_t index : selected_) rest.add(count_due(index), states_[index].wall_s);
+    progress_.start(rest.repeats());
+    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat)
+      run_round(repeat, records, rest);
   }
 
   /// One repeat of every selected case that is due, in the order of its round.
-  void run_round(int repeat, RecordFile& records) {
+  void run_round(int repeat, RecordFile& records, RestTime& rest) {
     const std::set<std::size_t> selected(selected_.begin(), selected_.end());
     std::vector<std::size_t> order =
         order_round(cases_, static_cast<std::uint64_t>(plan_.run.order_seed), repeat);
     std::vector<std::size_t> position(cases_.size());  // among all cases, selected or not
     for (std::size_t place = 0; place < order.size(); ++place) position[order[place]] = place;
     std::erase_if(order, [&](std::size_t index) { return selected.count(index) == 0; });
-    for (auto at = order.begin(); at != order.end(); ++at) {
-      const std::size_t index = *at;
+    for (const std::size_t index : order) {
       if (!is_due(index, repeat)) continue;
       if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
       if (result_.interrupted) return;
@@ -295,29 +292,18 @@ class Runner {
       (*record)["position"] = position[index];
       records.append(*record);
       ++result_.records_added;
-      states_[index].remember(*std::move(record), bounds_of(index));
-      progress_.step(seconds_left(repeat, {at + 1, order.end()}));
+      rest.remove(count_due(index), states_[index].wall_s);
+      remember(index, *record);
+      rest.add(count_due(index), states_[index].wall_s);
+      progress_.step(rest.seconds());
     }
   }
 
   /// The stop with tets_of resolved; nothing if the case that it needs left no mesh.
   std::optional<Stop> resolve_stop(const Case& c) const {
     if (!c.tets_of) return c.stop;
-    for (const json& record : states_[*c.tets_of].records) {
-      const json& judgement = record.value("judge", json());
-      if (!judgement.is_object() || !judgement.value("tets", json()).is_number()) continue;
-      return Stop{StopKind::kTets, judgement.at("tets").get<double>(), c.stop.of};
-    }
-    return std::nullopt;
-  }
-
-  /// The parameters that an earlier repeat of the case searched for; {} if there are none.
-  json tuned_of(std::size_t index) const {
-    for (const json& record : states_[index].records) {
-      json tuned = record.value("tuned", json::object());
-      if (!tuned.empty()) return tuned;
-    }
-    return json::object();
+    const auto& tets = states_[*c.tets_of].tets;
+    return tets ? std::optional(Stop{StopKind::kTets, *tets, c.stop.of}) : std::nullopt;
   }
 
   /// Runs one repeat. Nothing comes back if it was interrupted.
@@ -340,7 +326,7 @@ class Runner {
       task.scratch = fs::absolute(folder_.fresh_scratch());
       task.stop = *stop;
       task.keep = contestant.keep;
-      task.tuned = tuned_of(index);
+      task.tuned = states_[index].tuned;
       task.threads = threads_;
       task.timeout_s = plan_.run.timeout_s;
       task.memory_mib = plan_.run.memory_mib;
@@ -356,7 +342,7 @@ class Runner {
     RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
     facts.deterministic = registry_.find(contestant.method)->method->deterministic;
     facts.judge_bounds = judge_bounds(plan_, options_.stop_flag);
-    json record = contest_->build_record(facts, answer, states_[index].records);
+    json record = contest_->build_record(facts, answer, states_[index].earlier_answers());
     if (record.at("outcome") == "interrupted") {
       result_.interrupted = true;
       return std::nullopt;
@@ -390,26 +376,17 @@ class Runner {
       const Case& c = cases_[index];
       const PlanContestant& contestant = contestant_of(c);
       result_.is_whole = result_.is_whole && !has_due(index);
-      std::string worst;
-      for (const json& record : states_[index].records) {
-        const std::string outcome = record.at("outcome").get<std::string>();
-        if (worst.empty()) worst = outcome;
-        if (outcome == "accepted") continue;
-        worst = outcome;
-        if (result_.failures.count(c.id) == 0) result_.failures[c.id] = outcome + ": " + reason_of(record);
-      }
-      if (worst.empty()) worst = "not run";
+      const CaseState& state = states_[index];
+      if (!state.first_failure.empty()) result_.failures[c.id] = state.first_failure;
+      const std::string worst = state.worst.empty() ? "not run" : state.worst;
       ++result_.outcomes[contestant.label][worst];
       if (!contestant.required) continue;
       result_.required_rejected = result_.required_rejected || worst == "rejected";
       result_.required_failed = result_.required_failed || (worst != "accepted" && worst != "rejected");
     }
-    for (const json& record : read_records(folder_.paths().records())) {
-      const bool is_input = record.at("contestant").is_null();
-      if (!is_input || record.at("outcome") == "accepted") continue;
-      const std::string id = record.at("case").get<std::string>();
+    for (const auto& [id, failure] : failed_inputs_) {
       result_.required_rejected = true;
-      result_.failures[id] = record.at("outcome").get<std::string>() + ": " + reason_of(record);
+      result_.failures[id] = failure;
     }
   }
 
@@ -425,6 +402,7 @@ class Runner {
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;
+  std::map<std::string, std::string> failed_inputs_;  ///< case -> outcome and reason
   json provenance_;
   json node_;                ///< this machine, as times name it
   std::size_t sitting_ = 0;  ///< which of the run's starts and resumptions this is

@@ -73,8 +73,9 @@ std::vector<fs::path> find_parts(const fs::path& folder) {
 PartTaker::PartTaker(const RunPaths& paths, std::map<std::string, fs::path> kept, std::string beside_file,
                      json& provenance)
     : paths_(paths), kept_(std::move(kept)), beside_file_(std::move(beside_file)), provenance_(provenance) {
-  for (const json& record : read_records(paths.records()))
+  for_each_record(paths.records(), [this](const json& record) {
     recorded_.emplace(record.at("case").get<std::string>(), record.at("repeat").get<int>());
+  });
 }
 
 void PartTaker::check(const fs::path& part, const json& theirs) const {

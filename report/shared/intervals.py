@@ -15,10 +15,13 @@ the exact permutation test of one against n. Over several strata (meshes) the co
 counted out.
 """
 
+import functools
+import itertools
 import math
 from dataclasses import dataclass
 
 LEVEL = 0.95
+MOST_COUNTED = 2000  # values whose ranks are counted out in whole numbers: these have as many bits
 
 
 @dataclass(frozen=True)
@@ -48,16 +51,37 @@ def ordinal(number):
     return f"{number}{ {1: 'st', 2: 'nd', 3: 'rd'}.get(number % 10, 'th') }"
 
 
-def median_ranks(n, level=LEVEL):
-    """The rank of the lower end (1 is the least) and the chance to hold the median, for n values."""
-    below, rank, coverage = 0, 1, 1 - 2 / 2**n
+def count_ranks(n, level):
+    """median_ranks, counted out in whole numbers."""
+    below, ways, rank, coverage = 0, 1, 1, 1 - 2 / 2**n
+    all_ways = 2**n
     for candidate in range(1, n // 2 + 1):
-        below += math.comb(n, candidate - 1)
-        chance = 1 - 2 * below / 2**n
+        below += ways
+        chance = 1 - 2 * below / all_ways
         if chance < level and candidate > 1:
             break
         rank, coverage = candidate, chance
+        ways = ways * (n - candidate + 1) // candidate
     return rank, coverage
+
+
+def sum_ranks(n, level):
+    """median_ranks of many values, from logarithms: the chance to 1e-8. Ranks 20 standard deviations below the middle have none."""
+    first = max(1, math.ceil(n / 2 - 10 * math.sqrt(n)))
+    below, rank, coverage = 0.0, first, 1.0
+    for candidate in range(first, n // 2 + 1):
+        below += math.exp(math.lgamma(n + 1) - math.lgamma(candidate) - math.lgamma(n - candidate + 2) - n * math.log(2))
+        chance = 1 - 2 * below
+        if chance < level:
+            break
+        rank, coverage = candidate, chance
+    return rank, coverage
+
+
+@functools.cache
+def median_ranks(n, level=LEVEL):
+    """The rank of the lower end (1 is the least) and the chance to hold the median, for n values."""
+    return count_ranks(n, level) if n <= MOST_COUNTED else sum_ranks(n, level)
 
 
 def median_interval(values, level=LEVEL):
@@ -119,9 +143,8 @@ def rank_chance(counts):
     """
     ways, total, seen = [1], 1, 0
     for k, n in counts:
-        grown = [0] * (len(ways) + n)
-        for place, number in enumerate(ways):
-            for more in range(n + 1):
-                grown[place + more] += number
+        sums = [0, *itertools.accumulate(ways)]  # a place is reached from those up to n before it
+        last = len(ways)
+        grown = [sums[min(place + 1, last)] - sums[max(0, place - n)] for place in range(last + n)]
         ways, total, seen = grown, total * (n + 1), seen + k
     return sum(ways[: seen + 1]) / total

@@ -12,7 +12,7 @@ BUSY = 0.10  # others' share of all processors beyond which a repeat's time is o
 ENOUGH_S = 0.4  # processor time from which one repeat's share is good to some percent
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Load:
     load_1min: float
     processor_s: float
@@ -27,7 +27,12 @@ class Load:
 
 
 def load_of(record):
-    return Load(*(figure(record, key) for key in ("load_1min", "processor_s", "others_s")))
+    return Load(figure(record, "load_1min"), figure(record, "processor_s"), figure(record, "others_s"))
+
+
+def loads_of(group):
+    """Of each accepted repeat of a group."""
+    return group.once("loads", lambda: [load_of(record) for record in group.accepted()])
 
 
 def share_of(loads):
@@ -58,7 +63,7 @@ def load_text(loads):
 
 def run_notes(run):
     """A warning where others took much of the machine while a run's times were measured; nothing where they did not, or nobody knows."""
-    loads = [load_of(record) for group in run.groups for record in group.accepted()]
+    loads = [one for group in run.groups for one in loads_of(group)]
     share = share_of(loads)
     if share is None or (share <= BUSY and busy_count(loads) == 0):
         return []

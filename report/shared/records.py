@@ -8,11 +8,15 @@ import json
 import math
 import pathlib
 import statistics
-from dataclasses import dataclass, field
+from array import array
+from dataclasses import dataclass, field, replace
+
+from shared.compact_record import Record, RecordPacker
 
 INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
 BUCKETS = 10
+READ_BYTES = 2**20  # of a file at a time
 PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts",
              "contest", "scenes", "scene_sets", "targets", "cases", "reference", "beside", "frontier", "simplify")  # what of the plan the provenance repeats
 
@@ -31,15 +35,23 @@ class Group:
     contestant: str
     records: list = field(default_factory=list)
     count_note: str = ""  # why its figures are not at equal count (equal_count.py)
+    known: dict = field(default_factory=dict, repr=False, compare=False)  # what was worked out before, and of how many records
+
+    def once(self, key, work):
+        """What `work` returns; worked out again only if records were added since."""
+        found = self.known.get(key)
+        if found is None or found[0] != len(self.records):
+            found = self.known[key] = (len(self.records), work())
+        return found[1]
 
     def accepted(self):
         """Accepted answers, warm-up left out."""
-        return [record for record in self.records if record.get("outcome") == "accepted" and not record.get("warmup")]
+        return self.once("accepted", lambda: [record for record in self.records if record.get("outcome") == "accepted" and not record.get("warmup")])
 
     def cases(self):
         """The first accepted answer of each seed and output: what is judged is the same in every repeat, but for methods
         that do not promise the same output twice."""
-        return distinct(self.accepted())
+        return self.once("cases", lambda: distinct(self.accepted()))
 
     def judged(self):
         """Accepted answers as `cases` has them; if there are none, those that were judged and rejected."""
@@ -48,10 +60,17 @@ class Group:
 
     def figures(self, *keys):
         """A figure of each accepted case, by its path; cases that lack it are left out."""
-        return present(figure(record, *keys) for record in self.cases())
+        return list(self.once(keys, lambda: dense(present(figure(record, *keys) for record in self.cases()))))
+
+    def shares(self):
+        """Of each accepted case that has one, its histogram in percent of all tetrahedra."""
+        return self.once("shares", lambda: present(shares_of(record) for record in self.cases()))
 
     def outcomes(self):
         """How often each outcome occurred, warm-up left out."""
+        return dict(self.once("outcomes", self.count_outcomes))
+
+    def count_outcomes(self):
         counts = {}
         for record in self.records:
             if not record.get("warmup"):
@@ -68,8 +87,23 @@ def distinct(records):
     """The first record of each seed and output."""
     first = {}
     for record in records:
-        first.setdefault(json.dumps([record.get("seed"), record.get("output_hash")]), record)
+        first.setdefault((json_mark(record.get("seed")), json_mark(record.get("output_hash"))), record)
     return list(first.values())
+
+
+def json_mark(value):
+    """What two values have in common if JSON writes them alike."""
+    return value if value is None or type(value) in (str, int) else (json.dumps(value),)
+
+
+def dense(values):
+    """The values in eight bytes each where they are of one kind."""
+    kinds = set(map(type, values))
+    if kinds == {float}:
+        return array("d", values)
+    if kinds == {int} and max(map(abs, values)) < 2**63:
+        return array("q", values)
+    return values
 
 
 @dataclass
@@ -82,6 +116,7 @@ class Run:
     inputs: dict
     notes: list
     references: list = field(default_factory=list)  # their records, in the order of the file
+    known: dict = field(default_factory=dict, repr=False, compare=False)  # what was looked up before, and of how many groups
 
     @property
     def judges_displacements(self):
@@ -93,7 +128,22 @@ class Run:
         return list(dict.fromkeys([*self.inputs, *(group.mesh for group in self.groups)]))
 
     def of_mesh(self, mesh):
-        return [group for group in self.groups if group.mesh == mesh]
+        count, found = self.known.get("of_mesh", (-1, {}))
+        if count != len(self.groups):
+            found = {}
+            for group in self.groups:
+                found.setdefault(group.mesh, []).append(group)
+            self.known["of_mesh"] = (len(self.groups), found)
+        return list(found.get(mesh, []))
+
+    def of_first_meshes(self, most):
+        """The run with so many of its meshes at most; the run itself if it has no more."""
+        meshes = self.meshes()
+        if len(meshes) <= most:
+            return self
+        chosen = set(meshes[:most])
+        return replace(self, groups=[group for group in self.groups if group.mesh in chosen], known={},
+                       inputs={mesh: record for mesh, record in self.inputs.items() if mesh in chosen})
 
     def find(self, mesh, label):
         """The groups of a label on a mesh, one for each point of the sweep."""
@@ -108,12 +158,13 @@ def figure(record, *keys):
     """A number in a record by its path, or None if it is absent, null or no finite number."""
     value = record
     for key in keys:
-        if not isinstance(value, dict):
+        if type(value) is not Record and not isinstance(value, dict):
             return None
         value = value.get(key)
-    if isinstance(value, bool):
-        return float(value)
-    return value if isinstance(value, (int, float)) and math.isfinite(value) else None
+    kind = type(value)
+    if kind is float or kind is int:
+        return value if math.isfinite(value) else None
+    return float(value) if kind is bool else None
 
 
 def histogram(record):
@@ -123,6 +174,18 @@ def histogram(record):
     if isinstance(buckets, list) and len(buckets) == BUCKETS and all(isinstance(n, (int, float)) for n in buckets):
         return buckets
     return None
+
+
+def shares_of(record):
+    """The histogram in percent of all tetrahedra, or None."""
+    buckets = histogram(record) if record else None
+    whole = sum(buckets) if buckets else 0
+    return [100.0 * count / whole for count in buckets] if whole else None
+
+
+def figures_of(records, key):
+    """`figure` of each record by a key of its own, without those that lack it."""
+    return [value for value in (record.get(key) for record in records) if type(value) in (float, int) and math.isfinite(value)]
 
 
 def present(values):
@@ -161,29 +224,36 @@ def read_json(path):
 
 
 def read_lines(path, notes):
-    """The records of a file. A last line that was cut off by a kill is left out, and noted."""
+    """The records of a file, one after the other, so that it may be larger than the memory. A last line that was cut off by a kill is left
+    out, and noted."""
+    packer, found = RecordPacker(), []
     try:
-        text = path.read_text(encoding="utf-8")
+        with open(path, "rb", buffering=READ_BYTES) as lines:
+            for number, line in enumerate(lines, start=1):
+                record = read_line(path, number, line, packer, notes)
+                if record is not None:
+                    found.append(record)
     except OSError as error:
         raise BadRun(f"{path}: cannot be read ({error.strerror}); is this a run folder?") from error
+    return found
+
+
+def read_line(path, number, line, packer, notes):
+    """The record in a line, or None of an empty one and of a last one that was cut off."""
+    if not line.strip():
+        return None
+    try:
+        record = packer.read(line)
     except UnicodeDecodeError as error:
         raise BadRun(f"{path}: expected UTF-8 text") from error
-    lines = text.split("\n")
-    found = []
-    for number, line in enumerate(lines, start=1):
-        if not line.strip():
-            continue
-        try:
-            record = json.loads(line)
-        except (ValueError, RecursionError) as error:
-            if number == len(lines):
-                notes.append("the last record was cut off and is left out: resume the run")
-                continue
-            raise BadRun(f"{path}:{number}: expected a JSON object, found {json_fault(error)}") from error
-        if not isinstance(record, dict) or not isinstance(record.get("label"), str):
-            raise BadRun(f"{path}:{number}: expected a record with a label")
-        found.append(record)
-    return found
+    except (ValueError, RecursionError) as error:
+        if not line.endswith(b"\n"):
+            notes.append("the last record was cut off and is left out: resume the run")
+            return None
+        raise BadRun(f"{path}:{number}: expected a JSON object, found {json_fault(error)}") from error
+    if not isinstance(record, Record):
+        raise BadRun(f"{path}:{number}: expected a record with a label")
+    return record
 
 
 def in_planned_order(lines, provenance):

@@ -10,7 +10,7 @@ import os
 
 from shared import load
 from shared.intervals import median_interval, percent
-from shared.records import BUCKETS, figure, histogram, median, present, quantile
+from shared.records import BUCKETS, figure, figures_of, histogram, json_mark, median, present, quantile
 
 QUALITY_FIGURES = [
     "percent_above_0_5", "percent_above_0_6", "mean_quality", "min_quality", "min_dihedral_deg", "p1_dihedral_deg",
@@ -77,8 +77,9 @@ def timed_units(answers):
     each seed. The repeats of a seed are no sample of the seeds."""
     times = {}
     for record in answers:
-        if figure(record, "kernel_s") is not None:
-            times.setdefault(json.dumps(record.get("seed")), []).append(figure(record, "kernel_s"))
+        seconds = figure(record, "kernel_s")
+        if seconds is not None:
+            times.setdefault(json_mark(record.get("seed")), []).append(seconds)
     if len(times) > 1:
         return [median(own) for own in times.values()], "seeds"
     return [value for own in times.values() for value in own], "repeats"
@@ -86,20 +87,28 @@ def timed_units(answers):
 
 def timing_of(group):
     """Times over the accepted repeats: a dict, or None if there is none. The median is that of the units of its interval."""
+    return group.once("timing", lambda: work_out_timing(group))
+
+
+def work_out_timing(group):
     answers = group.accepted()
-    kernel = present(figure(record, "kernel_s") for record in answers)
+    kernel = figures_of(answers, "kernel_s")
     if not kernel:
         return None
     plain = [record for record in answers if not record.get("searched")] or answers  # a search counts into both
-    wall = present(figure(record, "wall_s") for record in plain)
-    memory = present(figure(record, "peak_rss_bytes") for record in plain)
-    rates = []
+    wall = figures_of(plain, "wall_s")
+    memory = figures_of(plain, "peak_rss_bytes")
+    rates, removed = [], {}
     for record in answers:
-        before, after = figure(record, "report", "tets_in"), figure(record, "report", "tets_out")
-        seconds = figure(record, "kernel_s")
-        if None not in (before, after, seconds) and seconds > 0:
-            rates.append((before - after) / seconds)
-    loads = [load.load_of(record) for record in answers]
+        report, seconds = record.get("report"), figure(record, "kernel_s")
+        if not isinstance(report, dict) or seconds is None or seconds <= 0:
+            continue
+        if id(report) not in removed:  # repeats share theirs; it is kept, so that its id stays its own
+            before, after = figure(report, "tets_in"), figure(report, "tets_out")
+            removed[id(report)] = (None if None in (before, after) else before - after, report)
+        if removed[id(report)][0] is not None:
+            rates.append(removed[id(report)][0] / seconds)
+    loads = load.loads_of(group)
     units, over = timed_units(answers)
     interval = median_interval(units)
     return {"n": len(kernel), "kernel_median_s": median(units), "kernel_min_s": min(kernel), "kernel_max_s": max(kernel),
@@ -134,18 +143,24 @@ def rejection_rows(run):
 def validity_rows(run):
     """One row a case: its first repeat, and every later one whose outcome differs."""
     for mesh in run.meshes():
-        subjects = [("input", "", [run.inputs[mesh]])] if mesh in run.inputs else []
-        subjects += [(group.label, group.sweep, group.records) for group in run.of_mesh(mesh)]
-        for label, sweep, lines in subjects:
-            seen = set()
-            for record in lines:
-                mark = (json.dumps(record.get("seed")), record.get("outcome"))
-                if mark in seen:
-                    continue
-                seen.add(mark)
-                yield [mesh, label, sweep, record.get("seed"), record.get("repeat"), record.get("outcome"),
-                       violations_text(record), record.get("message"),
-                       *(figure(record, "judge", name) for name in VALIDITY_FIGURES)]
+        if mesh in run.inputs:
+            yield validity_row(mesh, "input", "", run.inputs[mesh])
+        for group in run.of_mesh(mesh):
+            yield from group.once("validity", lambda group=group: [validity_row(mesh, group.label, group.sweep, record) for record in endings_of(group)])
+
+
+def endings_of(group):
+    """The first record of each seed and outcome."""
+    first = {}
+    for record in group.records:
+        first.setdefault((json_mark(record.get("seed")), record.get("outcome")), record)
+    return first.values()
+
+
+def validity_row(mesh, label, sweep, record):
+    judge = record.get("judge")
+    figures = [figure(judge, name) for name in VALIDITY_FIGURES] if isinstance(judge, dict) else [None] * len(VALIDITY_FIGURES)
+    return [mesh, label, sweep, record.get("seed"), record.get("repeat"), record.get("outcome"), violations_text(record), record.get("message"), *figures]
 
 
 def violations_text(record):

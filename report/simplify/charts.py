@@ -7,7 +7,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from shared.chart_style import BAND, BETTER, BOX_FROM, FAINT, INK, OTHERS, QUARTILES, SPREAD, STYLE, THAN, draw_legend, file_name, lay_out, save, set_title
 from shared.equal_count import tets_of, tolerance_of
 from shared.families import family_of, read_families
-from shared.records import BUCKETS, figure, histogram, median, present, quantile
+from shared.records import BUCKETS, figure, figures_of, median, quantile, shares_of
 from shared.tables import timing_of
 from simplify import contest, contest_charts, cut_away, scaling, scaling_charts
 from simplify.verdict import values_of
@@ -19,12 +19,6 @@ MEASURE_NAMES = {
     "min_dihedral_deg": "least dihedral angle, degrees",
     "mean_quality": "mean quality",
 }
-
-
-def shares(record):
-    """The histogram in percent of all tets, or None."""
-    buckets = histogram(record) if record else None
-    return [100.0 * tets / sum(buckets) for tets in buckets] if buckets and sum(buckets) else None
 
 
 def draw_outline(ax, values):
@@ -40,7 +34,7 @@ def draw_bars(ax, values, color):
 
 def draw_band(ax, group):
     """Least to greatest share of each bucket over seeds, and its quartiles."""
-    columns = list(zip(*(shares(case) for case in group.cases() if shares(case))))
+    columns = list(zip(*group.shares()))
     for bucket, column in enumerate(columns):
         left, right = bucket / BUCKETS, (bucket + 1) / BUCKETS
         ax.fill_between([left + 0.004, right - 0.004], min(column), max(column), color=BAND, linewidth=0, zorder=3)
@@ -73,16 +67,16 @@ def subtitle(run, mesh):
 
 def draw_pair(run, claim, mesh, sweep, folder):
     """The thesis's figures 4.2 and 4.3 side by side: both sides of the claim, and the band of the random orders."""
-    pick = lambda label: next((g for g in run.find(mesh, label) if g.sweep == sweep and any(map(shares, g.cases()))), None)
+    pick = lambda label: next((g for g in run.find(mesh, label) if g.sweep == sweep and g.shares()), None)
     pair = [(pick(claim.better), BETTER), (pick(claim.than), THAN)]
     if not all(group for group, _ in pair):
         return []
     fig, axes = plt.subplots(1, 2, figsize=(9.6, 4.3), sharey=True)
-    outline = shares(run.inputs.get(mesh))
+    outline = shares_of(run.inputs.get(mesh))
     spread = pick(claim.spread) if claim.spread else None
     handles = []
     for ax, (group, color) in zip(axes, pair):
-        draw_bars(ax, shares(group.cases()[0]), color)
+        draw_bars(ax, shares_of(group.cases()[0]), color)
         handles.append(Patch(color=color, label=group.label))
         if outline:
             draw_outline(ax, outline)
@@ -104,21 +98,21 @@ def draw_pair(run, claim, mesh, sweep, folder):
 
 def draw_all_histograms(run, claim, mesh, groups, folder, sweep=""):
     """One small histogram for each of these labels of a mesh; seeds are pooled into a band."""
-    groups = [group for group in groups if any(map(shares, group.cases()))]
+    groups = [group for group in groups if group.shares()]
     if not groups:
         return []
     columns = min(4, len(groups))
     rows = -(-len(groups) // columns)
     height = 2.45 * rows + 0.75
     fig, grid = plt.subplots(rows, columns, figsize=(max(5.0, 2.9 * columns), height), sharey=True, squeeze=False)
-    outline = shares(run.inputs.get(mesh))
+    outline = shares_of(run.inputs.get(mesh))
     families = read_families(run) if sweep else []
     for i, ax in enumerate(grid.flat):
         if i >= len(groups):
             ax.set_visible(False)
             continue
         group = groups[i]
-        several = [values for values in map(shares, group.cases()) if values]
+        several = group.shares()
         draw_bars(ax, [median(column) for column in zip(*several)], color_of(group, claim, families))
         if len(several) > 1:
             draw_band(ax, group)
@@ -260,7 +254,7 @@ def draw_timing(run, claim, folder):
     fig, ax = plt.subplots(figsize=(width, 0.22 * (last + 2) + 0.95))
     for y, group, timing in rows:
         color = color_of(group, claim)
-        draw_spread(ax, y, [1000 * value for value in present(figure(record, "kernel_s") for record in group.accepted())], color)
+        draw_spread(ax, y, [1000 * value for value in figures_of(group.accepted(), "kernel_s")], color)
         ax.plot(1000 * timing["kernel_median_s"], y, "o", markersize=5.5, zorder=4, markerfacecolor="white" if group.count_note else color,
                 markeredgecolor=color if group.count_note else "white", markeredgewidth=1.2 if group.count_note else 0.7)
         if timing["tets_removed_per_s"] is not None:
@@ -284,6 +278,7 @@ def draw_timing(run, claim, folder):
 
 
 DEFAULT_CHARTS = ["histograms", "overview", "timing"]
+MOST_MESHES = 24  # a picture or more each
 
 
 def draw_mesh_histograms(run, claim, mesh, folder):
@@ -300,8 +295,12 @@ def draw_mesh_histograms(run, claim, mesh, folder):
     return drawn
 
 
-def draw_charts(run, claim, folder):
-    """Draws the charts that the plan names and the run has figures for; returns the names of the files."""
+def draw_charts(whole, claim, folder):
+    """Draws the charts that the plan names and the run has figures for; returns the names of the files. A run of very many meshes has charts of
+    the first ones, and a note that says so."""
+    run = whole.of_first_meshes(MOST_MESHES)
+    if run is not whole:
+        whole.notes.append(f"charts show the first {MOST_MESHES} of {len(whole.meshes()):,} meshes; tables/ has all")
     folder.mkdir(parents=True, exist_ok=True)
     names = run.plan_data.get("charts") or DEFAULT_CHARTS
     drawn = []

@@ -3,7 +3,7 @@
 from shared.equal_count import tets_of
 from shared.page_parts import BAD, GOOD, OPEN, PLAIN, Axis, Chart, Column, Note, PageParts, Section, Table
 from shared.measure_text import TITLES
-from shared.records import BUCKETS, figure, histogram, median
+from shared.records import BUCKETS, figure, median, shares_of
 from shared.run_meshes import mesh_body
 from shared.tables import VALIDITY_FIGURES, outcome_text, timing_of, validity_rows
 from simplify import comparisons, contest, verdict
@@ -64,11 +64,6 @@ def verdict_of(run, claim, found):
 # --- Charts -------------------------------------------------------------------------------------------------------------
 
 
-def shares_of(record):
-    buckets = histogram(record) if record else None
-    return [100.0 * count / sum(buckets) for count in buckets] if buckets and sum(buckets) else None
-
-
 def histogram_charts(run, claim):
     """Each mesh and point of the sweep has a chart with a panel for each label; the input is beside each bar."""
     charts = []
@@ -85,7 +80,7 @@ def histogram_charts(run, claim):
 
 
 def histogram_rows(group, outline):
-    cases = [shares for shares in map(shares_of, group.cases()) if shares]
+    cases = group.shares()
     for bucket, values in enumerate(zip(*cases)):
         spread = {"percent_low": min(values), "percent_high": max(values)} if len(values) > 1 else {}
         yield {"label": group.label, "q": bucket / BUCKETS, "q_to": (bucket + 1) / BUCKETS, "percent": median(values), **spread, "beside": outline[bucket],

@@ -181,7 +181,7 @@ class Pictures(ReportTest):
         self.write_contest({"input": grid(3), "refined": grid(2)})
         synthetic.write_mesh(self.folder.parent / "other.mesh", CORNER.tolist(), [[0, 1, 2, 3]])
         run = records.read_run(self.folder)
-        run.groups[0].records[0]["mesh_file"] = "../other.mesh"
+        run.groups[0].records[0] = {**run.groups[0].records[0], "mesh_file": "../other.mesh"}
         from simplify import contest
         section, = contest.read_sections(run)
         self.assertEqual([title for title, _, _ in cut_away.panels_of(run, section)], ["input"])

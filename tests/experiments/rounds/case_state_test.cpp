@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "experiments/rounds/rest_time.h"
 
 namespace palpate::experiments {
 namespace {
@@ -117,6 +118,53 @@ TEST(CaseState, WithoutAWidthThePlansNumberIsAll) {
   for (int i = 0; i < 3; ++i) state.remember(repeat_of(i, 1.0), three);
   EXPECT_EQ(state.end, RepeatsEnd::kAll);
   EXPECT_FALSE(state.is_due(3, 0, three));
+}
+
+TEST(CaseState, KeepsOfEachAnswerWhatALaterRepeatIsHeldAgainst) {
+  const RepeatBounds four{4, 4, std::nullopt};
+  const auto answer = [](int number, const char* hash, double tets, const char* ended) {
+    json record = repeat_of(number, 1.0);
+    record.update({{"output_hash", hash},
+                   {"judge", {{"tets", tets}, {"valid", true}}},
+                   {"report", {{"outcome", ended}}}});
+    return record;
+  };
+  CaseState state;
+  EXPECT_TRUE(state.earlier_answers().empty());
+  state.remember(answer(0, "a", 7.0, "converged"), four);
+  state.remember(answer(1, "a", 7.0, "converged"), four);
+  state.remember(answer(2, "a", 8.0, "diverged"), four);
+  json failed = answer(3, "b", 9.0, "converged");
+  failed.update({{"outcome", "rejected"}, {"violations", {"too few"}}, {"tuned", {{"size", 2}}}});
+  state.remember(failed, four);
+  const std::vector<json> earlier = state.earlier_answers();
+  ASSERT_EQ(earlier.size(), 3U) << "the second repeat is the first one's answer";
+  EXPECT_EQ(earlier[0], json({{"output_hash", "a"},
+                              {"report", {{"outcome", "converged"}}},
+                              {"judge", {{"tets", 7.0}, {"valid", true}}}}));
+  EXPECT_EQ(earlier[1].at("report").at("outcome"), "diverged");
+  EXPECT_EQ(earlier[2].at("output_hash"), "b");
+  EXPECT_EQ(state.tets, 7.0);
+  EXPECT_EQ(state.tuned, json({{"size", 2}}));
+  EXPECT_EQ(state.worst, "rejected");
+  EXPECT_EQ(state.first_failure, "rejected: too few");
+  state.drop_answers();
+  EXPECT_TRUE(state.earlier_answers().empty());
+  EXPECT_EQ(state.count_measured(), 4);
+}
+
+TEST(RestTime, IsWhatTheDueRepeatsTake) {
+  RestTime rest;
+  rest.add(3, 2.0);
+  rest.add(2, -1.0);
+  rest.add(0, 4.0);
+  EXPECT_EQ(rest.repeats(), 5U);
+  EXPECT_DOUBLE_EQ(rest.seconds(), 3 * 2.0 + 2 * 3.0)
+      << "a case that was not run is as long as the mean of those that were";
+  rest.remove(2, -1.0);
+  rest.add(1, 5.0);
+  EXPECT_EQ(rest.repeats(), 4U);
+  EXPECT_DOUBLE_EQ(rest.seconds(), 3 * 2.0 + 5.0);
 }
 
 TEST(CaseState, WhatIsStated) {

@@ -1,0 +1,69 @@
+"""A run of a million records: its report and its resumption keep within 2 GB, count every record, and leave a page that can be opened.
+
+    /usr/bin/python3 -B tests/campaign/many_records_test.py PALPATE [RECORDS]
+
+PALPATE is the program. The folder takes some 3.5 GB below TMPDIR. Nothing is timed here: docs/scaling.md says what it takes, and how that was measured.
+"""
+
+import csv
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from many_records import LABELS, make_run
+
+PROGRAM = sys.argv[1] if len(sys.argv) > 1 else ""
+RECORDS = int(sys.argv[2]) if len(sys.argv) > 2 else 1_000_000
+MESHES, REPEATS = 8, 10
+MOST_BYTES = 2 * 10**9  # of memory
+MOST_PAGE_BYTES = 8_000_000
+
+
+class ManyRecords(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = cls.enterClassContext(tempfile.TemporaryDirectory(prefix="palpate-many-"))
+        cls.run_folder = pathlib.Path(folder) / "many"
+        cls.count = make_run(PROGRAM, cls.run_folder, RECORDS, REPEATS, MESHES)
+
+    def palpate(self, *words):
+        """Runs it; returns the most memory that it or one of its children had, in bytes."""
+        with tempfile.TemporaryFile() as output:
+            running = subprocess.Popen([PROGRAM, *map(str, words)], stdout=output, stderr=subprocess.STDOUT)
+            _, status, usage = os.wait4(running.pid, 0)
+            running.returncode = os.waitstatus_to_exitcode(status)
+            output.seek(0)
+            self.assertEqual(running.returncode, 0, output.read()[-3000:].decode(errors="replace"))
+        return 1024 * usage.ru_maxrss
+
+    def column(self, table, name):
+        with open(self.run_folder / "tables" / table, encoding="utf-8", newline="") as stream:
+            return [row[name] for row in csv.DictReader(stream)]
+
+    def test_the_report_counts_every_record_within_two_gigabytes(self):
+        self.assertGreaterEqual(self.count, RECORDS)
+        memory = self.palpate("report", self.run_folder)
+        print(f"report of {self.count} records: {memory / 1e6:.0f} MB")
+        self.assertLess(memory, MOST_BYTES)
+        answers = self.count - MESHES
+        self.assertEqual(sum(map(int, self.column("timing.csv", "n"))), answers)
+        self.assertEqual(sum(int(n) for n, label in zip(self.column("quality.csv", "cases"), self.column("quality.csv", "label")) if label in LABELS),
+                         answers // REPEATS)
+        page = self.run_folder / "report.html"
+        self.assertLess(page.stat().st_size, MOST_PAGE_BYTES)
+        self.assertIn(f"{self.count:,} in records.jsonl", page.read_text(encoding="utf-8"))
+
+    def test_it_is_taken_up_again_within_two_gigabytes_and_nothing_is_run(self):
+        records = self.run_folder / "records.jsonl"
+        before = records.stat()
+        memory = self.palpate("run", self.run_folder.with_suffix(".yaml"), "--out", self.run_folder, "--resume", "--no-report")
+        print(f"resumption of {self.count} records: {memory / 1e6:.0f} MB")
+        self.assertLess(memory, MOST_BYTES)
+        self.assertEqual(records.stat().st_size, before.st_size)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(argv=sys.argv[:1]))
