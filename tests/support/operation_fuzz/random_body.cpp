@@ -7,7 +7,7 @@
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/body_surfaces.h"
 #include "core/mesh/shapes/shapes.h"
-#include "core/simplify/tet_operations/refined.h"
+#include "core/simplify/refined/refined.h"
 #include "tests/support/hard_meshes.h"
 #include "tests/support/small_meshes.h"
 
