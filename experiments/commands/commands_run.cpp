@@ -14,6 +14,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/file_bytes.h"
+#include "experiments/files/installation.h"
 #include "experiments/files/places.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"
@@ -218,6 +219,7 @@ int check(const std::vector<std::string>& files) {
 /// Runs ctest on the build that this program comes from, with its output passed through. `full` takes nothing
 /// as known.
 int test(bool full, const std::vector<std::string>& extra) {
+  if (install_prefix()) throw UnavailableError("the tests run in the sources; an installed palpate has none");
   const fs::path build = fs::path(program_folder()).parent_path();
   std::vector<std::string> arguments{"ctest",
                                      "--test-dir",

@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/files/places.h"
+#include "experiments/files/installation.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -12,7 +12,7 @@ namespace palpate::experiments {
 std::filesystem::path cache_root() {
   const char* moved = std::getenv("PALPATE_CACHE");
   if (moved != nullptr && *moved != '\0') return std::filesystem::absolute(moved);
-  return std::filesystem::path(program_folder()).parent_path();
+  return default_cache_root();
 }
 
 std::filesystem::path cache_entry(const std::string& kind, const std::string& key) {

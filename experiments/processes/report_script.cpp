@@ -2,6 +2,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_bytes.h"
+#include "experiments/files/installation.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/text/terminal.h"
@@ -23,7 +24,7 @@ ProcessSpec report_script(const std::string& name, const std::vector<std::string
 
 ProcessSpec page_script(const std::string& name, std::vector<std::string> arguments) {
   arguments.emplace_back("--scripts");
-  arguments.push_back((std::filesystem::path(program_folder()).parent_path() / "page").string());
+  arguments.push_back(page_folder().string());
   return report_script(name, arguments);
 }
 
