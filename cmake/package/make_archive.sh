@@ -20,7 +20,7 @@ mkdir -p -- "$out"
 if [[ $commit == HEAD && -n $(git -C "$root" status --porcelain --untracked-files=no) ]]; then
   echo "make_archive.sh: files differ from HEAD; the archive has HEAD's" >&2
 fi
-# By git's own settings, not the user's (tar.umask), and without the time in gzip's head.
-git -C "$root" -c tar.umask=0022 archive --format=tar --prefix="$name/" "$commit" | gzip -9n >"$out/.$name.partial"
+# By settings of its own in the place of the user's, and without the time in gzip's head.
+git -C "$root" -c tar.umask=0022 -c core.autocrlf=false -c core.eol=lf -c core.attributesFile=/dev/null archive --format=tar --prefix="$name/" "$commit" | gzip -9n >"$out/.$name.partial"
 mv -f -- "$out/.$name.partial" "$out/$name.tar.gz"
 echo "$out/$name.tar.gz"
