@@ -52,9 +52,10 @@ class Stage:
         return self.debian.folder / os.path.normpath(os.path.join(self.cwd, path)).lstrip("/")
 
     def environment(self):
+        jobs = {"CMAKE_BUILD_PARALLEL_LEVEL": os.environ["PALPATE_JOBS"]} if "PALPATE_JOBS" in os.environ else {}
         if not ARGUMENTS.ccache:
-            return {}
-        return {"CCACHE_DIR": "/ccache", "CCACHE_BASEDIR": self.cwd, "CCACHE_NOHASHDIR": "1", "CMAKE_CXX_COMPILER_LAUNCHER": "ccache", "CMAKE_C_COMPILER_LAUNCHER": "ccache",
+            return jobs
+        return {**jobs, "CCACHE_DIR": "/ccache", "CCACHE_BASEDIR": self.cwd, "CCACHE_NOHASHDIR": "1", "CMAKE_CXX_COMPILER_LAUNCHER": "ccache", "CMAKE_C_COMPILER_LAUNCHER": "ccache",
                 "CCACHE_SLOPPINESS": "pch_defines,time_macros,include_file_mtime,include_file_ctime", "CC": "/usr/bin/gcc", "CXX": "/usr/bin/g++"}
 
     def run(self, command, **how):
