@@ -1,5 +1,5 @@
 # cmake --install --component program: the program and all that it reads, for a package (docs/install.md). Programs lie in lib/palpate,
-# and what they read in share/palpate as it lies in the sources, so that one rule finds both (experiments/files/installation.h).
+# and what they read in share/palpate as it lies in the sources, so that one rule finds both (experiments/files/places.h).
 set(palpate_data_dir ${CMAKE_INSTALL_DATADIR}/palpate)
 install(TARGETS ${palpate_programs} RUNTIME DESTINATION lib/palpate COMPONENT program)
 install(CODE [[

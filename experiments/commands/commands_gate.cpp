@@ -7,7 +7,6 @@
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/files/file_bytes.h"
-#include "experiments/files/installation.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/files/scratch_folder.h"
@@ -75,7 +74,8 @@ fs::path find_accepted(const std::string& plan) {
   return fs::exists(own) || !fs::exists(shipped) ? own : shipped;
 }
 
-/// The user's own file of accepted figures, for an update: what came with an installed program is copied there, never changed.
+/// The user's own file of accepted figures, for an update: what came with an installed program is copied
+/// there, never changed.
 fs::path take_accepted(const fs::path& found, const std::string& plan) {
   fs::path own = results_root() / "accepted" / (plan + ".json");
   create_folder(own.parent_path());

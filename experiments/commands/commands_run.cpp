@@ -14,7 +14,6 @@
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/file_bytes.h"
-#include "experiments/files/installation.h"
 #include "experiments/files/places.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/plan_reader/plan_report.h"

@@ -13,7 +13,7 @@
 #include "experiments/contestants/stability_settings.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
-#include "experiments/processes/shared_libraries.h"
+#include "experiments/processes/program_output.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
@@ -319,8 +319,8 @@ std::vector<Contestant> read_description(const std::filesystem::path& descriptio
                                          const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
   const YamlFields fields =
-      root.fields({"schema", "program", "command", "files", "starts", "packages", "licence", "option_sets", "contests",
-                   "contest", "source", "options", "methods"});
+      root.fields({"schema", "program", "command", "files", "starts", "packages", "licence", "option_sets",
+                   "contests", "contest", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant shared;
   const std::filesystem::path folder =

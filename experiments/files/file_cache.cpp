@@ -4,7 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/files/installation.h"
+#include "experiments/files/places.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {

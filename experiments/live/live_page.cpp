@@ -9,7 +9,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_bytes.h"
-#include "experiments/files/installation.h"
+#include "experiments/files/places.h"
 
 namespace palpate::experiments {
 namespace {

@@ -10,7 +10,7 @@
 #include "experiments/files/places.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/processes/process.h"
-#include "experiments/processes/shared_libraries.h"
+#include "experiments/processes/program_output.h"
 #include "reference/door/contest_files.h"
 #include "reference/door/json_file.h"
 

@@ -2,7 +2,6 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_bytes.h"
-#include "experiments/files/installation.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/text/terminal.h"

@@ -8,8 +8,8 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "experiments/files/installation.h"
 #include "experiments/files/output_file.h"
+#include "experiments/files/places.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/source_version.h"
 #include "reference/door/json_file.h"

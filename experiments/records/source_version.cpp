@@ -34,7 +34,8 @@ bool is_commit(const std::string& text) {
          std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-/// What the file says. Unknown where git has not filled it in, or where it cannot be read: a run does not fail for want of it.
+/// What the file says. Unknown where git has not filled it in, or where it cannot be read: a run does not
+/// fail for want of it.
 SourceVersion read_version(const std::filesystem::path& file) {
   SourceVersion version;
   try {
@@ -55,7 +56,8 @@ SourceVersion read_version(const std::filesystem::path& file) {
 SourceVersion find_source_version(const std::string& folder) {
   const std::string commit =
       is_own_checkout(folder) ? ask_git(folder, {"rev-parse", "--short=9", "HEAD"}) : "";
-  if (commit.empty()) return read_version(std::filesystem::path(folder) / "experiments/records/source_version.yaml");
+  if (commit.empty())
+    return read_version(std::filesystem::path(folder) / "experiments/records/source_version.yaml");
   return {commit, "checkout", !ask_git(folder, {"status", "--porcelain", "--untracked-files=no"}).empty()};
 }
 

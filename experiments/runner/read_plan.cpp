@@ -4,7 +4,6 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "experiments/files/installation.h"
 #include "experiments/files/places.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/runner/contest_table.h"

@@ -18,7 +18,8 @@ constexpr const char* kCommit = "0123456789abcdef0123456789abcdef01234567";
 constexpr const char* kFile = "sources/experiments/records/source_version.yaml";
 
 void git(const fs::path& folder, std::vector<std::string> words) {
-  words.insert(words.begin(), {"/usr/bin/git", "-C", folder.string(), "-c", "user.name=a", "-c", "user.email=a@b.c"});
+  words.insert(words.begin(),
+               {"/usr/bin/git", "-C", folder.string(), "-c", "user.name=a", "-c", "user.email=a@b.c"});
   ProcessSpec spec;
   spec.arguments = words;
   ASSERT_EQ(run_process(spec).exit_code, 0) << words.back();
@@ -51,8 +52,9 @@ TEST(SourceVersion, APackageSaysWhetherItsSourcesWereChanged) {
 TEST(SourceVersion, WhereNobodyKnowsItIsUnknown) {
   const test::ScratchFolder folder;
   EXPECT_EQ(find_source_version((folder / "nowhere").string()).commit, "unknown");
-  for (const std::string text : {"commit: \"$Format:%H$\"\nsource: archive\n", "commit: \"\"\nsource: package\n",
-                                 "commit: \"not a commit\"\nsource: archive\n", "{", "commit: [1]\n", ""}) {
+  for (const std::string text :
+       {"commit: \"$Format:%H$\"\nsource: archive\n", "commit: \"\"\nsource: package\n",
+        "commit: \"not a commit\"\nsource: archive\n", "{", "commit: [1]\n", ""}) {
     const SourceVersion found = version_by(folder, text);
     EXPECT_EQ(found.commit, "unknown") << text;
     EXPECT_EQ(found.source, "unknown") << text;
@@ -83,7 +85,8 @@ TEST(SourceVersion, SourcesInsideSomebodyElsesCheckoutAreNotIts) {
   git(folder.path(), {"add", "a_file"});
   git(folder.path(), {"commit", "--quiet", "-m", "another project"});
   EXPECT_EQ(version_by(folder, "commit: \"$Format:%H$\"\nsource: archive\n").source, "unknown");
-  EXPECT_EQ(version_by(folder, std::string("commit: \"") + kCommit + "\"\nsource: archive\n").commit, "012345678");
+  EXPECT_EQ(version_by(folder, std::string("commit: \"") + kCommit + "\"\nsource: archive\n").commit,
+            "012345678");
 }
 
 }  // namespace
