@@ -14,8 +14,8 @@ namespace palpate::experiments {
 /// Time now in UTC as "2026-01-31T23:59:59Z", or without separators for names of files.
 std::string utc_now(bool for_file_name = false);
 
-/// Everything but the meshes: plan and its hash, commit and who says so, compiler, flags, library versions, hashes of the
-/// programs that take part, processor, memory, load, seeds, threads, start time.
+/// Everything but the meshes: plan and its hash, commit and who says so, compiler, flags, library versions,
+/// hashes of the programs that take part, processor, memory, load, seeds, threads, start time.
 nlohmann::json build_provenance(const Plan& plan, const Registry& registry, int threads);
 
 /// What a record's "sitting" stands for: when the run was started or resumed, at which commit and load.

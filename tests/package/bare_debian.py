@@ -48,7 +48,7 @@ class BareDebian:
         """Runs a command (words, or text for sh) in it. Returns what subprocess.run does, standard error in the output."""
         words = ["/bin/sh", "-c", command] if isinstance(command, str) else [str(word) for word in command]
         home = "/root" if user == "root" else f"/home/{user}"
-        clean = {"PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin", "HOME": home, "LC_ALL": "C.UTF-8", "NO_COLOR": "1",
+        clean = {"PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin", "HOME": home, "LANG": "C.UTF-8", "NO_COLOR": "1",
                  "DEBIAN_FRONTEND": "noninteractive", **(environment or {})}
         enter = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "/bin/sh", "-c", ENTER, "enter", self.folder, self.cache,
                  f"--userspec={user}:{user}", self.folder, "/usr/bin/env", f"--chdir={cwd}", *words]
