@@ -1,12 +1,11 @@
 #!/usr/bin/env bash
 # A Debian package of what was built: palpate_VERSION_ARCHITECTURE.deb, for Debian 12 (docs/install.md).
-#   make_deb.sh BUILD_DIR [OUT_DIR]        (build/release and .)
+#   make_deb.sh [BUILD_DIR [OUT_DIR]]      (build/release of these sources, and .)
 # Packages that the programs' libraries are in come from dpkg-shlibdeps: of what every user needs as Depends, of the large vendors as
 # Recommends. The package has no maintainer scripts. The same build gives the same bytes (SOURCE_DATE_EPOCH: the commit's time).
 set -euo pipefail
-build=${1:?usage: make_deb.sh BUILD_DIR [OUT_DIR]} out=${2:-.}
-here=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")" && pwd)
-root=$(cd -- "$here/../.." && pwd)
+root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../.." && pwd)
+build=${1:-$root/build/release} out=${2:-.}
 # Contestants and tools whose vendors bring some hundred packages with them; without theirs they are unavailable, and say so.
 optional=(bullet_step fenicsx_deform gmsh_remesh palpate_gmsh palpate_vtk vtk_quadric)
 
