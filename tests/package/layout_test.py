@@ -96,12 +96,14 @@ class Layout(unittest.TestCase):
         self.palpate("gate", run)
 
     def test_what_is_kept_lies_with_the_user(self):
-        scene = self.prefix / "share/palpate/experiments/scenes/bar_gravity.yaml"
-        said = self.palpate("simulate", scene, "-o", "bar", code=2, without=["HOME"]).stderr
-        self.assertIn("expected PALPATE_CACHE, XDG_CACHE_HOME or HOME", said)
-        self.palpate("simulate", scene, "-o", "bar")
+        shapes = json.loads(self.palpate("list", "meshes", "--json").stdout)["meshes"]
+        if not next(shape["available"] for shape in shapes if shape["name"] == "ball"):
+            self.skipTest("nothing that is filled is kept: libgmsh-dev is missing")
+        ball = ("make", "ball", "--vertices", "200", "-o")
+        self.assertIn("expected PALPATE_CACHE, XDG_CACHE_HOME or HOME", self.palpate(*ball, "none.mesh", code=2, without=["HOME"]).stderr)
+        self.palpate(*ball, "one.mesh")
         self.assertTrue(any((self.home / ".cache" / "palpate").rglob("*.mesh")))
-        self.palpate("simulate", scene, "-o", "again", XDG_CACHE_HOME=str(self.work / "kept"))
+        self.palpate(*ball, "two.mesh", XDG_CACHE_HOME=str(self.work / "kept"))
         self.assertTrue(any((self.work / "kept" / "palpate").rglob("*.mesh")))
 
     def test_what_belongs_to_the_sources_is_said(self):
