@@ -32,6 +32,11 @@ def missing_need():
     return "" if probe.returncode == 0 else f"no namespaces: {probe.stderr.strip()}"
 
 
+def is_required():
+    """Whether a test that needs one fails without: in the full mode, but for a user who could not make one."""
+    return bool(os.environ.get("PALPATE_FULL")) and os.geteuid() == 0
+
+
 class BareDebian:
     """A root folder of a minimal Debian 12. `cache` keeps the packages that were fetched, for the next one."""
 

@@ -4,7 +4,7 @@
 
 The archive is that of HEAD. WORK_DIR/package_cache keeps the packages that were fetched (2 GB). --ccache takes a compiler's cache along,
 which is no step of the recipe: without it the build takes what a first one takes. Exit code 77 where no bare Debian can be made
-(PALPATE_FULL: a failure).
+(a failure in the full mode, for root).
 """
 
 import argparse
@@ -19,7 +19,7 @@ import sys
 import tempfile
 import unittest
 
-from bare_debian import BareDebian, missing_need
+from bare_debian import BareDebian, is_required, missing_need
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SKIPPED = 77
@@ -128,5 +128,5 @@ if __name__ == "__main__":
     why = missing_need()
     if why:
         print(f"skipped: {why}", file=sys.stderr)
-        sys.exit(1 if os.environ.get("PALPATE_FULL") else SKIPPED)
+        sys.exit(1 if is_required() else SKIPPED)
     unittest.main(argv=sys.argv[:1], verbosity=2)
