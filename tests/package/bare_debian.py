@@ -8,6 +8,7 @@ import shutil
 import subprocess
 
 SUITE = "bookworm"
+CERTIFICATES = "/root/certificates.crt"
 # Mounts what a program expects to find, then becomes the command. Both vanish with the namespaces.
 ENTER = """\
 set -eu
@@ -48,13 +49,15 @@ class BareDebian:
             raise RuntimeError(f"debootstrap failed: {(done.stdout + done.stderr)[-2000:]}")
         for name in ("resolv.conf", "hosts"):
             shutil.copyfile(f"/etc/{name}", self.folder / "etc" / name)
+        if "NODE_EXTRA_CA_CERTS" in os.environ:  # a network whose authority this machine trusts: npm has to, as well
+            shutil.copyfile(os.environ["NODE_EXTRA_CA_CERTS"], self.folder / CERTIFICATES.lstrip("/"))
 
     def run(self, command, user="root", cwd="/", environment=None, timeout=1800):
         """Runs a command (words, or text for sh) in it. Returns what subprocess.run does, standard error in the output."""
         words = ["/bin/sh", "-c", command] if isinstance(command, str) else [str(word) for word in command]
         home = "/root" if user == "root" else f"/home/{user}"
         clean = {"PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin", "HOME": home, "LANG": "C.UTF-8", "NO_COLOR": "1",
-                 "DEBIAN_FRONTEND": "noninteractive", **(environment or {})}
+                 "DEBIAN_FRONTEND": "noninteractive", **({"NODE_EXTRA_CA_CERTS": CERTIFICATES} if "NODE_EXTRA_CA_CERTS" in os.environ else {}), **(environment or {})}
         enter = ["unshare", "--mount", "--pid", "--fork", "--kill-child", "/bin/sh", "-c", ENTER, "enter", self.folder, self.cache,
                  f"--userspec={user}:{user}", self.folder, "/usr/bin/env", f"--chdir={cwd}", *words]
         return subprocess.run(enter, env={**clean, "PALPATE_TEST_BINDS": " ".join(self.binds)}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
