@@ -278,10 +278,10 @@ std::string Contestant::unavailable() const {
     for (const std::filesystem::path& file : files) {
       if (!std::filesystem::is_regular_file(file, error)) return "its file " + file.string() + " is missing";
     }
-    if (const std::string why = why_not_started(program); !why.empty()) return why;
+    if (std::string why = why_not_started(program); !why.empty()) return why;
     for (const std::filesystem::path& other : starts) {
       if (!std::filesystem::exists(other, error)) return not_built(other, packages);
-      if (const std::string why = why_not_started(other); !why.empty()) return why;
+      if (std::string why = why_not_started(other); !why.empty()) return why;
     }
     return "";
   }
