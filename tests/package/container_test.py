@@ -92,13 +92,13 @@ class Container(unittest.TestCase):
     def test_the_recipe_ends_in_a_palpate_that_judges(self):
         folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="palpate-container-")))
         folder.chmod(0o755)
-        made = subprocess.run([ROOT / "cmake" / "package" / "make_archive.sh", folder], capture_output=True, text=True, check=True)
+        commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout[:9]
+        made = subprocess.run([ROOT / "cmake" / "package" / "make_archive.sh", folder, commit], capture_output=True, text=True, check=True)
         archive = pathlib.Path(made.stdout.strip())
         subprocess.run(["tar", "-xzf", archive, "-C", folder], check=True)
         context = folder / archive.name.removesuffix(".tar.gz")
         stage = follow((context / "Containerfile").read_text(encoding="utf-8"), context, folder, ARGUMENTS.work / "package_cache")
         self.assertEqual(stage.entry, ["palpate"])
-        commit = subprocess.run(["git", "-C", ROOT, "rev-parse", "HEAD"], capture_output=True, text=True, check=True).stdout[:9]
         self.assertRegex(stage.run([*stage.entry, "--version"]), rf"^palpate \S+ \({commit}, package\)")
         contestants = json.loads(stage.run([*stage.entry, "list", "contestants", "--json"]))["contestants"]
         self.assertEqual([each["folder"] for each in contestants if not each["available"]], [])
@@ -108,7 +108,6 @@ class Container(unittest.TestCase):
         provenance = json.loads((run / "provenance.json").read_text(encoding="utf-8"))
         self.assertEqual((provenance["source"], provenance["commit"], provenance["dirty"]), ("package", commit, None))
         self.assertGreater((run / "report.html").stat().st_size, 500_000, "the page has its scripts")
-        self.assertIn("palpate_live_engine", (context / "Containerfile").read_text(encoding="utf-8"))
         stage.run([*stage.entry, "make", "cube", "--vertices", "500", "-o", "cube.mesh"])
         stage.run([*stage.entry, "live", "cube.mesh", "-o", "live.html"])
 
