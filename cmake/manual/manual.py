@@ -184,7 +184,7 @@ def bash_completion(commands):
            "  _palpate_words() { mapfile -t COMPREPLY < <(compgen -W \"$1\" -- \"$current\"); }",
            "  _palpate_files() { compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen \"$1\" -- \"$current\"); }",
            "  _palpate_plans() {", "    _palpate_files -f", "    local root name", "    root=$(dirname -- \"$(readlink -f -- \"$(type -P -- \"${COMP_WORDS[0]}\")\")\" 2>/dev/null)",
-           "    for name in \"$root\"/experiments/plans/\"$current\"*.yaml; do", "      [[ -e $name ]] && name=${name##*/} && COMPREPLY+=(\"${name%.yaml}\")",
+           "    for name in \"$root\"/{,../../share/palpate/}experiments/plans/\"$current\"*.yaml; do  # in the sources, or installed", "      [[ -e $name ]] && name=${name##*/} && COMPREPLY+=(\"${name%.yaml}\")",
            "    done", "  }", "  case $command in",
            f"    '') _palpate_words '{' '.join(own)} {words_of(commands['palpate'])}' ;;"]
     for name, help_ in own.items():
@@ -225,7 +225,7 @@ def zsh_option(entry):
 def zsh_completion(commands):
     own = {name: help_ for name, help_ in commands.items() if name != "palpate"}
     out = ["#compdef palpate", "# zsh completion of palpate; made by cmake/manual/manual.py from the help texts", "",
-           "_palpate_plans() {", "  local root=${${:-=${words[1]}}:A:h}", "  local -a plans=($root/experiments/plans/*.yaml(N:t:r))",
+           "_palpate_plans() {", "  local root=${${:-=${words[1]}}:A:h}", "  local -a plans=($root/experiments/plans/*.yaml(N:t:r) $root/../../share/palpate/experiments/plans/*.yaml(N:t:r))",
            "  _files", "  compadd -a plans", "}", "", "_palpate() {", "  local -a commands=("]
     out += [f"    '{name}:{quoted(help_.summary)}'" for name, help_ in own.items()]
     out += ["  )", "  if (( CURRENT == 2 )); then", "    _describe command commands", "    return", "  fi", "  local command=$words[2]", "  case $command in"]

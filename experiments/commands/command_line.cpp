@@ -10,7 +10,7 @@
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
-#include "experiments/records/provenance.h"
+#include "experiments/records/source_version.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
@@ -24,8 +24,10 @@ int fail(const std::string& message, int code) {
 std::string version_text() {
   const SourceVersion version = find_source_version();
   std::string text = std::string("palpate ") + PALPATE_VERSION;
-  if (version.commit != "unknown") text += " (" + version.commit + (version.dirty ? ", changed)" : ")");
-  return text;
+  if (version.commit == "unknown") return text;
+  text += " (" + version.commit;
+  if (version.source != "checkout") text += ", " + version.source;
+  return text + (version.dirty.value_or(false) ? ", changed)" : ")");
 }
 
 void add_commands(CLI::App& app, int& exit_code) {

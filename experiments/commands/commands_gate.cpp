@@ -66,18 +66,35 @@ std::vector<FigureKind> read_kinds(const GateArguments& arguments) {
   return kinds;
 }
 
+/// Where the accepted figures of a plan lie: the user's own, else those that came with the program.
+fs::path find_accepted(const std::string& plan) {
+  const fs::path name = fs::path("accepted") / (plan + ".json");
+  const fs::path shipped = fs::path(source_folder()) / "results" / name;
+  fs::path own = results_root() / name;
+  return fs::exists(own) || !fs::exists(shipped) ? own : shipped;
+}
+
+/// The user's own file of accepted figures, for an update: what came with an installed program is copied
+/// there, never changed.
+fs::path take_accepted(const fs::path& found, const std::string& plan) {
+  fs::path own = results_root() / "accepted" / (plan + ".json");
+  create_folder(own.parent_path());
+  if (own == found) return own;
+  if (const auto bytes = read_bytes(found)) write_file_atomically(own, *bytes);
+  return own;
+}
+
 /// Holds the run against the accepted file; if that is to be updated and the run is sound, updates it first.
 GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
                     std::vector<AcceptedChange>& changes) {
   const std::vector<FigureKind> kinds = read_kinds(arguments);
   const auto records = read_run_records(folder);
   const std::string plan = plan_of(records, folder);
-  const fs::path accepted = arguments.accepted.empty()
-                                ? fs::path(source_folder()) / "results" / "accepted" / (plan + ".json")
-                                : fs::path(arguments.accepted);
+  fs::path accepted = arguments.accepted.empty() ? find_accepted(plan) : fs::path(arguments.accepted);
   std::vector<std::string> problems = find_run_problems(folder, records);
   if (records.empty()) problems.insert(problems.begin(), "nothing to compare: the run has no records");
   const bool takes_over = arguments.update && problems.empty();
+  if (takes_over && arguments.accepted.empty()) accepted = take_accepted(accepted, plan);
   if (arguments.update && !takes_over) print_note("the accepted figures are unchanged: the run is not sound");
   if (takes_over && !fs::exists(accepted)) {
     write_file_atomically(accepted, propose_accepted(folder, records, plan, kinds).dump(2) + "\n");

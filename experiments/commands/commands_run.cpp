@@ -218,6 +218,7 @@ int check(const std::vector<std::string>& files) {
 /// Runs ctest on the build that this program comes from, with its output passed through. `full` takes nothing
 /// as known.
 int test(bool full, const std::vector<std::string>& extra) {
+  if (install_prefix()) throw UnavailableError("the tests run in the sources; an installed palpate has none");
   const fs::path build = fs::path(program_folder()).parent_path();
   std::vector<std::string> arguments{"ctest",
                                      "--test-dir",

@@ -13,6 +13,7 @@
 #include "experiments/contestants/stability_settings.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
+#include "experiments/processes/program_output.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
@@ -208,7 +209,7 @@ void read_command(const YamlValue& value, const std::filesystem::path& folder, C
   }
 }
 
-/// What is started, and the files that it needs: `program` or `command`, and `files`.
+/// What is started, and what that needs: `program` or `command`, `files`, and `starts`.
 void read_program(const YamlFields& fields, const std::filesystem::path& folder,
                   const std::filesystem::path& bin_folder, Contestant& contestant) {
   const auto command = fields.find("command");
@@ -219,10 +220,27 @@ void read_program(const YamlFields& fields, const std::filesystem::path& folder,
     contestant.program = find_program(fields.need("program"), folder, bin_folder);
     contestant.command = {contestant.program.string()};
   }
+  if (const auto starts = fields.find("starts")) {
+    for (const YamlValue& other : starts->items())
+      contestant.starts.push_back(find_program(other, folder, bin_folder));
+  }
   if (const auto files = fields.find("files")) {
     for (const std::string& file : read_texts(*files))
       contestant.files.push_back(std::filesystem::absolute(folder / file).lexically_normal());
   }
+}
+
+std::string not_built(const std::filesystem::path& program, const std::vector<std::string>& packages) {
+  std::string why = "its program " + program.filename().string() + " was not built";
+  if (!packages.empty()) why += " (needs " + joined(packages) + ")";
+  return why;
+}
+
+std::string why_not_started(const std::filesystem::path& program) {
+  const std::string library = missing_library(program);
+  if (library.empty()) return "";
+  return "its program " + program.filename().string() + " lacks the shared library " + library +
+         ", of a package that palpate recommends";
 }
 
 /// Descriptions directly in `root` or one folder below it.
@@ -260,12 +278,15 @@ std::string Contestant::unavailable() const {
     for (const std::filesystem::path& file : files) {
       if (!std::filesystem::is_regular_file(file, error)) return "its file " + file.string() + " is missing";
     }
+    if (std::string why = why_not_started(program); !why.empty()) return why;
+    for (const std::filesystem::path& other : starts) {
+      if (!std::filesystem::exists(other, error)) return not_built(other, packages);
+      if (std::string why = why_not_started(other); !why.empty()) return why;
+    }
     return "";
   }
   if (program.is_relative()) return "its program " + program.string() + " is not in PATH";
-  std::string why = "its program " + program.filename().string() + " was not built";
-  if (!packages.empty()) why += " (needs " + joined(packages) + ")";
-  return why;
+  return not_built(program, packages);
 }
 
 Registry::Registry(std::vector<Contestant> contestants) : contestants_(std::move(contestants)) {
@@ -298,8 +319,8 @@ std::vector<Contestant> read_description(const std::filesystem::path& descriptio
                                          const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
   const YamlFields fields =
-      root.fields({"schema", "program", "command", "files", "packages", "licence", "option_sets", "contests",
-                   "contest", "source", "options", "methods"});
+      root.fields({"schema", "program", "command", "files", "starts", "packages", "licence", "option_sets",
+                   "contests", "contest", "source", "options", "methods"});
   check_schema(fields, "palpate/contestant/1");
   Contestant shared;
   const std::filesystem::path folder =

@@ -34,7 +34,8 @@ struct Contestant {
   std::string contest;
   std::filesystem::path program;     ///< beside its description, in the build's bin folder, or anywhere
   std::vector<std::string> command;  ///< what is started: the program, and the words behind it
-  std::vector<std::filesystem::path> files;  ///< that the program needs: scripts among the words, `files`
+  std::vector<std::filesystem::path> files;   ///< that the program needs: scripts among the words, `files`
+  std::vector<std::filesystem::path> starts;  ///< other programs of the build that it starts itself
   std::vector<std::string> packages;
   std::string licence;
   std::string source;

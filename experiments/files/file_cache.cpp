@@ -12,7 +12,7 @@ namespace palpate::experiments {
 std::filesystem::path cache_root() {
   const char* moved = std::getenv("PALPATE_CACHE");
   if (moved != nullptr && *moved != '\0') return std::filesystem::absolute(moved);
-  return std::filesystem::path(program_folder()).parent_path();
+  return default_cache_root();
 }
 
 std::filesystem::path cache_entry(const std::string& kind, const std::string& key) {

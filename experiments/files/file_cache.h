@@ -1,5 +1,5 @@
-// What is kept below the build folder, so that it is made once: meshes, answers, trained springs, data of
-// organs.
+// What is kept below the build folder (or in the user's cache), so that it is made once: meshes, answers,
+// trained springs, data of organs.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,8 @@
 
 namespace palpate::experiments {
 
-/// The folder of the caches: PALPATE_CACHE if set, else the build folder.
+/// The folder of the caches: PALPATE_CACHE if set, else default_cache_root(). Throws: InputError if an
+/// installed program has none.
 std::filesystem::path cache_root();
 
 /// The folder of an entry, by the hash of its key: cache_root()/kind/0123...

@@ -71,7 +71,7 @@ json pack_level(const LiveLevel& level, Packer& packer) {
 }
 
 std::string part(const char* name, const char* what) {
-  const auto bytes = read_bytes(std::filesystem::path(program_folder()).parent_path() / "page" / name);
+  const auto bytes = read_bytes(page_folder() / name);
   if (!bytes)
     throw UnavailableError(std::string("this build has no ") + what + " for live pages (page/" + name +
                            "): it takes the packages emscripten, nodejs and npm, and a new build");

@@ -10,6 +10,7 @@
 #include "experiments/files/places.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/processes/process.h"
+#include "experiments/processes/program_output.h"
 #include "reference/door/contest_files.h"
 #include "reference/door/json_file.h"
 
@@ -55,7 +56,12 @@ std::filesystem::path tool_path(const MeshTool& tool) {
 }
 
 std::string why_unavailable(const MeshTool& tool) {
-  if (::access(tool_path(tool).c_str(), X_OK) == 0) return "";
+  if (::access(tool_path(tool).c_str(), X_OK) == 0) {
+    const std::string library = missing_library(tool_path(tool));
+    if (library.empty()) return "";
+    return std::string(tool.program) + " lacks the shared library " + library +
+           ", of a package that palpate recommends";
+  }
   const std::string package = tool.package;
   return std::string(tool.program) + " is not built" +
          (package.empty() ? "" : ": install the package " + package + " and configure again");

@@ -23,7 +23,7 @@ ProcessSpec report_script(const std::string& name, const std::vector<std::string
 
 ProcessSpec page_script(const std::string& name, std::vector<std::string> arguments) {
   arguments.emplace_back("--scripts");
-  arguments.push_back((std::filesystem::path(program_folder()).parent_path() / "page").string());
+  arguments.push_back(page_folder().string());
   return report_script(name, arguments);
 }
 

@@ -12,11 +12,10 @@
 #include <map>
 #include <sstream>
 
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
 #include "experiments/judging/measure.h"
-#include "experiments/processes/process.h"
+#include "experiments/records/source_version.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -24,22 +23,6 @@ namespace {
 
 using nlohmann::json;
 using reference::or_null;
-
-/// What a program prints, empty if it cannot be run or fails.
-std::string output_of(const std::vector<std::string>& arguments) {
-  std::string name = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
-  const int file = ::mkstemp(name.data());
-  if (file < 0) return "";
-  ::close(file);
-  ProcessSpec spec;
-  spec.arguments = arguments;
-  spec.timeout_s = 20.0;
-  spec.standard_output = name;
-  const ProcessResult result = run_process(spec);
-  std::string text = read_bytes(name).value_or("");
-  std::filesystem::remove(name);
-  return result.end == ProcessEnd::kExited && result.exit_code == 0 ? text : "";
-}
 
 /// The value behind the first line that starts with `key` in a file of "key : value" lines.
 std::string system_value(const char* path, const std::string& key) {
@@ -162,15 +145,6 @@ json compared_measures(const Plan& plan) {
 
 }  // namespace
 
-SourceVersion find_source_version() {
-  const std::string git = "/usr/bin/git";
-  const std::string commit = output_of({git, "-C", source_folder(), "rev-parse", "--short=9", "HEAD"});
-  if (commit.empty()) return {"unknown", false};
-  const std::string changed =
-      output_of({git, "-C", source_folder(), "status", "--porcelain", "--untracked-files=no"});
-  return {commit.substr(0, commit.find('\n')), !changed.empty()};
-}
-
 std::string utc_now(bool for_file_name) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   std::tm parts{};
@@ -188,7 +162,8 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"plan", plan.name},
           {"plan_hash", hash_file(plan.file)},
           {"commit", version.commit},
-          {"dirty", version.dirty},
+          {"dirty", or_null(version.dirty)},
+          {"source", version.source},
           {"compiler", PALPATE_COMPILER},
           {"flags", PALPATE_FLAGS},
           {"build_type", PALPATE_BUILD_TYPE},
@@ -216,7 +191,7 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
 
 json describe_sitting(const json& now) {
   json sitting = json::object();
-  for (const char* key : {"started_at", "commit", "dirty", "load"}) sitting[key] = now.at(key);
+  for (const char* key : {"started_at", "commit", "dirty", "source", "load"}) sitting[key] = now.at(key);
   return sitting;
 }
 

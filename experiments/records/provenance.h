@@ -11,19 +11,11 @@
 
 namespace palpate::experiments {
 
-/// The commit of the source tree, abbreviated to 9 digits, and whether files differ from it; "unknown" where
-/// there is no git or no repository.
-struct SourceVersion {
-  std::string commit;
-  bool dirty = false;
-};
-SourceVersion find_source_version();
-
 /// Time now in UTC as "2026-01-31T23:59:59Z", or without separators for names of files.
 std::string utc_now(bool for_file_name = false);
 
-/// Everything but the meshes: plan and its hash, commit, compiler, flags, library versions, hashes of the
-/// programs that take part, processor, memory, load, seeds, threads, start time.
+/// Everything but the meshes: plan and its hash, commit and who says so, compiler, flags, library versions,
+/// hashes of the programs that take part, processor, memory, load, seeds, threads, start time.
 nlohmann::json build_provenance(const Plan& plan, const Registry& registry, int threads);
 
 /// What a record's "sitting" stands for: when the run was started or resumed, at which commit and load.

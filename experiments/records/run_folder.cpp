@@ -11,6 +11,7 @@
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/records/provenance.h"
+#include "experiments/records/source_version.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -93,7 +94,7 @@ fs::path RunFolder::fresh_scratch() const {
 }
 
 fs::path results_folder(const std::string& plan_name) {
-  return fs::path(source_folder()) / "results" / plan_name;
+  return results_root() / plan_name;
 }
 
 fs::path new_run_folder(const fs::path& parent) {

@@ -81,7 +81,7 @@ class RunFolder {
   std::optional<FolderLock> lock_;
 };
 
-/// Where a plan's runs go by default: results/<plan> in the source tree.
+/// Where a plan's runs go by default: <plan> in results_root().
 std::filesystem::path results_folder(const std::string& plan_name);
 
 /// A name for a new run below `parent` that no folder has yet: UTC time stamp and commit.

@@ -154,7 +154,8 @@ std::filesystem::path find_plan(const std::string& name) {
     if (entry.path().extension() == ".yaml") known.insert(entry.path().stem().string());
   }
   const std::vector<std::string> names(known.begin(), known.end());
-  throw InputError("no plan is called \"" + name + "\", here or in experiments/plans" +
+  throw InputError("no plan is called \"" + name + "\", here or in " +
+                   (install_prefix() ? plans.string() : "experiments/plans") +
                    nearest_hint(fs::path(file).stem().string(), names));
 }
 

@@ -132,7 +132,7 @@ def run_facts(provenance):
 def read_run_side(folder, measures):
     notes = []
     lines = records.read_lines(folder / "records.jsonl", notes)
-    provenance = records.read_json(folder / "provenance.json") if (folder / "provenance.json").exists() else {}
+    provenance = records.read_provenance(folder)
     if not provenance:
         notes.append("provenance.json is missing: nothing says where its figures come from")
     cases = {}

@@ -9,7 +9,7 @@ import pathlib
 from dataclasses import dataclass, field
 
 from history import steps
-from shared.records import BadRun, figure, median, read_json, read_lines
+from shared.records import BadRun, figure, median, read_lines, read_provenance
 from shared.tables import align, write_csv
 
 OF_PROCESS = ("wall_s", "user_s", "peak_rss_bytes")
@@ -124,7 +124,7 @@ def read_runs(folders, notes):
     """The runs in these folders, by their start. Those that do not say when they were made are left out, and noted."""
     runs = []
     for folder in find_folders(folders):
-        provenance = read_json(folder / "provenance.json") if (folder / "provenance.json").exists() else {}
+        provenance = read_provenance(folder)
         if not isinstance(provenance.get("started_at"), str) or not isinstance(provenance.get("plan"), str):
             notes.append(f"{folder} is left out: its provenance.json does not say of which plan it is and when it was started")
             continue

@@ -6,7 +6,9 @@ import shlex
 from page.markup import join, tag
 from page.table_html import facts_html
 
-PLANS = pathlib.Path(__file__).resolve().parents[2] / "experiments" / "plans"
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PLANS = ROOT / "experiments" / "plans"
+PROGRAM = "./palpate" if (ROOT / "palpate").is_file() else "palpate"  # as a reader would type it: in the sources, or installed
 MOST_PLAN_BYTES = 60_000  # of the plan's text
 
 
@@ -31,7 +33,7 @@ SAID = [("version", "Palpate"), ("commit", "Commit"), ("started_at", "Started (U
 def repeat_command(run):
     """The command that repeats a run: by the plan's name where it is one of ours, else by the file beside the page."""
     name = run.plan.removesuffix(".yaml")
-    return f"./palpate run {shlex.quote(name)}" if "/" not in name and (PLANS / f"{name}.yaml").is_file() else "./palpate run plan.yaml"
+    return f"{PROGRAM} run {shlex.quote(name)}" if "/" not in name and (PLANS / f"{name}.yaml").is_file() else f"{PROGRAM} run plan.yaml"
 
 
 def chosen_words(chosen):
@@ -48,7 +50,11 @@ def case_command(run, case):
 
 def commit_text(provenance):
     commit = text_of(provenance.get("commit"))
-    return f"{commit}, with changes that are not committed" if commit and provenance.get("dirty") else commit
+    source = provenance.get("source")  # older runs do not say: theirs was a checkout
+    if source == "unknown" or commit == "unknown":
+        return "unknown: the sources were no checkout, nor an archive or a package that names its commit"
+    said = {"archive": ", by the source archive; whether it was changed since, nobody can tell", "package": ", by the installed package"}.get(source, "")
+    return f"{commit}{said}{', with changes that are not committed' if commit and provenance.get('dirty') else ''}"
 
 
 def plan_html(run):

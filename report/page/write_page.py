@@ -203,4 +203,4 @@ def write_parts(parts, question, path, scripts_folder=None):
     verdict = tag("div", tag("p", parts.verdict), class_=f"verdict {parts.state}")
     chapters = [("verdict", "Verdict", verdict), ("charts", "Charts", writer.charts_html()), ("tables", "Tables", writer.tables_html())]
     warning = tag("p", scripts.missing, class_="warning") if scripts.missing else ""
-    write_atomically(path, document("runs compared", question, chapters, warning, scripts, "./palpate run PLAN"))
+    write_atomically(path, document("runs compared", question, chapters, warning, scripts, f"{facts.PROGRAM} run PLAN"))

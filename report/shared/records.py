@@ -21,6 +21,9 @@ PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_cou
              "contest", "scenes", "scene_sets", "targets", "cases", "reference", "beside", "frontier", "simplify")  # what of the plan the provenance repeats
 
 
+RECORD, PROVENANCE = "palpate/record/1", "palpate/provenance/1"  # docs/schemas.md
+
+
 class BadRun(Exception):
     """The folder is no run folder, or a file in it is not what it has to be: one line, with the place."""
 
@@ -223,6 +226,22 @@ def read_json(path):
     return data
 
 
+def check_schema(data, expected, where):
+    """Throws BadRun for a file of another version: its keys may mean something else."""
+    if data.get("schema") != expected:
+        raise BadRun(f"{where}: schema: expected {expected}, found {json.dumps(data.get('schema'))[:80]}")
+
+
+def read_provenance(folder):
+    """The provenance of a run; {} if it has none. Throws BadRun."""
+    path = folder / "provenance.json"
+    if not path.exists():
+        return {}
+    provenance = read_json(path)
+    check_schema(provenance, PROVENANCE, path)
+    return provenance
+
+
 def read_lines(path, notes):
     """The records of a file, one after the other, so that it may be larger than the memory. A last line that was cut off by a kill is left
     out, and noted."""
@@ -253,6 +272,7 @@ def read_line(path, number, line, packer, notes):
         raise BadRun(f"{path}:{number}: expected a JSON object, found {json_fault(error)}") from error
     if not isinstance(record, Record):
         raise BadRun(f"{path}:{number}: expected a record with a label")
+    check_schema(record, RECORD, f"{path}:{number}")
     return record
 
 
@@ -291,7 +311,7 @@ def read_run(folder):
         raise BadRun(f"{folder}: no such run folder")
     notes = []
     lines = read_lines(folder / "records.jsonl", notes)
-    provenance = read_json(folder / "provenance.json") if (folder / "provenance.json").exists() else {}
+    provenance = read_provenance(folder)
     if not provenance:
         notes.append("provenance.json is missing: the plan's claim and its order are not known")
     plan_data = provenance.get("plan_data")

@@ -8,7 +8,7 @@ if printf "#!/bin/bash\nrm \$1\n" | shellcheck - >/dev/null; then
   exit 1
 fi
 mapfile -t scripts < <(grep -rlIE '^#!/(usr/)?bin/(env )?(ba)?sh' "$root/palpate" "$root/.ci" "$root/tests" "$root/reference" \
-  "$root/experiments")
+  "$root/experiments" "$root/cmake")
 ((${#scripts[@]} >= 3))
 shellcheck "${scripts[@]}"
 printf '%d scripts are clean\n' "${#scripts[@]}"

@@ -120,6 +120,17 @@ class Content(PageTest):
             self.assertIn("There are no answers.", self.text)
 
 
+class Sources(unittest.TestCase):
+    def test_who_says_which_commit_it_is(self):
+        commit = {"commit": "012345678"}
+        self.assertEqual(facts.commit_text({**commit, "dirty": False}), "012345678")  # of a run made before sources were named
+        self.assertEqual(facts.commit_text({**commit, "source": "checkout", "dirty": True}), "012345678, with changes that are not committed")
+        self.assertIn("nobody can tell", facts.commit_text({**commit, "source": "archive", "dirty": None}))
+        self.assertIn("by the installed package", facts.commit_text({**commit, "source": "package", "dirty": False}))
+        self.assertIn("by the installed package, with changes", facts.commit_text({**commit, "source": "package", "dirty": True}))
+        self.assertTrue(facts.commit_text({"commit": "unknown", "source": "unknown", "dirty": None}).startswith("unknown: "))
+
+
 class Safety(PageTest):
     def evil(self):
         lines = synthetic.thesis_records(meshes=(EVIL,), seeds=2)

@@ -174,7 +174,7 @@ class Verdict(ReportTest):
 
     def test_a_claim_that_the_provenance_holds_itself(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(), {})
-        (self.folder / "provenance.json").write_text(json.dumps(synthetic.PLAN), encoding="utf-8")
+        (self.folder / "provenance.json").write_text(json.dumps({"schema": "palpate/provenance/1", **synthetic.PLAN}), encoding="utf-8")
         self.assertIn("Verdict: the claim does not reproduce.", self.report("--no-charts")[1])
 
     def test_for_the_claim(self):
@@ -368,6 +368,18 @@ class BrokenRuns(ReportTest):
         self.assertEqual(code, 2)
         self.assertIn("records.jsonl:3", err)
         self.assertFalse((self.folder / "tables").exists())
+
+    def test_another_version_is_refused(self):
+        for name, expected in (("records.jsonl", "palpate/record/1"), ("provenance.json", "palpate/provenance/1")):
+            synthetic.write_run(self.folder, synthetic.thesis_records())
+            path = self.folder / name
+            text = path.read_text(encoding="utf-8")
+            for other in (expected[:-1] + "2", "", "palpate/plan/1"):
+                path.write_text(text.replace(expected, other), encoding="utf-8")
+                code, _, err = self.report()
+                self.assertEqual(code, 2)
+                self.assertIn(f'schema: expected {expected}, found "{other}"', err)
+                self.assertIn(name, err)
 
     def test_a_record_that_is_nested_too_deep_is_said(self):
         synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70)] * 2, {})
