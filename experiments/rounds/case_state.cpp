@@ -87,11 +87,11 @@ void CaseState::remember(const json& record, const RepeatBounds& bounds) {
 }
 
 void CaseState::remember_answer(const json& record) {
-  static const json kNothing;
+  static const json nothing;
   const auto part = [](const json& of,
                        const char* key) -> const json& {  // a judge's block is too long to copy
     const auto found = of.is_object() ? of.find(key) : of.end();
-    return found != of.end() ? *found : kNothing;
+    return found != of.end() ? *found : nothing;
   };
   const json& found = part(record, "tuned");
   if (tuned.empty() && !found.empty()) tuned = found;
