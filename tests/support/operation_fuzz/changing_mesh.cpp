@@ -9,9 +9,9 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/topology.h"
+#include "core/simplify/refined/repair.h"
 #include "core/simplify/surface/surface.h"
 #include "core/simplify/tet_operations/edge_collapse.h"
-#include "core/simplify/refined/repair.h"
 #include "tests/support/refined_checks.h"
 
 namespace palpate::testing_support {
