@@ -21,7 +21,7 @@ MEASURES = {"displacement_deformation": "error of the deformation, %", "displace
 
 
 def styles_of(run):
-    return {name: (COLORS[k % len(COLORS)], MARKS[k % len(MARKS)]) for k, name in enumerate(families_of(run))}
+    return {name: (COLORS[k % len(COLORS)], MARKS[(k + k // len(COLORS)) % len(MARKS)]) for k, name in enumerate(families_of(run))}
 
 
 def percent(value):
