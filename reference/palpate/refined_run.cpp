@@ -7,6 +7,7 @@
 #include "core/simplify/refined/refined.h"
 #include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
+#include "reference/palpate/objective.h"
 #include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
@@ -28,8 +29,7 @@ simplify::RefinedOptions read_refined_options(const Request& request) {
                                    simplify::CollapsePlacement::kMidpoint};
   options.collapse_placement =
       kPlacements[take_choice(left, "collapse_placement", {"first", "best", "midpoint"})];
-  constexpr std::array kObjectives{simplify::Objective::kQuality, simplify::Objective::kStableStep};
-  options.objective = kObjectives[take_choice(left, "objective", {"quality", "stable_step"})];
+  options.objective = take_objective(left);
   simplify::RepairTools& tools = options.tools;
   options.interleave = take_switch(left, "interleave", options.interleave);
   options.repair = take_switch(left, "repair", options.repair);

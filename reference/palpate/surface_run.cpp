@@ -10,6 +10,7 @@
 #include "core/simplify/surface/surface.h"
 #include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
+#include "reference/palpate/objective.h"
 #include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
@@ -34,8 +35,7 @@ SurfaceRequest read_surface_options(const Request& request) {
     throw InputError("unit_m", 0, "metres in a unit of the mesh, above 0", std::to_string(result.unit_m));
   }
   result.options.max_surface_error = result.max_error_m / result.unit_m;
-  constexpr std::array kObjectives{simplify::Objective::kQuality, simplify::Objective::kStableStep};
-  result.options.objective = kObjectives[take_choice(left, "objective", {"quality", "stable_step"})];
+  result.options.objective = take_objective(left);
   result.options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", result.options.effort);
   result.options.sparing =

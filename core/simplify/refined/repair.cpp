@@ -44,10 +44,6 @@ std::array<Index, 2> edge_of(const Tet& tet, std::size_t e) {
   return {tet[static_cast<std::size_t>(kTetEdges[e][0])], tet[static_cast<std::size_t>(kTetEdges[e][1])]};
 }
 
-std::size_t corner_in(const Tet& tet, Index v) {
-  return static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
-}
-
 }  // namespace
 
 bool RepairSuccess::is_worth_it() const {

@@ -70,8 +70,7 @@ void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::a
 
 /// The base triangle of a tet opposite to v, so that (v, base) has the tet's orientation.
 Triangle base_of(const Tet& tet, Index v) {
-  const auto corner = static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
-  const auto& face = kTetFaces[corner];
+  const auto& face = kTetFaces[corner_in(tet, v)];
   return {tet[static_cast<std::size_t>(face[0])], tet[static_cast<std::size_t>(face[1])],
           tet[static_cast<std::size_t>(face[2])]};
 }
@@ -317,9 +316,8 @@ bool StepLengthener::try_flips(Index v, bool with_moves) {
   for (const Tet& tet : tets) {
     for (const Index opposite : tet) {
       const Index t = find_tet(mesh_, tet);
-      const Tet& now = mesh_.tets[t];
-      const auto corner = static_cast<std::size_t>(std::find(now.begin(), now.end(), opposite) - now.begin());
-      if (!trial_.try_remove_face(t, corner) || !(with_moves ? keep_flip_with_moves() : keep_flip()))
+      if (!trial_.try_remove_face(t, corner_in(mesh_.tets[t], opposite)) ||
+          !(with_moves ? keep_flip_with_moves() : keep_flip()))
         continue;
       ++counts_.faces_removed;
       return true;

@@ -1,6 +1,7 @@
 // A tet mesh that changes under local operations: the common ground of palpate.refined and palpate.surface.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -85,6 +86,11 @@ void remove_vertex(WorkingMesh& mesh, Index v);
 
 /// The tets that have both a and b, appended to `result` after it is cleared.
 void collect_edge_star(const WorkingMesh& mesh, Index a, Index b, std::vector<Index>& result);
+
+/// The corner of a tet that is v. Requires: one is.
+inline std::size_t corner_in(const Tet& tet, Index v) {
+  return static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
+}
 
 /// The slot of the tet with these vertices, in any order. Throws: ContractError if there is none.
 Index find_tet(const WorkingMesh& mesh, const Tet& tet);

@@ -1,0 +1,18 @@
+// The option "objective" of palpate.refined and palpate.surface.
+#pragma once
+
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "core/simplify/refined/stable_step.h"
+#include "reference/door/request_options.h"
+
+namespace palpate::reference {
+
+/// Reads the option "objective" and removes it from `options`. Throws: InputError for an unknown one.
+inline simplify::Objective take_objective(nlohmann::json& options) {
+  constexpr std::array kObjectives{simplify::Objective::kQuality, simplify::Objective::kStableStep};
+  return kObjectives[take_choice(options, "objective", {"quality", "stable_step"})];
+}
+
+}  // namespace palpate::reference
