@@ -40,6 +40,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_history_command(app, exit_code);
   add_compare_command(app, exit_code);
   add_report_command(app, exit_code);
+  add_archive_command(app, exit_code);
   add_list_command(app, exit_code);
   add_make_command(app, exit_code);
   add_mesh_command(app, exit_code);

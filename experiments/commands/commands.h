@@ -16,6 +16,7 @@ enum ExitCode : int {
   kInterrupted = 130  ///< stopped by Ctrl-C
 };
 
+void add_archive_command(CLI::App& app, int& exit_code);
 void add_run_command(CLI::App& app, int& exit_code);
 void add_check_command(CLI::App& app, int& exit_code);
 void add_envelope_command(CLI::App& app, int& exit_code);

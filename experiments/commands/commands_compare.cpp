@@ -56,17 +56,9 @@ int compare_runs(const CompareArguments& arguments) {
     words.push_back(nlohmann::json(arguments.fail_above).dump());
   }
   const ScratchFolder scratch;
-  ProcessSpec spec = report_script("compare_runs.py", words);
-  spec.standard_output = scratch.file("out");
-  spec.standard_error = scratch.file("error");
-  const ProcessResult result = run_process(spec);
-  std::cout << read_bytes(spec.standard_output).value_or("");
-  if (result.end == ProcessEnd::kInterrupted) return kInterrupted;
-  if (result.end == ProcessEnd::kExited && (result.exit_code == kDone || result.exit_code == kNotAccepted))
-    return result.exit_code;
-  if (result.end == ProcessEnd::kExited && result.exit_code == kBadInput)
-    throw InputError(last_line(spec.standard_error));
-  throw UnavailableError("the comparison failed (" + result.message + "): " + last_line(spec.standard_error));
+  const ScriptAnswer answer = run_script(report_script("compare_runs.py", words), scratch, "the comparison");
+  std::cout << answer.output;
+  return answer.exit_code;
 }
 
 }  // namespace

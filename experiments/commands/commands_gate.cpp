@@ -176,19 +176,9 @@ int history(const HistoryArguments& arguments) {
   if (arguments.as_json) spec.arguments.emplace_back("--json");
   spec.arguments.emplace_back("--");
   spec.arguments.insert(spec.arguments.end(), arguments.folders.begin(), arguments.folders.end());
-  spec.standard_output = scratch.file("out");
-  spec.standard_error = scratch.file("error");
-  const ProcessResult result = run_process(spec);
-  std::string said = read_bytes(spec.standard_error).value_or("");
-  while (!said.empty() && said.back() == '\n') said.pop_back();
-  if (result.end == ProcessEnd::kInterrupted) return kInterrupted;
-  if (result.end == ProcessEnd::kExited && result.exit_code == kBadInput)
-    throw InputError(said.substr(said.rfind('\n') + 1));
-  if (result.end != ProcessEnd::kExited || result.exit_code != kDone)
-    throw UnavailableError("the history failed (" + result.message +
-                           "): " + said.substr(said.rfind('\n') + 1));
-  std::cout << read_bytes(spec.standard_output).value_or("");
-  return kDone;
+  const ScriptAnswer answer = run_script(std::move(spec), scratch, "the history");
+  std::cout << answer.output;
+  return answer.exit_code;
 }
 
 }  // namespace

@@ -27,6 +27,18 @@ ProcessSpec page_script(const std::string& name, std::vector<std::string> argume
   return report_script(name, arguments);
 }
 
+ScriptAnswer run_script(ProcessSpec spec, const ScratchFolder& scratch, const std::string& what) {
+  spec.standard_output = scratch.file("out");
+  spec.standard_error = scratch.file("error");
+  const ProcessResult result = run_process(spec);
+  if (result.end == ProcessEnd::kInterrupted) return {130, ""};
+  if (result.end == ProcessEnd::kExited && result.exit_code == 2)
+    throw InputError(last_line(spec.standard_error));
+  if (result.end != ProcessEnd::kExited || result.exit_code > 1)
+    throw UnavailableError(what + " failed (" + result.message + "): " + last_line(spec.standard_error));
+  return {result.exit_code, read_bytes(spec.standard_output).value_or("")};
+}
+
 std::string last_line(const std::filesystem::path& file) {
   std::string text = read_bytes(file).value_or("");
   while (!text.empty() && text.back() == '\n') text.pop_back();

@@ -16,12 +16,8 @@ std::vector<std::filesystem::path> draw_scene(const std::filesystem::path& scene
   write_file_atomically(scratch.file("problem.json"), reference::problem_to_json(problem).dump() + "\n");
   const std::filesystem::path folder = std::filesystem::absolute(scene).parent_path();
   const std::string stem = scene.stem().string();
-  ProcessSpec spec = report_script("show_scene.py", {scratch.path().string(), folder.string(), stem});
-  spec.standard_error = scratch.file("errors.txt");
-  const ProcessResult result = run_process(spec);
-  if (result.end != ProcessEnd::kExited || result.exit_code != 0)
-    throw UnavailableError("the picture could not be drawn (" + result.message +
-                           "): " + last_line(spec.standard_error));
+  run_script(report_script("show_scene.py", {scratch.path().string(), folder.string(), stem}), scratch,
+             "the picture");
   return {folder / (stem + ".png"), folder / (stem + ".svg")};
 }
 

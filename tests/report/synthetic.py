@@ -107,7 +107,7 @@ def write_run(folder, lines, plan=None):
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "records.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-    provenance = {"schema": "palpate/provenance/1", "plan_data": PLAN if plan is None else plan, "timeout_s": 120.0,
+    provenance = {"schema": "palpate/provenance/1", "plan": "made_up", "plan_data": PLAN if plan is None else plan, "timeout_s": 120.0,
                   "measures": MEASURES}
     (folder / "provenance.json").write_text(json.dumps(provenance), encoding="utf-8")
     return folder

@@ -1,0 +1,127 @@
+"""A run's records in a folder that is small enough to be kept for good: archive.json, plan.yaml, provenance.json, records.jsonl.xz.
+
+archive.json, schema palpate/archive/1: {"schema", "plan" (its name), "records" (lines), "bytes" and "sha256" of records.jsonl}. What a report
+is made from is in there, bodies and fields are not: a page of an archive has no 3D.
+"""
+
+import hashlib
+import json
+import lzma
+import pathlib
+import shutil
+
+from shared.records import BadRun
+
+ARCHIVE = "palpate/archive/1"  # docs/schemas.md
+NOTE, RECORDS, PACKED = "archive.json", "records.jsonl", "records.jsonl.xz"
+COPIED = ("plan.yaml", "provenance.json")
+READ_BYTES = 2**20
+MOST_DICTIONARY_BYTES = 256 * 2**20  # that a reader has to have for the records, whatever the file asks for
+KEYS = {"schema": str, "plan": str, "records": int, "bytes": int, "sha256": str}
+
+
+def is_archive(folder):
+    return (pathlib.Path(folder) / NOTE).exists()
+
+
+def blocks_of(stream):
+    return iter(lambda: stream.read(READ_BYTES), b"")
+
+
+def pack(run, folder):
+    """Writes an archive of the run into a folder that is new or empty; returns what archive.json says. The same records make the same bytes. The
+    note comes last: without it nobody takes the folder for an archive. Raises: BadRun if it is no whole run, or the folder holds something."""
+    run, folder = pathlib.Path(run), pathlib.Path(folder)
+    for name in (*COPIED, RECORDS):
+        if not (run / name).is_file():
+            raise BadRun(f"{run / name}: expected a file of a run, found none")
+    require_empty(folder)
+    plan = read_object(run / "provenance.json").get("plan")
+    if not isinstance(plan, str):
+        raise BadRun(f"{run / 'provenance.json'}: expected the plan's name, found {plan!r}")
+    for name in COPIED:
+        shutil.copyfile(run / name, folder / name)
+    digest, lines, size, last = hashlib.sha256(), 0, 0, b"\n"
+    with open(run / RECORDS, "rb") as source, lzma.open(folder / PACKED, "wb", preset=9) as packed:
+        for block in blocks_of(source):
+            digest.update(block)
+            lines, size, last = lines + block.count(b"\n"), size + len(block), block[-1:]
+            packed.write(block)
+    if last != b"\n":
+        raise BadRun(f"{run / RECORDS}: its last record is cut; --resume mends that")
+    note = {"schema": ARCHIVE, "plan": plan, "records": lines, "bytes": size, "sha256": digest.hexdigest()}
+    (folder / NOTE).write_text(json.dumps(note, indent=2) + "\n")
+    return note
+
+
+def require_empty(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    if any(folder.iterdir()):
+        raise BadRun(f"{folder}: expected a new or an empty folder, found files")
+
+
+def read_object(path):
+    try:
+        value = json.loads(path.read_text())
+    except (OSError, ValueError, RecursionError) as error:
+        raise BadRun(f"{path}: {error}") from None
+    if not isinstance(value, dict):
+        raise BadRun(f"{path}: expected an object, found something else")
+    return value
+
+
+def read_note(folder):
+    """What archive.json says. Raises: BadRun if it is not what it has to be."""
+    path = folder / NOTE
+    note = read_object(path)
+    if note.get("schema") != ARCHIVE:
+        raise BadRun(f"{path}: expected the schema {ARCHIVE}, found {note.get('schema')!r}")
+    for key, kind in KEYS.items():
+        if type(note.get(key)) is not kind:
+            raise BadRun(f"{path}: {key}: expected {'a whole number' if kind is int else 'a text'}, found {note.get(key)!r}")
+    return note
+
+
+def unpack(archive, folder):
+    """Makes a run folder of an archive, in a folder that is new or empty. No more bytes are written than archive.json announces, and they have to be
+    those that were packed. Raises: BadRun if anything is not as it says; the folder is then left without records."""
+    archive, folder = pathlib.Path(archive), pathlib.Path(folder)
+    note = read_note(archive)
+    for name in (*COPIED, PACKED):
+        if not (archive / name).is_file():
+            raise BadRun(f"{archive / name}: expected a file of an archive, found none")
+    require_empty(folder)
+    whole = folder / (RECORDS + ".part")
+    try:
+        unpack_records(archive / PACKED, note, whole)
+        for name in COPIED:
+            shutil.copyfile(archive / name, folder / name)
+    except BaseException:
+        whole.unlink(missing_ok=True)
+        raise
+    whole.rename(folder / RECORDS)
+
+
+def unpack_records(packed, note, place):
+    digest, lines, size = hashlib.sha256(), 0, 0
+    reader = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=MOST_DICTIONARY_BYTES)
+    with open(packed, "rb") as source, open(place, "wb") as target:
+        try:
+            while not reader.eof:
+                read = source.read(READ_BYTES) if reader.needs_input else b""
+                if reader.needs_input and not read:
+                    raise BadRun(f"{packed}: cut off")
+                block = reader.decompress(read, READ_BYTES)
+                size += len(block)
+                if size > note["bytes"]:
+                    raise BadRun(f"{packed}: expected {note['bytes']} bytes of records, found more")
+                digest.update(block)
+                lines += block.count(b"\n")
+                target.write(block)
+        except lzma.LZMAError as error:
+            raise BadRun(f"{packed}: {error}") from None
+        if reader.unused_data or source.read(1):
+            raise BadRun(f"{packed}: expected its end, found more")
+    if (size, lines, digest.hexdigest()) != (note["bytes"], note["records"], note["sha256"]):
+        raise BadRun(f"{packed}: expected {note['records']} records in {note['bytes']} bytes with the sum that {NOTE} has, found "
+                     f"{lines} in {size}" + ("" if (size, lines) != (note["bytes"], note["records"]) else " with another"))

@@ -1,0 +1,43 @@
+#!/usr/bin/env python3
+"""Packs a run for good, or unpacks it.
+
+    archive_run.py RUN FOLDER             FOLDER (new or empty) gets archive.json, plan.yaml, provenance.json, records.jsonl.xz
+    archive_run.py --unpack ARCHIVE FOLDER    FOLDER becomes a run folder again
+
+Exit codes: 0 done; 2 no run, no archive, or something in FOLDER; 3 a file could not be written, or a fault of its own.
+"""
+
+import argparse
+import sys
+import traceback
+
+from archive import archive
+from shared.records import BadRun
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="archive_run.py", description="Packs a run for good, or unpacks it.")
+    parser.add_argument("source", metavar="RUN")
+    parser.add_argument("folder", metavar="FOLDER")
+    parser.add_argument("--unpack", action="store_true", help="RUN is an archive, FOLDER becomes a run folder")
+    options = parser.parse_args(arguments)
+    try:
+        if options.unpack:
+            archive.unpack(options.source, options.folder)
+        else:
+            note = archive.pack(options.source, options.folder)
+            print(f"{note['records']:,} records of {note['plan']}, {note['bytes']:,} bytes")
+        return 0
+    except BadRun as error:
+        print(error, file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
+        return 3
+    except Exception:  # Python would leave with 1, which stands for something else
+        traceback.print_exc()
+        return 3
+
+
+if __name__ == "__main__":
+    sys.exit(main())
