@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "experiments/contestants/option_spec.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
@@ -110,7 +111,23 @@ std::vector<CampaignPart> split_campaign(const Plan& plan, const std::vector<Cas
   return parts;
 }
 
-void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads,
+int most_ranks_of(const Plan& plan, const std::vector<Case>& cases, const Registry& registry) {
+  int most = 1;
+  for (const Case& c : cases) {
+    const MethodSpec& method = *registry.find(plan.contestants[c.contestant].method)->method;
+    most = std::max(most, count_ranks(method.options, c.options));
+  }
+  const auto look = [&](const std::string& name, const std::map<std::string, GivenOption>& given) {
+    if (name.empty()) return;
+    const MethodSpec& method = *registry.find(name)->method;
+    most = std::max(most, count_ranks(method.options, resolve_options(method, given)));
+  };
+  for (const PlanContestant& simplifier : plan.simplifiers) look(simplifier.method, simplifier.set);
+  if (plan.reference) look(plan.reference->method, plan.reference->set);
+  return most;
+}
+
+void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads, int most_ranks,
                     const fs::path& folder) {
   create_folder(folder);
   if (!fs::is_empty(folder))
@@ -132,6 +149,7 @@ void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, in
                          {"palpate", program_folder() + "/palpate"},
                          {"plan", fs::absolute(plan.file).lexically_normal().string()},
                          {"threads", threads},
+                         {"processors", threads * most_ranks},
                          {"parts", listed}};
   write_file_atomically(folder / "campaign.json", campaign.dump(1) + "\n");
   const fs::path from = fs::path(source_folder()) / "experiments" / "campaign" / "workflow";

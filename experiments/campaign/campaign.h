@@ -47,9 +47,13 @@ std::vector<CampaignPart> split_campaign(const Plan& plan, const std::vector<Cas
                                          const std::map<std::string, CaseCost>& costs,
                                          const CampaignSettings& settings);
 
-/// Writes the workflow into `folder`: campaign.json, a file of cases a part, the Snakefile and the profile
-/// for Slurm. Throws: InputError if the folder holds something else or cannot be written.
-void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads,
+/// The most MPI processes that a case of the plan, or its reference, runs as.
+int most_ranks_of(const Plan& plan, const std::vector<Case>& cases, const Registry& registry);
+
+/// Writes the workflow into `folder`: a job has threads x most_ranks processors. It has campaign.json, a file
+/// of cases a part, the Snakefile and the profile for Slurm. Throws: InputError if the folder holds something
+/// else or cannot be written.
+void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads, int most_ranks,
                     const std::filesystem::path& folder);
 
 }  // namespace palpate::experiments

@@ -70,8 +70,9 @@ int report_runs(const ReportArguments& arguments) {
 int archive_run(const ArchiveArguments& arguments) {
   const ScratchFolder scratch;
   create_folder(arguments.out);
-  const ScriptAnswer answer = run_script(
-      report_script("archive_run.py", {find_run(arguments.run).string(), arguments.out}), scratch, "the archive");
+  const ScriptAnswer answer =
+      run_script(report_script("archive_run.py", {find_run(arguments.run).string(), arguments.out}), scratch,
+                 "the archive");
   std::cout << answer.output;
   return answer.exit_code;
 }
@@ -108,7 +109,8 @@ void add_archive_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->footer(
-      "The folder gets plan.yaml, provenance.json, records.jsonl.xz and archive.json with their number and sum:\n"
+      "The folder gets plan.yaml, provenance.json, records.jsonl.xz and archive.json with their number and "
+      "sum:\n"
       "all that tables, charts and verdict are made from. Meshes and fields stay behind, so a page of an\n"
       "archive has no 3D. The same records make the same bytes.");
   command->callback([arguments, &exit_code] { exit_code = archive_run(*arguments); });

@@ -40,7 +40,8 @@ std::vector<std::string> read_texts(const YamlValue& value) {
 }
 
 OptionSpec read_option(const YamlValue& value) {
-  const YamlFields fields = value.fields({"name", "type", "choices", "min", "max", "default", "help"});
+  const YamlFields fields =
+      value.fields({"name", "type", "choices", "min", "max", "default", "help", "ranks"});
   OptionSpec option;
   option.name = fields.need("name").identifier();
   option.type = read_type(fields.need("type"));
@@ -56,6 +57,9 @@ OptionSpec read_option(const YamlValue& value) {
     option.default_value =
         parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));
   option.help = fields.need("help").text();
+  if (const auto ranks = fields.find("ranks")) option.counts_ranks = ranks->boolean();
+  if (option.counts_ranks && (option.type != OptionType::kInteger || option.default_value != 1))
+    value.fail("option " + option.name + ": a number of MPI ranks is an integer whose default is 1");
   return option;
 }
 

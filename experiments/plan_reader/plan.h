@@ -73,6 +73,7 @@ struct RunSettings {
   int most_repeats = 0;         ///< ... or there are so many of them
   std::int64_t order_seed = 1;  ///< of the random order of the cases in each round
   int threads = 1;
+  int mpi_ranks = 1;  ///< of each method that can run under mpirun and whose entry does not say how many
   bool timed = true;  ///< false: records have no times, and cases may run side by side
   double timeout_s = 300.0;
   std::uint64_t memory_mib = 4096;

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/contestants/option_spec.h"
 #include "experiments/files/places.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/runner/contest_table.h"
@@ -12,6 +13,7 @@
 namespace palpate::experiments {
 namespace {
 
+constexpr std::int64_t kMostRanks = 1024;
 constexpr std::int64_t kLargestOrderSeed = std::int64_t{1} << 40;
 
 /// until_width and most_repeats: one is nothing without the other.
@@ -30,12 +32,13 @@ void read_width(const YamlFields& fields, RunSettings& run) {
 RunSettings read_run(const YamlValue& value) {
   const YamlFields fields = value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s",
                                           "memory_mib", "judge_timeout_s", "judge_memory_mib", "until_width",
-                                          "most_repeats", "order_seed", "timed"});
+                                          "most_repeats", "order_seed", "timed", "mpi_ranks"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("seed_repeats")) run.seed_repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("warmup")) run.warmup = static_cast<int>(v->integer(0, 1'000));
   if (const auto v = fields.find("threads")) run.threads = static_cast<int>(v->integer(1, 1'024));
+  if (const auto v = fields.find("mpi_ranks")) run.mpi_ranks = static_cast<int>(v->integer(1, kMostRanks));
   if (const auto v = fields.find("timeout_s")) run.timeout_s = v->number(0.01, 1e7);
   if (const auto v = fields.find("memory_mib")) {
     run.memory_mib = static_cast<std::uint64_t>(v->integer(16, 1 << 24));
@@ -120,6 +123,27 @@ void add_availability_notes(Plan& plan, const Registry& registry) {
   if (plan.reference) add("the reference", plan.reference->method);
 }
 
+/// Gives every method of the plan that can run under mpirun the plan's number of ranks, unless its own entry
+/// has one. Throws: InputError at `run` if none can, or one can with fewer.
+void set_ranks(const YamlValue& run, Plan& plan, const Registry& registry) {
+  bool any = false;
+  const std::string count = std::to_string(plan.run.mpi_ranks);
+  const std::string where = run.file() + ":" + std::to_string(run.line()) + ": run: mpi_ranks";
+  const auto set = [&](const std::string& method, std::map<std::string, GivenOption>& given) {
+    if (method.empty()) return;
+    const OptionSpec* ranks = find_ranks_option(registry.find(method)->method->options);
+    if (ranks == nullptr) return;
+    any = true;
+    if (given.count(ranks->name) > 0) return;
+    parse_option(*ranks, count, where);
+    given[ranks->name] = {count, where};
+  };
+  for (PlanContestant& contestant : plan.contestants) set(contestant.method, contestant.set);
+  for (PlanContestant& simplifier : plan.simplifiers) set(simplifier.method, simplifier.set);
+  if (plan.reference) set(plan.reference->method, plan.reference->set);
+  if (!any) run.fail("\"mpi_ranks\" is " + count + ", and no method of the plan can run under mpirun");
+}
+
 }  // namespace
 
 std::vector<std::filesystem::path> read_contestant_folders(const std::filesystem::path& path) {
@@ -177,6 +201,7 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.run.timed, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, contest.charts);
+  if (const auto run = fields.find("run"); run && plan.run.mpi_ranks > 1) set_ranks(*run, plan, registry);
   add_availability_notes(plan, registry);
   if (std::string note = timing_note(plan); !note.empty()) plan.notes.push_back(std::move(note));
   return plan;

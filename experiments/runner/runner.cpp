@@ -7,6 +7,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/contestants/option_spec.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
@@ -340,7 +341,8 @@ class Runner {
       return std::nullopt;
     }
     RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
-    facts.deterministic = registry_.find(contestant.method)->method->deterministic;
+    const MethodSpec& method = *registry_.find(contestant.method)->method;
+    facts.deterministic = method.deterministic && count_ranks(method.options, task.options) == 1;
     facts.judge_bounds = judge_bounds(plan_, options_.stop_flag);
     json record = contest_->build_record(facts, answer, states_[index].earlier_answers());
     if (record.at("outcome") == "interrupted") {

@@ -19,6 +19,7 @@
 #include "reference/door/request_options.h"
 #include "reference/fenicsx/motion/motion_answer.h"
 #include "reference/fenicsx/statics/equilibrium.h"
+#include "reference/fenicsx/statics/mpi_processes.h"
 #include "reference/fenicsx/statics/rigid_motions.h"
 
 namespace palpate::reference::fenicsx {
@@ -27,7 +28,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kMostRefinements = 3;
-constexpr std::int64_t kMostProcesses = 64;
 constexpr std::size_t kTimedAnswers = 9;
 
 /// The displacement of the base mesh's vertices and edge midpoints, on process 0; empty elsewhere.
@@ -48,10 +48,8 @@ std::vector<Vec3> gather_rows(const TetMesh& base, const ElasticBody& body, cons
     here.insert(here.end(),
                 {static_cast<double>(row), entries[3 * node], entries[3 * node + 1], entries[3 * node + 2]});
   }
-  int rank = 0;
-  int size = 1;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  const int rank = process_rank();
+  const int size = process_count();
   const int count = static_cast<int>(here.size());
   std::vector<int> counts(static_cast<std::size_t>(size));
   MPI_Gather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD);
@@ -100,24 +98,6 @@ Options read_options(const Request& request) {
   take_whole(left, "processes", 1, kMostProcesses, 1);  // start_mpirun() has seen to it
   require_all_taken(left);
   return options;
-}
-
-int process_count() {
-  int count = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &count);
-  return count;
-}
-
-/// The part that all processes do together: one that fails in it alone would leave the others waiting.
-template <typename Work>
-void together(const Work& work) {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    if (process_count() == 1) throw;
-    std::cerr << error.what() << '\n';
-    MPI_Abort(PETSC_COMM_WORLD, 3);
-  }
 }
 
 /// One load of the body, and where its displacement goes.
@@ -298,8 +278,7 @@ void start_mpirun(int argc, char** argv) {
 
 /// Answers on process 0; the others work along, and what they have to say is said by process 0 already.
 int run_on_all(int argc, char** argv) {
-  int rank = 0;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  const int rank = process_rank();
   if (rank == 0 || argc != 3) return run_adapter(argc, argv, answer);
   std::string aside = std::string(argv[2]) + ".process" + std::to_string(rank);
   std::array<char*, 3> arguments{argv[0], argv[1], aside.data()};

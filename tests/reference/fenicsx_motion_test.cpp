@@ -203,6 +203,49 @@ TEST_F(MovingElements, ARefinedMeshTakesSupportsAndProbesAlong) {
   EXPECT_NEAR(column(coarse, "probe_1_ux_m").back(), far, 0.02 * std::fabs(far));
 }
 
+// A pad, a clamp that lets go and damping: every figure of the history, and the frequencies, to what the
+// solver leaves of the greatest.
+TEST_F(MovingElements, TwoProcessesMoveAlike) {
+  Rod rod(4);
+  rod.problem.loads = {rod.pad(rod.modulus_pa() / Rod::kLengthM, 1e-3)};
+  rod.hold_left();
+  rod.problem.duration_s = 0.05;
+  rod.problem.damping_stiffness_s = 1e-3;
+  rod.problem.damping_mass_per_s = 2.0;
+  rod.problem.frequencies = 3;
+  for (const auto& [method, solver] : {std::pair{"moving_fem.p1", "mumps"}, {"moving_fem.p2", "cg"}}) {
+    std::vector<MotionHistory> histories;
+    std::vector<json> reports;
+    for (const int processes : {1, 2}) {
+      histories.push_back(
+          move(method, rod.mesh, rod.problem,
+               {{"processes", processes}, {"solver", solver}, {"time_step_s", 1e-3}, {"rtol", 1e-11}}));
+      reports.push_back(report_);
+      EXPECT_EQ(report_.at("processes"), processes);
+    }
+    ASSERT_EQ(histories[0].columns, histories[1].columns);
+    for (const std::string& name : histories[0].columns) {
+      const std::vector<double> one = column(histories[0], name);
+      const std::vector<double> two = column(histories[1], name);
+      ASSERT_EQ(one.size(), two.size());
+      double most = 0.0;
+      for (const char* axis : {"x", "y", "z"}) {  // a vector's parts are held to its greatest
+        std::string beside = name;
+        const std::size_t at = beside.rfind("x_") != std::string::npos   ? beside.rfind("x_")
+                               : beside.rfind("y_") != std::string::npos ? beside.rfind("y_")
+                                                                         : beside.rfind("z_");
+        if (at != std::string::npos) beside.replace(at, 1, axis);
+        for (const double value : column(histories[0], beside)) most = std::max(most, std::fabs(value));
+      }
+      for (std::size_t k = 0; k < one.size(); ++k) EXPECT_NEAR(two[k], one[k], 1e-7 * most) << method << name;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double hz = reports[0].at("frequencies_hz").at(k).get<double>();
+      EXPECT_NEAR(reports[1].at("frequencies_hz").at(k).get<double>(), hz, 1e-7 * hz);
+    }
+  }
+}
+
 TEST_F(MovingElements, WhatCannotBeIsRefused) {
   Rod rod(2);
   rod.hold_left();

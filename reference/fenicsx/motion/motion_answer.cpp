@@ -6,6 +6,7 @@
 #include "reference/door/request_options.h"
 #include "reference/fenicsx/motion/frequencies.h"
 #include "reference/fenicsx/motion/newmark.h"
+#include "reference/fenicsx/statics/mpi_processes.h"
 
 namespace palpate::reference::fenicsx {
 namespace {
@@ -30,6 +31,7 @@ Options read_options(const Request& request) {
   options.newmark.tolerance_relative =
       take_number(left, "rtol", 1e-14, 0.1, options.newmark.tolerance_relative);
   options.refine = take_whole(left, "refine", 0, kMostRefinements, 0);
+  take_whole(left, "processes", 1, kMostProcesses, 1);  // main() has started as many
   require_all_taken(left);
   return options;
 }
@@ -46,34 +48,40 @@ Response answer_motion(const Request& request) {
     problem = refine_motion(problem, mesh, refined);
     mesh = std::move(refined);
   }
+  if (problem.body.strain != StrainSize::kSmall)
+    throw InputError("strain", 0, "small: finite elements move by linear elasticity", "large");
   Response response;
-  const Stopwatch watch;
-  ElasticBody body(mesh, problem.body.material, problem.body.strain,
-                   request.method == "moving_fem.p1" ? 1 : 2);
-  const double setup_s = watch.seconds();
-  const Motion found = find_motion(mesh, problem, body, options.newmark);
-  response.kernel_s = watch.seconds();
-  response.report = {{"method", request.method},
-                     {"outcome", found.outcome},
-                     {"refine", options.refine},
-                     {"dofs", 3 * body.global_nodes()},
-                     {"integrator", "newmark"},
-                     {"time_step_s", found.time_step_s},
-                     {"steps", found.steps},
-                     {"solver", found.solver},
-                     {"iterations", found.linear_iterations},
-                     {"residual_relative", found.residual_relative},
-                     {"damping_stiffness_s", problem.damping_stiffness_s},
-                     {"damping_mass_per_s", problem.damping_mass_per_s},
-                     {"identify_s", 0.0},
-                     {"assembly_s", setup_s + found.assembly_s},
-                     {"solve_s", found.solve_s}};
-  if (problem.frequencies > 0) {
-    const Stopwatch frequencies_watch;
-    response.report["frequencies_hz"] = find_frequencies(mesh, problem, body, problem.frequencies);
-    response.report["frequencies_s"] = frequencies_watch.seconds();
-  }
-  if (found.outcome == "completed") {
+  Motion found;
+  together([&] {
+    const Stopwatch watch;
+    ElasticBody body(mesh, problem.body.material, problem.body.strain,
+                     request.method == "moving_fem.p1" ? 1 : 2);
+    const double setup_s = watch.seconds();
+    found = find_motion(mesh, problem, body, options.newmark);
+    response.kernel_s = watch.seconds();
+    response.report = {{"method", request.method},
+                       {"outcome", found.outcome},
+                       {"refine", options.refine},
+                       {"processes", process_count()},
+                       {"dofs", 3 * body.global_nodes()},
+                       {"integrator", "newmark"},
+                       {"time_step_s", found.time_step_s},
+                       {"steps", found.steps},
+                       {"solver", found.solver},
+                       {"iterations", found.linear_iterations},
+                       {"residual_relative", found.residual_relative},
+                       {"damping_stiffness_s", problem.damping_stiffness_s},
+                       {"damping_mass_per_s", problem.damping_mass_per_s},
+                       {"identify_s", 0.0},
+                       {"assembly_s", setup_s + found.assembly_s},
+                       {"solve_s", found.solve_s}};
+    if (problem.frequencies > 0) {
+      const Stopwatch frequencies_watch;
+      response.report["frequencies_hz"] = find_frequencies(mesh, problem, body, problem.frequencies);
+      response.report["frequencies_s"] = frequencies_watch.seconds();
+    }
+  });
+  if (found.outcome == "completed" && process_rank() == 0) {
     write_history(request.output, found.history);
     if (options.refine == 0) found.states.write_beside(request.output);
   }

@@ -20,6 +20,7 @@
 
 #include "core/base/error.h"
 #include "elasticity.h"
+#include "reference/fenicsx/statics/mpi_processes.h"
 
 namespace palpate::reference::fenicsx {
 namespace {
@@ -64,10 +65,8 @@ std::array<std::size_t, 2> part_of(std::size_t count, int rank, int size) {
 
 std::shared_ptr<dolfinx::mesh::Mesh> create_mesh(const TetMesh& mesh) {
   loguru::g_stderr_verbosity = loguru::Verbosity_WARNING;
-  int rank = 0;
-  int size = 1;
-  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  const int rank = process_rank();
+  const int size = process_count();
   const auto [first_tet, end_tet] = part_of(mesh.tets.size(), rank, size);
   std::vector<std::int64_t> vertices;
   std::vector<std::int32_t> offsets{0};
