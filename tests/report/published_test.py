@@ -9,7 +9,7 @@ An entry:
         - {text: "1.8", of: verdict.csv, column: difference, where: {mesh: [kidney, bean]}, take: least, times: -1}
 
 A figure is a column of a table that the report writes, over the rows that `where` leaves: `take` is only (one row; the default), least, greatest, median,
-sum, count (of rows) or rms; `times` a factor; `over` the same again, divided by. It has to be `text` to the last digit that `text` has.
+sum, count (of rows) or rms; `times` and `plus` go upon it; `over` is the same again, divided by. It has to be `text` to the last digit that `text` has.
 """
 
 import contextlib
@@ -31,7 +31,7 @@ import make_report
 from archive import archive
 
 PUBLISHED = ROOT / "results" / "published"
-KEYS = {"text", "of", "column", "where", "take", "times", "over"}
+KEYS = {"text", "of", "column", "where", "take", "times", "plus", "over"}
 TAKE = {"least": min, "greatest": max, "median": statistics.median, "sum": math.fsum,
         "rms": lambda values: math.sqrt(statistics.fmean(value * value for value in values))}
 
@@ -45,6 +45,11 @@ def rows_of(table, where):
     return rows
 
 
+def number(cell):
+    """The number that a cell begins with; tables for people have units behind it."""
+    return float(re.match(r"[+-]?[\d,.]+(?:e[+-]?\d+)?", cell)[0].replace(",", ""))
+
+
 def value_of(figure, tables):
     """The figure out of the tables. Raises: AssertionError if no row is left, or several where one is meant."""
     rows = rows_of(tables / figure["of"], figure.get("where", {}))
@@ -53,12 +58,12 @@ def value_of(figure, tables):
         value = len(rows)
     else:
         assert rows, f"no row: {figure}"
-        values = [float(row[figure["column"]]) for row in rows]
+        values = [number(row[figure["column"]]) for row in rows]
         assert take != "only" or len(values) == 1, f"{len(values)} rows: {figure}"
         value = values[0] if take == "only" else TAKE[take](values)
     if "over" in figure:
         value /= value_of(figure["over"], tables)
-    return value * figure.get("times", 1)
+    return value * figure.get("times", 1) + figure.get("plus", 0)
 
 
 def agrees(text, value):
