@@ -32,11 +32,11 @@ class StepSystem {
     check(MatZeroRowsColumns(matrix_.get(), static_cast<PetscInt>(held.size()), held.data(), 1.0, nullptr,
                              nullptr),
           "MatZeroRowsColumns");
-    check(MatSetOption(matrix_.get(), MAT_SPD, PETSC_TRUE), "MatSetOption");
     check(KSPCreate(PETSC_COMM_WORLD, solver_.put()), "KSPCreate");
     PC preconditioner = nullptr;
     check(KSPGetPC(solver_.get(), &preconditioner), "KSPGetPC");
     if (direct) {
+      check(MatSetOption(matrix_.get(), MAT_SPD, PETSC_TRUE), "MatSetOption");
       check(KSPSetType(solver_.get(), KSPPREONLY), "KSPPREONLY");
       check(PCSetType(preconditioner, PCCHOLESKY), "PCCHOLESKY");
       check(PCFactorSetMatSolverType(preconditioner, MATSOLVERMUMPS), "MUMPS");
