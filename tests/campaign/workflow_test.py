@@ -32,6 +32,24 @@ contestants:
 run: {repeats: 6, timed: false, timeout_s: 120, memory_mib: 1024}
 measure: [percent_above_0_5]
 """
+BAR = """\
+schema: palpate/scene/1
+mesh: {make: bar, vertices: 300, unit_m: 0.02}
+material: {young_modulus_pa: 10000, poisson_ratio: 0.25, density_kg_m3: 1050}
+clamp: [{half_space: {normal: [1, 0, 0], offset_m: 0}, elastic_pa_per_m: 1.0e6}]
+load: [{gravity_m_s2: [0, 0, -9.81]}]
+analysis: static
+"""
+RANKS = """\
+schema: palpate/plan/1
+question: Are finite elements on two ranks those on one?
+contest: deform
+scenes: [{name: bar, file: bar.yaml}]
+reference: {method: fem.p2, levels: 1}
+contestants: [{method: fem.p1, label: p1}]
+run: {repeats: 2, timed: false, timeout_s: 120, memory_mib: 4096, mpi_ranks: RANKS}
+measure: [displacement_l2]
+"""
 OF_A_REPEAT = ("finished_at", "peak_rss_bytes", "position", "sitting")  # what differs from one running of it to the next
 
 
@@ -123,6 +141,35 @@ class Workflow(unittest.TestCase):
                 environment = (entry.parent / "environ").read_bytes().decode(errors="replace").split("\0")
                 return next((word.removeprefix("SLURM_JOB_ID=") for word in environment if word.startswith("SLURM_JOB_ID=")), None)
         return None
+
+
+@unittest.skipUnless(WHERE == "slurm", "on this machine")
+class Ranks(unittest.TestCase):
+    def palpate(self, *words, **options):
+        done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False, **options)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def records(self, run):
+        lines = (run / "records.jsonl").read_text(encoding="utf-8").splitlines()
+        return [record for record in map(json.loads, lines) if record["label"] == "p1"]
+
+    def test_a_job_of_two_ranks_gives_the_figure_of_one(self):
+        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="palpate-ranks-")))
+        (folder / "bar.yaml").write_text(BAR, encoding="utf-8")
+        for count in (1, 2):
+            (folder / f"ranks_{count}.yaml").write_text(RANKS.replace("RANKS", str(count)), encoding="utf-8")
+        self.palpate("run", folder / "ranks_1.yaml", "--out", folder / "one", "--no-report")
+        self.palpate("workflow", folder / "ranks_2.yaml", "-o", folder / "jobs")
+        with OneNodeSlurm(self.enterContext(tempfile.TemporaryDirectory(prefix="palpate-slurm-"))) as slurm:
+            words = ["/usr/bin/snakemake", "--profile", "slurm", "--jobs", "2", "--latency-wait", "10"]
+            done = subprocess.run(words, cwd=folder / "jobs", env=slurm.environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
+        one, two = self.records(folder / "one"), self.records(folder / "jobs" / "run")
+        self.assertEqual([[record["report"]["processes"] for record in run] for run in (one, two)], [[1, 1], [2, 2]])
+        self.assertGreater(one[0]["judge"]["displacement_l2"], 1e-3)
+        for record in two:
+            self.assertEqual(record["outcome"], "accepted", record)
+            self.assertAlmostEqual(record["judge"]["displacement_l2"], one[0]["judge"]["displacement_l2"], delta=1e-7)
 
 
 if __name__ == "__main__":
