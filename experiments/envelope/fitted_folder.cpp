@@ -63,19 +63,4 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
   return out;
 }
 
-json spread_probes(const TetMesh& mesh, std::size_t count) {
-  json places = json::array();
-  if (mesh.points.empty()) return places;
-  std::vector<double> gap_sq(mesh.points.size(), std::numeric_limits<double>::infinity());
-  std::size_t next = 0;
-  while (places.size() < std::min(count, mesh.points.size())) {
-    const Vec3 at = mesh.points[next];
-    places.push_back({at.x, at.y, at.z});
-    for (std::size_t v = 0; v < gap_sq.size(); ++v)
-      gap_sq[v] = std::min(gap_sq[v], length_sq(mesh.points[v] - at));
-    next = static_cast<std::size_t>(std::max_element(gap_sq.begin(), gap_sq.end()) - gap_sq.begin());
-  }
-  return places;
-}
-
 }  // namespace palpate::experiments

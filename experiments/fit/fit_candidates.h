@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/contestants/contestant.h"
+#include "experiments/fit/fit_stepping.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {
@@ -48,6 +49,7 @@ struct FitModel {
 struct FitCandidates {
   std::vector<FitSimplifier> simplifiers;
   std::vector<FitModel> models;
+  std::vector<FitStepping> steppings;  ///< of scenes that move; none: explicit steps as they are
 };
 
 /// Reads palpate/candidates/1. Throws: InputError with file and line, also for an unknown method (with the

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/fit/fit_plan.h"
+#include "experiments/fit/fit_stepping.h"
 
 namespace palpate::experiments {
 
@@ -24,9 +25,12 @@ struct FitPoint {
   std::optional<double> explicit_step_s;
   std::uint64_t memory_bytes = 0;
   std::string failure;  ///< why it has no figure; empty if it has
+  std::vector<SteppingTry> steppings{};  ///< on the scene's own motion
+  std::optional<SteppingTry> stepping{};  ///< the one that is taken; its cost is the point's then
 
   double cost() const;
-  /// The largest of error + own_error: no more than this is certain.
+  /// The largest of error + own_error, and what the step leaves of the motion on top: no more than this is
+  /// certain.
   double worst_error() const;
 };
 

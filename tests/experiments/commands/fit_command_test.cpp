@@ -79,6 +79,41 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
   EXPECT_TRUE(std::filesystem::exists(folder() / "fit" / "fit.md"));
 }
 
+/// The far end of a bar that hangs from its other one: a tolerance there holds there, in the search, on other
+/// loads and in what is written, and a place without vertices is refused before anything is solved.
+TEST_F(FitCommand, AToleranceMayHoldAtAPlaceAlone) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
+  const std::string asked = "error: {measure: relative_l2, at_most: 0.5, at: ";
+  const test::ProgramResult nowhere =
+      fit(asked + "[{sphere: {center_m: [0.031, 0.001, 0.001], radius_m: 1.0e-5}}]}");
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.error, AllOf(HasSubstr("scene.yaml:7"), HasSubstr("has no vertex of the mesh in it")));
+  std::filesystem::remove_all(folder() / "fit");
+  const test::ProgramResult result = fit(asked + "[{half_space: {normal: [-1, 0, 0], share: 0.2}}]}");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json found = report();
+  EXPECT_EQ(found.at("measure"), "displacement_l2_at");
+  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.5);
+  std::ifstream records(folder() / "fit/search/run/records.jsonl");
+  std::size_t judged = 0;
+  for (std::string line; std::getline(records, line);) {
+    const json record = json::parse(line);
+    if (record.at("outcome") != "accepted") continue;
+    ++judged;
+    if (record.at("label") == "reference") {
+      EXPECT_GT(record.at("/judge/points_at"_json_pointer).get<int>(), 3);
+      EXPECT_GT(record.at("/judge/reference_error_l2_at"_json_pointer).get<double>(), 0.0);
+    } else {
+      const json& judge = record.at("judge");
+      EXPECT_NE(judge.at("displacement_l2_at"), judge.at("displacement_l2"));
+    }
+  }
+  EXPECT_GE(judged, 5U);
+  EXPECT_THAT(test::bytes_of(folder() / "fit/scene.yaml"), HasSubstr("\"at\":[{\"half_space\":"));
+  EXPECT_THAT(test::bytes_of(folder() / "fit/fit.md"), HasSubstr(" at half_space"));
+}
+
 TEST_F(FitCommand, WhereNothingDoesTheNearestIsNamedAndTheExitCodeIsOne) {
   ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   const test::ProgramResult result =
@@ -148,6 +183,56 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
   EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
   std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
+}
+
+/// A stiff bar that is pushed slowly: its waves take 50 us from vertex to vertex, its motion a tenth of a second.
+/// The trapezoidal rule follows it at steps that are longer by far; what is taken is the cheapest of those that
+/// hold, by the times that were measured, and what an engine cannot take is named.
+TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
+  text_.material = "{young_modulus_pa: 1.0e+6, poisson_ratio: 0.3, density_kg_m3: 1000}";
+  text_.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+8}]";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0, 0.2, 0]}, "
+      "profile: {times_s: [0, 0.1], shares: [0, 1], smooth: true}}]";
+  text_.analysis =
+      "{dynamic: {integrator: velocity_verlet, time_step_s: auto, duration_s: 0.12, damping: {mass_per_s: "
+      "20}}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {second: []}}]\n"
+               "steppings:\n"
+               "  - {label: explicit, integrator: symplectic_euler}\n"
+               "  - {label: no_engine, integrator: runge_kutta_4, precision: single}\n"
+               "  - {label: trapezoidal, integrator: trapezoidal}\n");
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 10000").exit_code, 0);
+  const json found = report();
+  const json& choice = found.at("choice");
+  std::map<std::string, json> tried;
+  for (const json& each : choice.at("steppings")) tried[each.at("label")] = each;
+  EXPECT_THAT(tried.at("no_engine").at("why_not").get<std::string>(), HasSubstr("precision"));
+  ASSERT_EQ(tried.at("explicit").at("why_not"), "");
+  ASSERT_EQ(tried.at("trapezoidal").at("why_not"), "");
+  EXPECT_GT(tried.at("trapezoidal").at("time_step_s").get<double>(),
+            20.0 * tried.at("explicit").at("time_step_s").get<double>());
+  const double cost = choice.at("cost_s").get<double>();
+  for (const char* label : {"explicit", "trapezoidal"}) {
+    EXPECT_LE(cost, tried.at(label).at("cost_s").get<double>()) << label;
+    EXPECT_GT(tried.at(label).at("motion_error").get<double>(), 0.0) << label;
+  }
+  const json& taken = choice.at("stepping");
+  double rest = 0.0;
+  for (std::size_t k = 0; k < choice.at("error").size(); ++k)
+    rest = std::max(rest, choice.at("error")[k].get<double>() + choice.at("reference_error")[k].get<double>());
+  EXPECT_DOUBLE_EQ(choice.at("worst_error").get<double>(), rest + taken.at("motion_error").get<double>());
+  EXPECT_THAT(test::bytes_of(folder() / "fit/scene.yaml"),
+              HasSubstr("\"integrator\":" + taken.at("integrator").dump()));
+  const test::ProgramResult solved =
+      run_program({"simulate", path("fit/scene.yaml"), "-o", path("solved"), "--json"});
+  ASSERT_EQ(solved.exit_code, 0) << solved.error;
+  EXPECT_NEAR(json::parse(solved.out).at("time_step_s").get<double>(), taken.at("time_step_s").get<double>(),
+              1e-12);
 }
 
 TEST_F(FitCommand, AnEnvelopeIsMeasuredOfAFitAlone) {
