@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "experiments/contestants/contestant.h"
-#include "experiments/fit/fit_stepping.h"
+#include "experiments/trials/fit_stepping.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {

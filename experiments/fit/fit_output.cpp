@@ -12,6 +12,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -35,6 +36,18 @@ json describe_stepping(const SteppingTry& tried) {
            {"why_not", tried.why_not}};
   if (!own.solver.is_null()) out["solver"] = own.solver;
   return out;
+}
+
+json describe_frozen_try(const FrozenTry& tried) {
+  return {{"share_of_tolerance", tried.share},
+          {"vertices", tried.vertices},
+          {"tets", tried.tets},
+          {"worst_error", tried.error ? finite_or_null(*tried.error) : json(nullptr)},
+          {"motion_error", tried.motion_error ? finite_or_null(*tried.motion_error) : json(nullptr)},
+          {"cost_before_s", tried.cost_before_s},
+          {"cost_s", tried.cost_s},
+          {"most_force_n", tried.most_force_n},
+          {"why_not", tried.why_not}};
 }
 
 json describe_point(const FitPoint& point) {
@@ -76,14 +89,15 @@ std::optional<json> describe_stepping_saving(const FitPoint& choice) {
   for (const SteppingTry& tried : choice.steppings) {
     const FitStepping& own = tried.stepping;
     if (own.integrator != kExplicitIntegrator || own.single_precision || tried.cost_s.empty()) continue;
-    if (own.label == choice.stepping->stepping.label) return std::nullopt;
+    const SteppingTry* taken = choose_stepping(choice.steppings);
+    if (taken == nullptr || own.label == taken->stepping.label) return std::nullopt;
     const auto error_of = [](const SteppingTry& of) { return of.error ? json(*of.error) : json(nullptr); };
-    return json{{"what", "integrator and step, on the scene's motion: " + choice.stepping->stepping.label},
+    return json{{"what", "integrator and step, on the scene's motion: " + taken->stepping.label},
                 {"from", own.label},
                 {"cost_before_s", finite_or_null(tried.cost())},
-                {"cost_after_s", finite_or_null(choice.stepping->cost())},
+                {"cost_after_s", finite_or_null(taken->cost())},
                 {"error_before", error_of(tried)},
-                {"error_after", error_of(*choice.stepping)}};
+                {"error_after", error_of(*taken)}};
   }
   return std::nullopt;
 }
@@ -98,6 +112,15 @@ json describe_savings(const FitResult& result) {
     if (before != nullptr && before != now && before->failure.empty())
       savings.push_back(describe_saving(what, *before, *now));
   };
+  for (const FrozenTry& tried : result.frozen) {
+    if (tried.why_not.empty())
+      savings.push_back({{"what", "held at rest: " + std::to_string(tried.tets) + " tetrahedra"},
+                         {"from", "the same, whole"},
+                         {"cost_before_s", tried.cost_before_s},
+                         {"cost_after_s", tried.cost_s},
+                         {"error_before", 0.0},
+                         {"error_after", *tried.motion_error}});
+  }
   add("simplification", find_point(result.searched, own.model.label, kNoSimplifier, std::nullopt));
   const FitPoint* other = nullptr;
   for (const FitPoint& point : result.searched) {
@@ -145,7 +168,7 @@ void add_steppings(const json& choice, std::ostringstream& text) {
   text << "\nStepped by `" << chosen.at("integrator").get<std::string>() << "` in "
        << chosen.at("precision").get<std::string>() << " precision, " << seconds_of(chosen.at("time_step_s"))
        << " a step, which leaves " << percent_of(chosen.at("motion_error"))
-       << " of the scene's motion (at most; in the error above).\n"
+       << " of the scene's motion, what is held at rest with it (at most; in the error above).\n"
        << "\n| tried on the motion | step | error | a simulated second | not taken, since |\n"
           "|---|---|---|---|---|\n";
   for (const json& tried : choice.at("steppings")) {
@@ -168,6 +191,14 @@ void add_choice(const FitResult& result, const json& fit, std::ostringstream& te
     text << "\nLongest stable step, undamped, predicted: " << seconds_of(choice.at("explicit_step_s"))
          << ".\n";
   add_steppings(choice, text);
+  for (const json& tried : fit.at("frozen")) {
+    const std::string why = tried.at("why_not").get<std::string>();
+    text << "\nHeld at rest: what moves by less than " << percent_of(tried.at("share_of_tolerance"))
+         << " of the tolerance, " << tried.at("tets") << " tetrahedra; "
+         << (why.empty() ? "taken. `simulate` wakes it (steps the whole model) where more than " +
+                               short_number(tried.at("most_force_n").get<double>()) + " N act on it.\n"
+                         : "not taken: " + why + ".\n");
+  }
   text << "\n| what was saved | from | time before | time after | error before | error after "
           "|\n|---|---|---|---|---|---|\n";
   for (const json& saving : fit.at("savings"))
@@ -204,7 +235,9 @@ json describe_fit(const FitResult& result) {
            {"nearest", nullptr},
            {"savings", json::array()},
            {"tried", json::array()},
-           {"checked", json::array()}};
+           {"checked", json::array()},
+           {"frozen", json::array()}};
+  for (const FrozenTry& tried : result.frozen) fit["frozen"].push_back(describe_frozen_try(tried));
   if (require.memory_bytes) fit["memory_bytes"] = *require.memory_bytes;
   for (const auto& [key, points] :
        {std::pair("tried", &result.searched), std::pair("checked", &result.checked)}) {
@@ -266,6 +299,9 @@ void write_fit(const FitResult& result, const fs::path& folder) {
     json fitted = build_fitted_scene(placed, result.choice->candidate.model);
     if (const auto& chosen = result.choice->stepping)
       chosen->stepping.apply(chosen->is_auto ? json("auto") : json(chosen->step_s), fitted);
+    if (!result.frozen_file.empty())
+      write_file_atomically(folder / "frozen.json",
+                            reference::read_json_file(result.frozen_file).dump() + "\n");
     write_file_atomically(folder / "scene.yaml", "# Made by palpate fit: " + result.choice->candidate.name() +
                                                      "\n" + scene_lines(fitted));
   }

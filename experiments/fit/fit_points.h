@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "experiments/fit/fit_plan.h"
-#include "experiments/fit/fit_stepping.h"
+#include "experiments/trials/fit_stepping.h"
 
 namespace palpate::experiments {
 

@@ -6,9 +6,10 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
+#include "experiments/fit/fit_freeze.h"
 #include "experiments/fit/fitted_scene.h"
-#include "experiments/fit/motion_stepping.h"
-#include "experiments/fit/motion_trial.h"
+#include "experiments/trials/motion_stepping.h"
+#include "experiments/trials/motion_trial.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
@@ -130,6 +131,7 @@ class Fit {
       if (!best.empty()) {
         result_.choice = *best.front();
         result_.run = plan.folder / "run";
+        if (is_stepped()) freeze(plan);
         return;
       }
       if (result_.is_interrupted) return;
@@ -139,6 +141,33 @@ class Fit {
         return;
       }
     }
+  }
+
+  /// Holds still what hardly moves of the choice, if that is cheaper and within the tolerance.
+  void freeze(const FitPlan& check) {
+    FitPoint& choice = *result_.choice;
+    if (!choice.stepping || left_s() <= kRestShare * options_.time_limit_s) return;
+    progress_.show("still parts of " + choice.candidate.name());
+    const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
+    FreezeTask task;
+    task.check = check;
+    task.scene = build_fitted_scene(placed, choice.candidate.model);
+    choice.stepping->stepping.apply(choice.stepping->step_s, task.scene);
+    task.probes_m = choose_probes(
+        result_.scene, check.folder / "run" / "problems" / choice.mesh / "in.mesh", kTrialProbes);
+    task.folder = options_.out / "still";
+    task.at_most = require().at_most;
+    task.measure = require().measure;
+    task.time_limit_s = left_s();
+    task.stop_flag = options_.stop_flag;
+    task.run = [this](const FitPlan& plan, double seconds) { run_stage(plan, seconds); };
+    const bool was_complete = result_.is_complete;
+    const std::string run_mesh = choice.mesh;
+    result_.frozen = freeze_still_part(task, registry_, choice);
+    result_.is_complete = was_complete;  // a saving that was not looked at to its end is none, and no fault
+    choice.mesh = run_mesh;
+    if (!result_.frozen.empty() && result_.frozen.back().why_not.empty())
+      result_.frozen_file = task.folder / "frozen.json";
   }
 
   /// Whether integrators are tried: a preset has its own, and a scene at rest has none.

@@ -265,6 +265,10 @@ Scene read_scene(const std::filesystem::path& path) {
   scene.material = read_scene_material(fields.need("material"));
   if (const auto strain = fields.find("strain")) scene.strain = read_strain(*strain);
   if (const auto model = fields.find("model")) scene.model = read_model(*model);
+  if (scene.model && scene.model->set.count("frozen") > 0) {
+    std::string& file = scene.model->set["frozen"].text;
+    file = std::filesystem::absolute(path.parent_path() / file).lexically_normal().string();
+  }
   if (const auto clamp = fields.find("clamp")) {
     for (const YamlValue& item : clamp->items()) scene.clamps.push_back(read_scene_clamp(item));
   }

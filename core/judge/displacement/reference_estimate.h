@@ -30,9 +30,9 @@ struct ReferenceError {
   std::optional<double> relative_max;
   std::optional<double> relative_energy;
   /// Those of ChosenError; nothing, too, where no points were chosen.
-  std::optional<double> chosen_l2;
-  std::optional<double> chosen_deformation;
-  std::optional<double> chosen_max;
+  std::optional<double> chosen_l2{};
+  std::optional<double> chosen_deformation{};
+  std::optional<double> chosen_max{};
 };
 
 /// The reference and what is known of its error.

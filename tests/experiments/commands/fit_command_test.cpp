@@ -235,6 +235,64 @@ TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
               1e-12);
 }
 
+/// A bar of which two thirds lie in a stiff bed: they hardly move, and are held at rest where that costs less.
+/// Whether it does is the clock's to say; errors, files and waking are not.
+TEST_F(FitCommand, APartThatHardlyMovesMayBeHeldAndWakes) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 200, length_m: 0.1}";
+  text_.material = "{young_modulus_pa: 1.0e+6, poisson_ratio: 0.3, density_kg_m3: 1000}";
+  text_.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.6}, elastic_pa_per_m: 1.0e+8}]";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0, 0.2, 0]}, "
+      "profile: {times_s: [0, 0.05], shares: [0, 1], smooth: true}}]";
+  text_.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.06, damping: {mass_per_s: "
+      "20}}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: blend, method: smoothed.blend, works: {second: []}}]\n"
+               "steppings: [{label: explicit, integrator: symplectic_euler}]\n");
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.3}").exit_code, 0);
+  const json found = report();
+  ASSERT_FALSE(found.at("frozen").empty());
+  const json& held = found.at("frozen")[0];
+  EXPECT_GT(held.at("tets").get<int>(), 100);
+  EXPECT_GT(held.at("most_force_n").get<double>(), 0.0);
+  EXPECT_LE(held.at("worst_error").get<double>() + held.at("motion_error").get<double>(), 0.3);
+  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.3);
+  const bool is_taken = found.at("frozen").back().at("why_not") == "";
+  EXPECT_EQ(is_taken, std::filesystem::exists(folder() / "fit/frozen.json"));
+  EXPECT_EQ(is_taken, found.at("/choice/set"_json_pointer).contains("frozen"));
+  if (!is_taken) {
+    EXPECT_THAT(found.at("frozen").back().at("why_not").get<std::string>(), HasSubstr("the whole model"));
+  }
+  // The part as it was verified, whatever it costs: under the same loads it stays, under ten times as much it wakes.
+  json scene = json::parse(test::bytes_of(folder() / "fit/still/0/held_0/scene.yaml"));
+  json frozen = json::parse(test::bytes_of(folder() / "fit/still/0/frozen.json"));
+  frozen["most_force_n"] = held.at("most_force_n");
+  scene["model"]["frozen"] = "mine.json";
+  folder().add("mine.json", frozen.dump());
+  const auto simulate = [&](double factor) {
+    scene["load"][0]["force"]["total_n"] = {0.0, 0.2 * factor, 0.0};
+    folder().add("held.yaml", scene.dump());
+    return run_program({"simulate", path("held.yaml"), "-o", path("solved"), "--json"});
+  };
+  const test::ProgramResult still = simulate(1.0);
+  EXPECT_EQ(json::parse(still.out).at("frozen_vertices"), held.at("vertices")) << still.error;
+  EXPECT_THAT(still.error, Not(HasSubstr("wakes")));
+  const test::ProgramResult woken = simulate(10.0);
+  EXPECT_EQ(woken.exit_code, 0) << woken.error;
+  EXPECT_THAT(woken.error, HasSubstr("it wakes, and the whole model is stepped from the start"));
+  EXPECT_EQ(json::parse(woken.out).at("frozen_vertices"), 0);
+  scene["model"].erase("frozen");
+  const test::ProgramResult whole = simulate(10.0);
+  EXPECT_EQ(json::parse(whole.out).at("state_hash"), json::parse(woken.out).at("state_hash"));
+  frozen["of_vertices"] = 7;
+  folder().add("mine.json", frozen.dump());
+  scene["model"]["frozen"] = "mine.json";
+  EXPECT_THAT(simulate(1.0).error, HasSubstr("mine.json: expected a mesh of"));
+}
+
 TEST_F(FitCommand, AnEnvelopeIsMeasuredOfAFitAlone) {
   const test::ProgramResult none = run_program({"envelope", path("")});
   EXPECT_EQ(none.exit_code, 2);

@@ -1,5 +1,5 @@
 // Which integrator at which step: decided from motions that are made up.
-#include "experiments/fit/fit_stepping.h"
+#include "experiments/trials/fit_stepping.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

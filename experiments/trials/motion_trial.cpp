@@ -1,4 +1,4 @@
-#include "experiments/fit/motion_trial.h"
+#include "experiments/trials/motion_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -118,6 +118,11 @@ MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settin
   json placed = scene_json;
   placed["mesh"] = {{"file", fs::absolute(settings.mesh).lexically_normal().string()}, {"unit_m", 1}};
   for (const char* key : {"envelope", "require", "probes_m"}) placed.erase(key);
+  if (placed["model"].contains("frozen"))  // beside the mesh, unless it says where
+    placed["model"]["frozen"] =
+        fs::absolute(settings.mesh.parent_path() / placed["model"]["frozen"].get<std::string>())
+            .lexically_normal()
+            .string();
   write_file_atomically(settings.folder / "scene.yaml", placed.dump(1) + "\n");
   const Scene scene = read_scene(settings.folder / "scene.yaml");
   const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
@@ -132,6 +137,8 @@ MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settin
     trial.step_s = answer.report.value("time_step_s", 0.0);
     trial.kernel_s = answer.report.value("kernel_s", 0.0);
     trial.simulated_s = answer.report.value("simulated_s", 0.0);
+    const json force = answer.report.value("frozen_force_most_n", json());
+    trial.frozen_force_n = force.is_number() ? force.get<double>() : 0.0;
   }
   if (trial.outcome == "completed") trial.history = read_probe_history(answer.output);
   return trial;

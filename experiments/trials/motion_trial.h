@@ -28,6 +28,7 @@ struct MotionTrial {
   double step_s = 0.0;
   double kernel_s = 0.0;     ///< of the clock, for its steps with all that they factor
   double simulated_s = 0.0;  ///< how far it came
+  double frozen_force_n = 0.0;  ///< the most on a part that is held at rest
   ProbeHistory history;      ///< of a completed one
 
   /// Time of the clock for a simulated second.

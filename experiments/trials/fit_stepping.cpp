@@ -1,4 +1,4 @@
-#include "experiments/fit/fit_stepping.h"
+#include "experiments/trials/fit_stepping.h"
 
 #include <limits>
 

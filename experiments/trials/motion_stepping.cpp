@@ -1,4 +1,4 @@
-#include "experiments/fit/motion_stepping.h"
+#include "experiments/trials/motion_stepping.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/motion/integrator_kind.h"
-#include "experiments/fit/motion_trial.h"
+#include "experiments/trials/motion_trial.h"
 #include "experiments/processes/deadline.h"
 
 namespace palpate::experiments {
