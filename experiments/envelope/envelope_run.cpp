@@ -10,11 +10,11 @@
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_points.h"
-#include "experiments/trials/motion_trial.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
+#include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;

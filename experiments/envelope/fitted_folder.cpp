@@ -49,7 +49,9 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
     out.choice.model.set = choice.at("set");
     if (out.choice.model.set.contains("frozen"))
       out.choice.model.set["frozen"] =
-          fs::absolute(folder / out.choice.model.set["frozen"].get<std::string>()).lexically_normal().string();
+          fs::absolute(folder / out.choice.model.set["frozen"].get<std::string>())
+              .lexically_normal()
+              .string();
     out.choice.simplifier = choice.at("simplify").get<std::string>();
     if (choice.at("tets_removed_ratio").is_number())
       out.choice.ratio = choice.at("tets_removed_ratio").get<double>();

@@ -136,13 +136,11 @@ FitCandidates read_candidates(const std::filesystem::path& path, const Registry&
   if (schema.text() != "palpate/candidates/1") schema.fail_expected("palpate/candidates/1");
   FitCandidates candidates;
   std::set<std::string> labels{kNoSimplifier};
-  candidates.simplifiers =
-      read_labelled<FitSimplifier>(fields.need("simplifiers"), labels, [&](const YamlValue& item) {
-        return read_fit_simplifier(item, registry);
-      });
-  candidates.models = read_labelled<FitModel>(fields.need("models"), labels, [&](const YamlValue& item) {
-    return read_fit_model(item, registry);
-  });
+  candidates.simplifiers = read_labelled<FitSimplifier>(
+      fields.need("simplifiers"), labels,
+      [&](const YamlValue& item) { return read_fit_simplifier(item, registry); });
+  candidates.models = read_labelled<FitModel>(
+      fields.need("models"), labels, [&](const YamlValue& item) { return read_fit_model(item, registry); });
   if (const auto steppings = fields.find("steppings"))
     candidates.steppings = read_labelled<FitStepping>(*steppings, labels, read_fit_stepping);
   if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");

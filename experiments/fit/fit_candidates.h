@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "experiments/contestants/contestant.h"
-#include "experiments/trials/fit_stepping.h"
 #include "experiments/scene_reader/scene.h"
+#include "experiments/trials/fit_stepping.h"
 
 namespace palpate::experiments {
 

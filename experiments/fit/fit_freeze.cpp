@@ -132,7 +132,8 @@ class Freezer {
     settings.folder = folder;
     settings.timeout_s = std::max(left_s(), 1.0);
     settings.stop_flag = deadline_.flag();
-    return run_motion_trial(with_fixed_step(scene, choice_.stepping->step_s, task_.probes_m), settings, registry_);
+    return run_motion_trial(with_fixed_step(scene, choice_.stepping->step_s, task_.probes_m), settings,
+                            registry_);
   }
 
   const FreezeTask& task_;

@@ -26,12 +26,12 @@ struct FreezeTask {
   std::function<void(const FitPlan&, double seconds)> run;  ///< runs a plan as the fit does
 };
 
-/// Holds what moves by at most kFreezeShares of the tolerance times the rms displacement of the scene at rest,
-/// the largest share first, and looks at it as at any candidate: at rest on the scene and on the loads that the
-/// choice never saw, and in the scene's own motion against the whole model's. The first that keeps the tolerance
-/// with all errors added, and is cheaper by the medians of three runs of each in turn, changes `choice`: its
-/// model gets the option `frozen`, errors and costs are those of the held part, and `frozen.json` in the folder
-/// has the vertices with the most force that the held part was verified with.
+/// Holds what moves by at most kFreezeShares of the tolerance times the rms displacement of the scene at
+/// rest, the largest share first, and looks at it as at any candidate: at rest on the scene and on the loads
+/// that the choice never saw, and in the scene's own motion against the whole model's. The first that keeps
+/// the tolerance with all errors added, and is cheaper by the medians of three runs of each in turn, changes
+/// `choice`: its model gets the option `frozen`, errors and costs are those of the held part, and
+/// `frozen.json` in the folder has the vertices with the most force that the held part was verified with.
 ///
 /// Returns: what was tried, with the reason why it was not taken. Throws: as run_plan and simulate.
 std::vector<FrozenTry> freeze_still_part(const FreezeTask& task, const Registry& registry, FitPoint& choice);

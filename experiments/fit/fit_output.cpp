@@ -134,7 +134,8 @@ json describe_savings(const FitResult& result) {
   return savings;
 }
 
-/// Where the error is asked for: names of probes, or regions as the scene gives them; null for the whole body.
+/// Where the error is asked for: names of probes, or regions as the scene gives them; null for the whole
+/// body.
 json describe_places(const std::vector<ErrorPlace>& places) {
   json out;
   for (const ErrorPlace& place : places)
@@ -174,9 +175,12 @@ void add_steppings(const json& choice, std::ostringstream& text) {
   for (const json& tried : choice.at("steppings")) {
     const bool is_chosen = tried.at("label") == chosen.at("label");
     const std::string why = tried.at("why_not").get<std::string>();
-    text << "| " << tried.at("label").get<std::string>() << " | " << seconds_of(tried.at("time_step_s")) << " | "
-         << percent_of(tried.at("motion_error")) << " | " << seconds_of(tried.at("cost_s")) << " | "
-         << (!why.empty() ? why : is_chosen ? "taken" : "it takes longer") << " |\n";
+    text << "| " << tried.at("label").get<std::string>() << " | " << seconds_of(tried.at("time_step_s"))
+         << " | " << percent_of(tried.at("motion_error")) << " | " << seconds_of(tried.at("cost_s")) << " | "
+         << (!why.empty() ? why
+             : is_chosen  ? "taken"
+                          : "it takes longer")
+         << " |\n";
   }
 }
 
@@ -267,7 +271,8 @@ std::string fit_text(const FitResult& result, const json& fit) {
   std::ostringstream text;
   const SceneRequirement& require = *result.scene.require;
   text << "# " << result.scene.name << "\n\nWanted: error of at most "
-       << short_number(100.0 * require.at_most) << "% (" << require.measure << ")" << places_text(fit.at("at"));
+       << short_number(100.0 * require.at_most) << "% (" << require.measure << ")"
+       << places_text(fit.at("at"));
   if (std::isfinite(budget_of(require)))
     text << "; " << work_text(result.work) << " at most " << time_text(budget_of(require));
   text << ".\n\n";

@@ -24,8 +24,8 @@ struct FitPoint {
   std::vector<double> cost_s;     ///< of the scene itself, one a repeat
   std::optional<double> explicit_step_s;
   std::uint64_t memory_bytes = 0;
-  std::string failure;  ///< why it has no figure; empty if it has
-  std::vector<SteppingTry> steppings{};  ///< on the scene's own motion
+  std::string failure;                    ///< why it has no figure; empty if it has
+  std::vector<SteppingTry> steppings{};   ///< on the scene's own motion
   std::optional<SteppingTry> stepping{};  ///< the one that is taken; its cost is the point's then
 
   double cost() const;

@@ -8,13 +8,13 @@
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_freeze.h"
 #include "experiments/fit/fitted_scene.h"
-#include "experiments/trials/motion_stepping.h"
-#include "experiments/trials/motion_trial.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/trials/motion_stepping.h"
+#include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -153,8 +153,8 @@ class Fit {
     task.check = check;
     task.scene = build_fitted_scene(placed, choice.candidate.model);
     choice.stepping->stepping.apply(choice.stepping->step_s, task.scene);
-    task.probes_m = choose_probes(
-        result_.scene, check.folder / "run" / "problems" / choice.mesh / "in.mesh", kTrialProbes);
+    task.probes_m = choose_probes(result_.scene, check.folder / "run" / "problems" / choice.mesh / "in.mesh",
+                                  kTrialProbes);
     task.folder = options_.out / "still";
     task.at_most = require().at_most;
     task.measure = require().measure;
@@ -211,8 +211,8 @@ class Fit {
       if (const SteppingTry* best = choose_stepping(point.steppings)) {
         point.stepping = *best;
       } else {
-        point.failure = "no step leaves so little of its motion: " + point.steppings.front().stepping.label + " " +
-                        point.steppings.front().why_not;
+        point.failure = "no step leaves so little of its motion: " + point.steppings.front().stepping.label +
+                        " " + point.steppings.front().why_not;
       }
     }
   }

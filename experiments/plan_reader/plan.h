@@ -70,9 +70,9 @@ struct RunSettings {
   /// Repeats go on until the 95% interval of a case's median kernel time is at most this wide, as a share of
   /// the median ...
   std::optional<double> until_width;
-  int most_repeats = 0;         ///< ... or there are so many of them
-  /// Cases that cannot be on the plan's frontier any more get no more repeats: looked at after so many of each,
-  /// after twice as many, ... (rounds/halving.h). 0: all get all.
+  int most_repeats = 0;  ///< ... or there are so many of them
+  /// Cases that cannot be on the plan's frontier any more get no more repeats: looked at after so many of
+  /// each, after twice as many, ... (rounds/halving.h). 0: all get all.
   int halving_from = 0;
   std::int64_t order_seed = 1;  ///< of the random order of the cases in each round
   int threads = 1;

@@ -92,9 +92,10 @@ std::vector<std::optional<std::size_t>> find_halved(const std::vector<HalvingFig
       if (!(median(times) > middles.at({cases[i].group, work}))) return std::nullopt;
       for (const auto& [measure, span] : cases[i].errors) {
         const std::vector<std::size_t>& group = members.at(cases[i].group);
-        const auto other = std::find_if(group.begin(), group.end(), [&, &w = work, &m = measure](std::size_t k) {
-          return k != i && beats(cases[k], cases[i], w, m);
-        });
+        const auto other =
+            std::find_if(group.begin(), group.end(), [&, &w = work, &m = measure](std::size_t k) {
+              return k != i && beats(cases[k], cases[i], w, m);
+            });
         if (other == group.end()) return std::nullopt;
         if (!first) first = *other;
       }
@@ -162,8 +163,7 @@ std::vector<HalvingFigures> HalvingRecords::figures(int warmup, int measured) co
       ErrorSpan span;
       if (reference != reference_errors_.end()) {
         const auto at = reference->second.find(measure);
-        if (at != reference->second.end())
-          span = {std::max(0.0, error - at->second), error + at->second};
+        if (at != reference->second.end()) span = {std::max(0.0, error - at->second), error + at->second};
       }
       found.errors[measure] = span;
     }

@@ -21,8 +21,8 @@ struct ErrorSpan {
 
 /// What a case has shown so far.
 struct HalvingFigures {
-  std::string group;                                   ///< scene and family: cases of one stand for each other
-  std::map<std::string, ErrorSpan> errors;             ///< by measure
+  std::string group;                        ///< scene and family: cases of one stand for each other
+  std::map<std::string, ErrorSpan> errors;  ///< by measure
   std::map<std::string, std::vector<double>> times_s;  ///< by work: one a repeat
 };
 

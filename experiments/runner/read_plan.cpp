@@ -36,7 +36,8 @@ void read_halving(const YamlFields& fields, RunSettings& run) {
   if (!run.timed) from->fail("\"halving_from\" is of times, and the plan says \"timed: false\"");
   if (run.until_width) from->fail("\"halving_from\" goes with \"repeats\", not with \"until_width\"");
   if (run.repeats <= kLeastRung)
-    from->fail("\"halving_from\" needs more than " + std::to_string(kLeastRung) + " \"repeats\" to leave some out");
+    from->fail("\"halving_from\" needs more than " + std::to_string(kLeastRung) +
+               " \"repeats\" to leave some out");
   run.halving_from = static_cast<int>(from->integer(kLeastRung, run.repeats - 1));
 }
 
@@ -189,7 +190,8 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   contest.read(fields, plan, registry);
   if (plan.run.halving_from > 0 && (plan.contest != "deform" || !fields.find("frontier")))
-    fields.need("run").fail("\"halving_from\" leaves out what cannot be on the frontier, and the plan has no \"frontier\"");
+    fields.need("run").fail(
+        "\"halving_from\" leaves out what cannot be on the frontier, and the plan has no \"frontier\"");
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.run.timed, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, contest.charts);

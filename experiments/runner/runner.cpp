@@ -280,7 +280,8 @@ class Runner {
       if (!result_.interrupted) halve(repeat + 1 - plan_.run.warmup, rest);
     }
     if (left_out_ > 0)
-      progress_.say("halving: " + std::to_string(left_out_) + " repeats of cases that cannot be on the frontier " +
+      progress_.say("halving: " + std::to_string(left_out_) +
+                    " repeats of cases that cannot be on the frontier " +
                     "were left out (repeats_ended in provenance.json)");
   }
 

@@ -164,8 +164,8 @@ std::filesystem::path scenes_folder() {
   return std::filesystem::path(source_folder()) / "experiments" / "scenes";
 }
 
-/// All probes by name: those that have one, and a dynamic scene's own as history.csv names them. The former are
-/// written there, too.
+/// All probes by name: those that have one, and a dynamic scene's own as history.csv names them. The former
+/// are written there, too.
 std::vector<SceneProbe> name_probes(const YamlFields& fields, Scene& scene) {
   std::vector<SceneProbe> named = scene.probes;
   std::vector<Vec3>& written = scene.dynamic.probes_m;
@@ -173,7 +173,8 @@ std::vector<SceneProbe> name_probes(const YamlFields& fields, Scene& scene) {
     named.push_back({"probe_" + std::to_string(k + 1), written[k]});
     for (const SceneProbe& probe : scene.probes) {
       if (probe.name == named.back().name)
-        fields.need("probes_m").fail("\"" + probe.name + "\" is what a probe of the analysis is called already");
+        fields.need("probes_m")
+            .fail("\"" + probe.name + "\" is what a probe of the analysis is called already");
     }
   }
   if (scene.is_dynamic) {

@@ -76,7 +76,8 @@ std::vector<ErrorPlace> read_error_places(const YamlValue& value, const ErrorKin
     if (place.probe && !names.insert(place.probe->name).second)
       item.fail("\"" + place.probe->name + "\" twice");
     if (place.probe.has_value() != places.front().probe.has_value())
-      item.fail("probes count alike and the vertices of a region by their volume: \"at\" takes one or the other");
+      item.fail(
+          "probes count alike and the vertices of a region by their volume: \"at\" takes one or the other");
   }
   if (places.empty()) value.fail_expected("at least one probe or region");
   return places;

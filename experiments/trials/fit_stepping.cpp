@@ -1,5 +1,6 @@
 #include "experiments/trials/fit_stepping.h"
 
+#include <cmath>
 #include <limits>
 
 #include "core/base/number_text.h"
@@ -34,8 +35,8 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
                       double most_cost_s, const std::function<SteppedMotion(double step_s)>& run) {
   SteppingTry tried;
   tried.stepping = stepping;
-  tried.why_not = "its longest step, " + time_text(longest_s) + ", is shorter than the shortest that is tried, " +
-                  time_text(shortest_s);
+  tried.why_not = "its longest step, " + time_text(longest_s) +
+                  ", is shorter than the shortest that is tried, " + time_text(shortest_s);
   for (double step_s = longest_s; step_s >= shortest_s * (1.0 - kRounding); step_s *= 0.5) {
     const SteppedMotion found = run(step_s);
     tried.step_s = step_s;
@@ -43,8 +44,9 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
     tried.cost_s = {found.cost_s};
     tried.why_not.clear();
     if (found.ending.empty() && found.error && *found.error <= most_error) return tried;
-    tried.why_not = (found.ending.empty() ? error_text(tried) : found.ending) + " at a step of " +
-                    time_text(step_s);
+    tried.why_not =
+        (found.ending.empty() ? error_text(tried) : found.ending) + " at a step of " + time_text(step_s);
+    if (!std::isfinite(found.cost_s)) return tried;
     if (found.cost_s > most_cost_s) {
       tried.why_not += ", and takes " + time_text(found.cost_s) + " already, over " + time_text(most_cost_s);
       return tried;

@@ -15,20 +15,21 @@ inline constexpr const char* kExplicitIntegrator = "symplectic_euler";
 /// An integrator as a fit tries it.
 struct FitStepping {
   std::string label;
-  std::string integrator;        ///< as a scene names it
+  std::string integrator;         ///< as a scene names it
   bool single_precision = false;  ///< of the plain engine or the tet engine
-  nlohmann::json solver;         ///< as a scene has it; null: its own
+  nlohmann::json solver;          ///< as a scene has it; null: its own
 
-  /// Puts it into a moving scene, with this step (s, or "auto") in place of the scene's. Integrator, precision,
-  /// engine and solver of the scene are replaced.
+  /// Puts it into a moving scene, with this step (s, or "auto") in place of the scene's. Integrator,
+  /// precision, engine and solver of the scene are replaced.
   void apply(const nlohmann::json& step, nlohmann::json& scene) const;
 };
 
 /// What a run of the motion at one step came to.
 struct SteppedMotion {
   double cost_s = 0.0;  ///< time of the clock for a simulated second; of one that was cut short, at least
-  std::optional<double> error;  ///< what the step leaves of the motion, relative; nothing where it did not end
-  std::string ending;           ///< empty, or what ended it: "diverged", "timed_out", why it was refused
+  std::optional<double>
+      error;           ///< what the step leaves of the motion, relative; nothing where it did not end
+  std::string ending;  ///< empty, or what ended it: "diverged", "timed_out", why it was refused
 };
 
 /// What came of an integrator.
@@ -44,8 +45,8 @@ struct SteppingTry {
   double cost() const;
 };
 
-/// Looks for the longest step of an integrator that leaves at most `most_error`: from `longest_s` on by halves,
-/// no shorter than `shortest_s`. It is given up where a run ends badly at the shortest step, or takes more than
+/// Looks for the longest step of an integrator that leaves at most `most_error`: from `longest_s` on by
+/// halves, no shorter than `shortest_s`. It is given up where a run cannot be started, or takes more than
 /// `most_cost_s` a simulated second with an error that is too large: shorter ones take longer still. Errors
 /// decide what holds, times alone what is not looked at any more.
 SteppingTry find_step(const FitStepping& stepping, double longest_s, double shortest_s, double most_error,

@@ -58,8 +58,8 @@ std::string why_it_wakes(const std::filesystem::path& frozen_file, const json& r
   const json frozen = reference::read_json_file(frozen_file);
   const json most = frozen.is_object() ? frozen.value("most_force_n", json()) : json();
   if (!most.is_number())
-    throw InputError(frozen_file.string() + ": most_force_n", 0, "the force that the held part was verified with",
-                     most.dump());
+    throw InputError(frozen_file.string() + ": most_force_n", 0,
+                     "the force that the held part was verified with", most.dump());
   const json acts = report.value("frozen_force_most_n", json());
   if (acts.is_number() && acts.get<double>() <= most.get<double>() * (1.0 + 1e-9)) return "";
   const std::string now = acts.is_number() ? short_number(acts.get<double>()) + " N" : "no finite force";

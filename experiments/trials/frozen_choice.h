@@ -36,8 +36,8 @@ struct FrozenTry {
   std::string why_not;        ///< empty: taken
 };
 
-/// Why a part is not held: it holds too little, is off by more than is left, or costs no less. Empty if it is.
-/// Requires: figures of a part that was run.
+/// Why a part is not held: it holds too little, is off by more than is left, or costs no less. Empty if it
+/// is. Requires: figures of a part that was run.
 std::string why_not_frozen(const FrozenTry& tried, std::size_t of_tets, double most_error);
 
 /// The fewest tetrahedra that are worth it, as a share.
@@ -47,8 +47,9 @@ inline constexpr double kLeastFrozen = 0.05;
 nlohmann::json describe_frozen(const std::vector<Index>& still, std::size_t of_vertices,
                                std::optional<double> most_force_n);
 
-/// Why a body whose model has the file of frozen vertices wakes: the report of its run has more force on the held
-/// part than was verified. Empty if it does not. Throws: InputError for a file that says nothing of a force.
+/// Why a body whose model has the file of frozen vertices wakes: the report of its run has more force on the
+/// held part than was verified. Empty if it does not. Throws: InputError for a file that says nothing of a
+/// force.
 std::string why_it_wakes(const std::filesystem::path& frozen_file, const nlohmann::json& report);
 
 }  // namespace palpate::experiments

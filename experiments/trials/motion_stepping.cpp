@@ -8,8 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/motion/integrator_kind.h"
-#include "experiments/trials/motion_trial.h"
 #include "experiments/processes/deadline.h"
+#include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
 namespace {
@@ -79,7 +79,8 @@ class SteppingTrials {
     plain.apply("auto", scene);
     const MotionTrial own = run_motion_trial(scene, next_trial(kTruthShare * left_s()), registry_);
     bound_s_ = own.step_s;
-    if (!(bound_s_ > 0.0)) throw InputError("the fitted scene's motion is " + own.outcome + " before it has a step");
+    if (!(bound_s_ > 0.0))
+      throw InputError("the fitted scene's motion is " + own.outcome + " before it has a step");
     if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return;
     MotionTrial fine = step(plain, kFinerStep * bound_s_, kTruthShare * left_s());
     if (fine.outcome != "completed") return;
@@ -99,8 +100,10 @@ class SteppingTrials {
         found.error = history_difference(motion.history, *truth_) + rest_of_truth_;
       } else {
         const MotionTrial fine = step(stepping, kFinerStep * step_s, left_s());
-        if (fine.outcome != "completed") found.ending = fine.outcome + " with a quarter of the step";
-        else found.error = kRestOfOrderOne * history_difference(motion.history, fine.history);
+        if (fine.outcome != "completed")
+          found.ending = fine.outcome + " with a quarter of the step";
+        else
+          found.error = kRestOfOrderOne * history_difference(motion.history, fine.history);
       }
       if (found.error && !std::isfinite(*found.error)) found.ending = "not finite";
     } catch (const InputError& error) {
@@ -112,7 +115,8 @@ class SteppingTrials {
   /// What a run may take: one that is dearer than the cheapest by far need not come to its end.
   double most_seconds() const {
     if (!std::isfinite(cheapest_s_)) return std::max(left_s(), kLeastTimeout);
-    return std::clamp(kPatience * cheapest_s_ * duration_s_, kLeastTimeout, std::max(left_s(), kLeastTimeout));
+    return std::clamp(kPatience * cheapest_s_ * duration_s_, kLeastTimeout,
+                      std::max(left_s(), kLeastTimeout));
   }
 
   MotionTrial step(const FitStepping& stepping, double step_s, double timeout_s) {

@@ -26,10 +26,10 @@ struct ProbeHistory {
 struct MotionTrial {
   std::string outcome;  ///< "completed", "diverged", "inverted", "unsolved", "timed_out", "interrupted"
   double step_s = 0.0;
-  double kernel_s = 0.0;     ///< of the clock, for its steps with all that they factor
-  double simulated_s = 0.0;  ///< how far it came
+  double kernel_s = 0.0;        ///< of the clock, for its steps with all that they factor
+  double simulated_s = 0.0;     ///< how far it came
   double frozen_force_n = 0.0;  ///< the most on a part that is held at rest
-  ProbeHistory history;      ///< of a completed one
+  ProbeHistory history;         ///< of a completed one
 
   /// Time of the clock for a simulated second.
   double second_s() const { return kernel_s / simulated_s; }
@@ -59,8 +59,8 @@ nlohmann::json with_fixed_step(const nlohmann::json& scene, double step_s, const
 nlohmann::json spread_probes(std::span<const Vec3> points, std::size_t count);
 
 /// Where a fitted scene's motion is looked at: at vertices spread over the fitted mesh; where the scene asks
-/// for its error at some places alone, at those vertices of its own mesh. In m. `scene` is as it was before it
-/// was fitted, moving or at rest. Throws: InputError for a mesh that cannot be read.
+/// for its error at some places alone, at those vertices of its own mesh. In m. `scene` is as it was before
+/// it was fitted, moving or at rest. Throws: InputError for a mesh that cannot be read.
 nlohmann::json choose_probes(const Scene& scene, const std::filesystem::path& fitted_mesh, std::size_t count);
 
 /// The columns time_s and probe_* of an engine's answer (palpate/engine/1). What is no number is NaN. Throws:

@@ -161,8 +161,8 @@ BuiltModel build_springs(const TetMesh& mesh, const Material& material, const Sp
 }  // namespace
 
 ModelRequest take_model_request(const std::string& method, StrainSize strain, json& options) {
-  const auto frozen =
-      take_option<std::string>(options, "frozen", &json::is_string, "the path of a file of frozen vertices", "");
+  const auto frozen = take_option<std::string>(options, "frozen", &json::is_string,
+                                               "the path of a file of frozen vertices", "");
   if (method.starts_with("springs.")) return {take_spring_request(method, strain, options), {}, frozen};
   return {std::nullopt, take_blend(method, strain, options), frozen};
 }

@@ -34,13 +34,13 @@ struct ModelRequest {
 /// unknown method or a bad value.
 ModelRequest take_model_request(const std::string& method, StrainSize strain, nlohmann::json& options);
 
-/// The frozen vertices of a request; none without a file. Throws: InputError for a file that is not as it should
-/// be, or of another mesh.
+/// The frozen vertices of a request; none without a file. Throws: InputError for a file that is not as it
+/// should be, or of another mesh.
 std::vector<Index> read_frozen(const ModelRequest& wanted, const TetMesh& mesh);
 
-/// Builds the model, without what read_frozen says. The report gets identify_s and the figures of identified springs, the notes its
-/// warnings. Throws: InputError for a ratio that the model cannot represent, or a springs file that does not
-/// fit.
+/// Builds the model, without what read_frozen says. The report gets identify_s and the figures of identified
+/// springs, the notes its warnings. Throws: InputError for a ratio that the model cannot represent, or a
+/// springs file that does not fit.
 dynamics::BuiltModel build_requested_model(const TetMesh& mesh, const Material& material,
                                            const ModelRequest& wanted, Response& response);
 

@@ -242,7 +242,8 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
 Response answer_model(const MovingTask& task, const Request& request, const json& left) {
   require_all_taken(left);
   if (!task.body.model.options.value("frozen", "").empty())
-    throw InputError("model: frozen", 0, "a whole model: what is written has no part that is held at rest", "one");
+    throw InputError("model: frozen", 0, "a whole model: what is written has no part that is held at rest",
+                     "one");
   const Stopwatch clock;
   Response response;
   const dynamics::MotionModel model =

@@ -46,8 +46,8 @@ class MotionOutput {
  public:
   MotionOutput(std::filesystem::path folder, const MotionProblem& problem, const TetMesh& mesh);
 
-  /// Also measures what acts on these vertices, which are held at rest, at each row. They have to live as long
-  /// as this.
+  /// Also measures what acts on these vertices, which are held at rest, at each row. They have to live as
+  /// long as this.
   void watch_frozen(std::span<const Index> frozen) { frozen_ = frozen; }
 
   /// A row of the history for the state of a phase.

@@ -72,7 +72,8 @@ void hold_frozen(std::span<const Index> frozen, Loads& loads) {
 FrozenCount drop_frozen(std::span<const Index> frozen, ElasticModel& model) {
   FrozenCount count;
   if (frozen.empty()) return count;
-  if (model.volume_force) throw InputError("frozen", 0, "a model without the thesis's volume force", "one with it");
+  if (model.volume_force)
+    throw InputError("frozen", 0, "a model without the thesis's volume force", "one with it");
   const std::vector<bool> is_frozen = mark_frozen(frozen, model.rest.size());
   count.springs = drop_springs(is_frozen, model.springs);
   for (StrainTerm& term : model.strain_terms) count.domains += drop_domains(is_frozen, term.op);

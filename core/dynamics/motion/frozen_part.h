@@ -20,9 +20,9 @@ struct FrozenCount {
   std::size_t domains = 0;  ///< left out, of all strain terms
 };
 
-/// Leaves out the springs and the domains of strain terms all of whose vertices are frozen. At rest they give no
-/// force, and frozen vertices stay at rest: the others move as before, to the bit. Requires: no volume force,
-/// which is not at rest there. Throws: InputError with one.
+/// Leaves out the springs and the domains of strain terms all of whose vertices are frozen. At rest they give
+/// no force, and frozen vertices stay at rest: the others move as before, to the bit. Requires: no volume
+/// force, which is not at rest there. Throws: InputError with one.
 FrozenCount drop_frozen(std::span<const Index> frozen, ElasticModel& model);
 
 /// What the holder of the frozen vertices has to balance: sqrt(sum |f_v|^2) over them, in N, of all forces on

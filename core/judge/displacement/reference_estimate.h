@@ -66,9 +66,9 @@ struct ReferenceOptions {
 /// Error: extrapolated, max(1/x, 1/x0 - 1/x) D; finest, D / x0; x0 = 2^p0 - 1. It is no less than the true
 /// error for any sum of terms a_i h^(p_i) with p_i >= p0 whose a_i point the same way or across. p0 is 1 in
 /// the L2 norm, with rigid motions or without, 1/2 for maximum, energy and chosen points (the edge of a hard
-/// clamp), or the order observed in that figure if it is less. A last difference below 1/16 of the one before counts as 1/16
-/// of it (order 4). Where the differences point elsewhere, the error is the larger one; where they do not
-/// shrink, there is no estimate. docs/judge.md has the proof.
+/// clamp), or the order observed in that figure if it is less. A last difference below 1/16 of the one before
+/// counts as 1/16 of it (order 4). Where the differences point elsewhere, the error is the larger one; where
+/// they do not shrink, there is no estimate. docs/judge.md has the proof.
 ///
 /// Throws: ContractError for no level or other sizes; InputError for values that are not finite, a field that
 /// is zero, or a stated order outside [1, 4].

@@ -101,7 +101,8 @@ void estimate_from(const DeformInput& input, const PlanReference& plan,
   };
   reference.estimate = estimate(at_vertices, input.chosen);
   const std::vector<Vec3>& field = reference.estimate.field;
-  if (input.chosen) judge::compare_chosen(input.own.mesh, field, field, *input.chosen);  // does it move there?
+  if (input.chosen)
+    judge::compare_chosen(input.own.mesh, field, field, *input.chosen);  // does it move there?
   const judge::ReferenceEstimate whole = estimate(levels, std::nullopt);
   reference.whole_energy = whole.error.relative_energy;
   reference.field = reference.estimate.field;

@@ -125,8 +125,8 @@ TEST_F(FrozenPart, TheOthersMoveAsWhereThePartIsOnlyHeld) {
   for (const Index v : frozen_) EXPECT_EQ(one.displacement_m[v], Vec3{});
 }
 
-/// Free vertices at rest under no load pull at nothing; a pull of theirs arrives at the held part whole: the sum
-/// of internal forces is zero.
+/// Free vertices at rest under no load pull at nothing; a pull of theirs arrives at the held part whole: the
+/// sum of internal forces is zero.
 TEST_F(FrozenPart, TheForceOnItIsWhatTheRestPullsWith) {
   ElasticModel held = make_model(mesh_, StrainSize::kSmall);
   drop_frozen(frozen_, held);

@@ -185,9 +185,9 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
 }
 
-/// A stiff bar that is pushed slowly: its waves take 50 us from vertex to vertex, its motion a tenth of a second.
-/// The trapezoidal rule follows it at steps that are longer by far; what is taken is the cheapest of those that
-/// hold, by the times that were measured, and what an engine cannot take is named.
+/// A stiff bar that is pushed slowly: its waves take 50 us from vertex to vertex, its motion a tenth of a
+/// second. The trapezoidal rule follows it at steps that are longer by far; what is taken is the cheapest of
+/// those that hold, by the times that were measured, and what an engine cannot take is named.
 TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
   ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
@@ -224,7 +224,8 @@ TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
   const json& taken = choice.at("stepping");
   double rest = 0.0;
   for (std::size_t k = 0; k < choice.at("error").size(); ++k)
-    rest = std::max(rest, choice.at("error")[k].get<double>() + choice.at("reference_error")[k].get<double>());
+    rest =
+        std::max(rest, choice.at("error")[k].get<double>() + choice.at("reference_error")[k].get<double>());
   EXPECT_DOUBLE_EQ(choice.at("worst_error").get<double>(), rest + taken.at("motion_error").get<double>());
   EXPECT_THAT(test::bytes_of(folder() / "fit/scene.yaml"),
               HasSubstr("\"integrator\":" + taken.at("integrator").dump()));
@@ -235,8 +236,8 @@ TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
               1e-12);
 }
 
-/// A bar of which two thirds lie in a stiff bed: they hardly move, and are held at rest where that costs less.
-/// Whether it does is the clock's to say; errors, files and waking are not.
+/// A bar of which two thirds lie in a stiff bed: they hardly move, and are held at rest where that costs
+/// less. Whether it does is the clock's to say; errors, files and waking are not.
 TEST_F(FitCommand, APartThatHardlyMovesMayBeHeldAndWakes) {
   ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   text_.mesh = "{make: bar, vertices: 200, length_m: 0.1}";
@@ -266,7 +267,8 @@ TEST_F(FitCommand, APartThatHardlyMovesMayBeHeldAndWakes) {
   if (!is_taken) {
     EXPECT_THAT(found.at("frozen").back().at("why_not").get<std::string>(), HasSubstr("the whole model"));
   }
-  // The part as it was verified, whatever it costs: under the same loads it stays, under ten times as much it wakes.
+  // The part as it was verified, whatever it costs: under the same loads it stays, under ten times as much it
+  // wakes.
   json scene = json::parse(test::bytes_of(folder() / "fit/still/0/held_0/scene.yaml"));
   json frozen = json::parse(test::bytes_of(folder() / "fit/still/0/frozen.json"));
   frozen["most_force_n"] = held.at("most_force_n");

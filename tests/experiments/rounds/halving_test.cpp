@@ -15,7 +15,8 @@ using testing::Eq;
 
 using Halved = std::vector<std::optional<std::size_t>>;
 
-HalvingFigures case_of(double error, std::vector<double> times, double own = 0.0, const std::string& group = "a") {
+HalvingFigures case_of(double error, std::vector<double> times, double own = 0.0,
+                       const std::string& group = "a") {
   return {group, {{"displacement_deformation", {error - own, error + own}}}, {{"first", std::move(times)}}};
 }
 
@@ -26,7 +27,8 @@ Halved halved(const std::vector<HalvingFigures>& cases) {
 TEST(Halving, WhatIsSurelySlowerAndNoBetterIsLeft) {
   EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}), case_of(0.1, {4, 5, 6})}), ElementsAre(std::nullopt, Eq(0U)));
   // Their times meet, so nobody can tell.
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 4}), case_of(0.1, {4, 5, 6})}), ElementsAre(std::nullopt, std::nullopt));
+  EXPECT_THAT(halved({case_of(0.1, {1, 2, 4}), case_of(0.1, {4, 5, 6})}),
+              ElementsAre(std::nullopt, std::nullopt));
   // It is better: however dear, it stays.
   EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}), case_of(0.09, {40, 50, 60})}),
               ElementsAre(std::nullopt, std::nullopt));
@@ -44,7 +46,8 @@ TEST(Halving, OnlyTheDearerHalfIsLookedAt) {
 }
 
 TEST(Halving, FamiliesAndScenesStandForThemselves) {
-  EXPECT_THAT(halved({case_of(0.1, {1}, 0, "a"), case_of(0.5, {9}, 0, "b")}), ElementsAre(std::nullopt, std::nullopt));
+  EXPECT_THAT(halved({case_of(0.1, {1}, 0, "a"), case_of(0.5, {9}, 0, "b")}),
+              ElementsAre(std::nullopt, std::nullopt));
 }
 
 TEST(Halving, ACaseThatMayBeOnOneFrontierStays) {
@@ -68,12 +71,13 @@ TEST(Halving, WithoutFiguresNothingIsDecided) {
   HalvingFigures failed{"a", {}, {}};
   EXPECT_THAT(halved({case_of(0.1, {1}), failed, case_of(0.2, {5})}),
               ElementsAre(std::nullopt, std::nullopt, Eq(0U)));
-  HalvingFigures unknown{"a", {{"displacement_deformation", {}}}, {{"first", {1.0}}}};  // its reference has no error
+  HalvingFigures unknown{
+      "a", {{"displacement_deformation", {}}}, {{"first", {1.0}}}};  // its reference has no error
   EXPECT_THAT(halved({unknown, case_of(0.2, {5})}), ElementsAre(std::nullopt, std::nullopt));
 }
 
-/// Whatever is left, the frontier of what stays is the frontier of all: each case that is left has one that stays,
-/// or stayed longer, which is faster in all repeats and no worse.
+/// Whatever is left, the frontier of what stays is the frontier of all: each case that is left has one that
+/// stays, or stayed longer, which is faster in all repeats and no worse.
 TEST(Halving, TheFrontierStaysWhatItIs) {
   SplitMix64 random(11);
   for (int round = 0; round < 200; ++round) {

@@ -72,7 +72,7 @@ TEST(SceneRequirement, APlaceThatSelectsNothingIsRefused) {
   EXPECT_THAT(message("{sphere: {center_m: [0.25, 0.2, 0.3], radius_m: 0.1}}", {}),
               AllOf(HasSubstr("scene.yaml:1"), HasSubstr("the region (sphere) has no vertex")));
   EXPECT_THAT(message("{box: {low_m: [100, 0, 0], high_m: [101, 1, 1]}}", {}), HasSubstr("is it in metres"));
-  EXPECT_THAT(message("far", {{"far", {100.0, 0.0, 0.0}}}), HasSubstr("the probe far is 100 m from"));
+  EXPECT_THAT(message("far", {{"far", {100.0, 0.0, 0.0}}}), HasSubstr("the probe far is 99.5025 m from"));
 }
 
 struct BadRequirement {
@@ -111,12 +111,14 @@ const BadRequirement kBadRequirements[] = {
     {"answer_and_rate", "error: {measure: energy, at_most: 0.1}\nrate_hz: 10\nanswer_s: 1\n", 3,
      "goes with neither"},
     {"no_place", "error: {measure: energy, at_most: 0.1,\n at: [tip]}\n", 2, "is of the whole body"},
-    {"force_has_no_place", "error: {measure: pad_force, at_most: 0.1,\n at: {box: {}}}\n", 2, "\"pad_force\""},
+    {"force_has_no_place", "error: {measure: pad_force, at_most: 0.1,\n at: {box: {}}}\n", 2,
+     "\"pad_force\""},
     {"no_probe", "error: {measure: max, at_most: 0.1,\n at: [tipp]}\n", 2, "did you mean \"tip\"?"},
     {"no_region", "error: {measure: max, at_most: 0.1,\n at: [{ball: {}}]}\n", 2, "ball"},
     {"nowhere", "error: {measure: max, at_most: 0.1,\n at: []}\n", 2, "at least one"},
-    {"mixed", "error: {measure: max, at_most: 0.1,\n at: [tip, {box: {low_m: [0, 0, 0], high_m: [1, 1, 1]}}]}\n",
-     2, "one or the other"},
+    {"mixed",
+     "error: {measure: max, at_most: 0.1,\n at: [tip, {box: {low_m: [0, 0, 0], high_m: [1, 1, 1]}}]}\n", 2,
+     "one or the other"},
     {"probe_twice", "error: {measure: max, at_most: 0.1,\n at: [tip, tip]}\n", 2, "twice"},
     {"change", "error: {measure: energy, at_most: 0.1}\nmay_change: [suports]\n", 2,
      "did you mean \"supports\"?"},

@@ -70,21 +70,21 @@ TEST(FindStep, ANumberThatIsNoneHoldsNothing) {
   EXPECT_NE(found.why_not, "");
 }
 
-/// A body ten times as stiff in its waves: explicit steps get ten times as many, those of the other integrator
-/// stay as they are. By the same counts of work the soft body is cheaper by explicit steps, the stiff one by
-/// the implicit ones.
+/// A body ten times as stiff in its waves: explicit steps get ten times as many, those of the other
+/// integrator stay as they are. By the same counts of work the soft body is cheaper by explicit steps, the
+/// stiff one by the implicit ones.
 TEST(ChooseStepping, StiffBodiesAreSteppedImplicitlyByTheCountOfWork) {
-  constexpr double kExplicitWork = 1.0;    // a product with the stiffness
+  constexpr double kExplicitWork = 1.0;   // a product with the stiffness
   constexpr double kImplicitWork = 40.0;  // a back-substitution
   for (const double bound_s : {1e-3, 1e-5}) {
-    const SteppingTry steps = find_step({"explicit", kExplicitIntegrator, false, nullptr}, bound_s, bound_s, 0.01,
-                                        kFree, [&](double step_s) {
+    const SteppingTry steps = find_step({"explicit", kExplicitIntegrator, false, nullptr}, bound_s, bound_s,
+                                        0.01, kFree, [&](double step_s) {
                                           return SteppedMotion{kExplicitWork / step_s, step_s, ""};
                                         });
-    const SteppingTry other = find_step(stepping_of("trapezoidal"), 0.05, 2.0 * bound_s, 0.01, steps.cost(),
-                                        [&](double step_s) {
-                                          return SteppedMotion{kImplicitWork / step_s, 15.0 * step_s * step_s, ""};
-                                        });
+    const SteppingTry other =
+        find_step(stepping_of("trapezoidal"), 0.05, 2.0 * bound_s, 0.01, steps.cost(), [&](double step_s) {
+          return SteppedMotion{kImplicitWork / step_s, 15.0 * step_s * step_s, ""};
+        });
     const std::vector<SteppingTry> tries{steps, other};
     ASSERT_NE(choose_stepping(tries), nullptr);
     EXPECT_EQ(choose_stepping(tries)->stepping.label, bound_s == 1e-3 ? "explicit" : "trapezoidal");

@@ -91,8 +91,8 @@ TEST_F(ChosenPointsTest, APlaceThatIsStillHasNoRelativeError) {
   EXPECT_THROW(measure_chosen(mesh_, truth, {{1}, {0.0}}), ContractError);
 }
 
-/// Levels truth + h^p shape: what the reference is said to be off by at the chosen points is no less than what
-/// it is off by, whatever is chosen and whatever the order.
+/// Levels truth + h^p shape: what the reference is said to be off by at the chosen points is no less than
+/// what it is off by, whatever is chosen and whatever the order.
 TEST_F(ChosenPointsTest, TheReferencesOwnErrorThereIsABound) {
   const Field truth = random_field(2.0);
   for (const double order : {0.6, 1.0, 1.7, 2.5}) {
