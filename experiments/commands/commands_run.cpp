@@ -183,6 +183,11 @@ void check_scene(const std::string& file, const Registry& registry) {
     build_problem(placed, made.mesh);
   }
   if (scene.model) resolve_options(*find_model(scene, registry).method, scene.model->set);
+  try {
+    if (placed.require) find_error_points(*placed.require, made.mesh);
+  } catch (const InputError& error) {
+    print_note(std::string(error.what()) + ": palpate fit refuses it");
+  }
   std::cout << file << ": good, a " << (scene.is_dynamic ? "dynamic" : "static") << " scene of "
             << made.mesh.points.size() << " vertices\n";
 }

@@ -23,6 +23,7 @@
 #include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/text/terminal.h"
+#include "experiments/trials/frozen_choice.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/result_folder.h"
 
@@ -194,6 +195,13 @@ ContestantAnswer run_watched(ContestantTask task, const std::string& where) {
   return answer;
 }
 
+/// Why a part that the scene's model holds at rest has to wake, or an empty string.
+std::string why_to_wake(const Scene& scene, const ContestantAnswer& answer) {
+  if (!scene.model || answer.outcome != "ok") return "";
+  const auto frozen = scene.model->set.find("frozen");
+  return frozen == scene.model->set.end() ? "" : why_it_wakes(frozen->second.text, answer.report);
+}
+
 int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   constexpr double kGraceSeconds = 600.0;  // to write what there is
   const Stopwatch clock;
@@ -203,15 +211,24 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
   const ScratchFolder scratch;
-  const reference::MovingBody body = build_moving_body(place_scene(scene, made.mesh), made.mesh, registry);
-  ContestantTask task = start_moving_task("engine.replay", body, made.mesh, registry, scratch.file("body"));
-  task.folder_out = fs::absolute(arguments.out);
-  task.threads = arguments.threads;
-  task.stop_flag = stop_flag;
-  task.stop_grace_s = kGraceSeconds;
-  task.options["stop_after_s"] = std::max(1e-6, arguments.timeout_s - clock.seconds());
-  task.options["max_output_gb"] = arguments.most_output_gb;
-  const ContestantAnswer answer = run_watched(std::move(task), scene.analysis_where);
+  const auto run = [&](const Scene& which, const char* name) {
+    const reference::MovingBody body = build_moving_body(place_scene(which, made.mesh), made.mesh, registry);
+    ContestantTask task = start_moving_task("engine.replay", body, made.mesh, registry, scratch.file(name));
+    task.folder_out = fs::absolute(arguments.out);
+    task.threads = arguments.threads;
+    task.stop_flag = stop_flag;
+    task.stop_grace_s = kGraceSeconds;
+    task.options["stop_after_s"] = std::max(1e-6, arguments.timeout_s - clock.seconds());
+    task.options["max_output_gb"] = arguments.most_output_gb;
+    return run_watched(std::move(task), which.analysis_where);
+  };
+  ContestantAnswer answer = run(scene, "body");
+  if (const std::string why = why_to_wake(scene, answer); !why.empty()) {
+    print_note(why + ": it wakes, and the whole model is stepped from the start");
+    Scene whole = scene;
+    whole.model->set.erase("frozen");
+    answer = run(whole, "whole");
+  }
   if (answer.outcome == "interrupted") {
     print_note("interrupted before there was anything to write");
     return kInterrupted;
@@ -253,7 +270,12 @@ int simulate(const SimulateArguments& arguments) {
   write_file_atomically(task.problem_in, reference::problem_to_json(problem).dump() + "\n");
   task.threads = arguments.threads;
   task.timeout_s = arguments.timeout_s;
-  const ContestantAnswer answer = run_contestant(task);
+  ContestantAnswer answer = run_contestant(task);
+  if (const std::string woken = why_to_wake(scene, answer); !woken.empty()) {
+    print_note(woken + ": it wakes, and the whole model is solved");
+    task.options.erase("frozen");
+    answer = run_contestant(task);
+  }
   if (answer.outcome == "bad_input") throw InputError(scene.model->method + ": " + answer.message);
   if (answer.outcome != "ok")
     throw UnavailableError(scene.model->method + ": " + answer.outcome + ": " + answer.message);

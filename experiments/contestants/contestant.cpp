@@ -52,7 +52,8 @@ OptionSpec read_option(const YamlValue& value) {
   if (const auto min = fields.find("min")) option.min = min->number();
   if (const auto max = fields.find("max")) option.max = max->number();
   const YamlValue preset = fields.need("default");
-  const bool is_left_out = option.type == OptionType::kNumber && preset.text() == "none";
+  const bool can_be_left_out = option.type == OptionType::kNumber || option.type == OptionType::kFile;
+  const bool is_left_out = can_be_left_out && preset.text() == "none";
   if (!is_left_out)
     option.default_value =
         parse_option(option, preset.text(), value.file() + ":" + std::to_string(preset.line()));

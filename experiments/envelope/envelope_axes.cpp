@@ -131,18 +131,6 @@ json scaled_scene(const json& scene, EnvelopeAxis axis, double factor) {
   return out;
 }
 
-json with_fixed_step(const json& scene, double step_s, const json& probes_m) {
-  json out = scene;
-  json& dynamic = out["analysis"]["dynamic"];
-  dynamic["time_step_s"] = step_s;
-  dynamic["allow_unstable"] = true;
-  dynamic["frames"] = 0;
-  dynamic["samples"] = 400;
-  dynamic["probes_m"] = probes_m;
-  dynamic.erase("safety");
-  return out;
-}
-
 EnvelopePlace place_of(const json& scene) {
   EnvelopePlace place;
   const json& material = scene.at("material");

@@ -37,11 +37,8 @@ bool changes_rest(EnvelopeAxis axis, const nlohmann::json& scene);
 std::vector<EnvelopeAxis> axes_of(const nlohmann::json& scene);
 
 /// The scene at `factor` along an axis. A time step is in it only if the scene has one in seconds: see
-/// with_fixed_step. Requires: a scene that read_scene accepts.
+/// with_fixed_step (experiments/trials/motion_trial.h). Requires: a scene that read_scene accepts.
 nlohmann::json scaled_scene(const nlohmann::json& scene, EnvelopeAxis axis, double factor);
-
-/// A moving scene with this step, however long it is, at these probes alone (m), without frames.
-nlohmann::json with_fixed_step(const nlohmann::json& scene, double step_s, const nlohmann::json& probes_m);
 
 /// What a scene is in the units of its axes; what a scene is compared by.
 struct EnvelopePlace {

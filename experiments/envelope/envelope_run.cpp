@@ -6,9 +6,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
-#include "core/mesh/io/medit.h"
 #include "experiments/envelope/fitted_folder.h"
-#include "experiments/envelope/motion_trial.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_points.h"
@@ -16,16 +14,13 @@
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
+#include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-constexpr std::size_t kProbes = 64;
-constexpr double kFinerStep = 0.25;
-constexpr double kRestOfOrderOne = 4.0 / 3.0;  ///< |u_h - u_h/4| is 3/4 of the error that h leaves
 
 class Envelope {
  public:
@@ -43,7 +38,7 @@ class Envelope {
                        "envelope.json");
     fs::remove_all(work_, error);  // what an earlier one left that did not come to its end
     const fs::path mesh = options.folder / "organ.mesh";
-    probes_m_ = spread_probes(read_medit(mesh, ReadOrientation::kKeep).mesh, kProbes);
+    probes_m_ = choose_probes(read_scene(options.folder / "search" / "scene_0.yaml"), mesh, kTrialProbes);
     result_.mesh_hash = hash_file(mesh);
     result_.at_most = fitted_.at_most();
     result_.measure = fitted_.fit.at("measure").get<std::string>();
@@ -77,7 +72,7 @@ class Envelope {
     json scene = fitted_.scene;
     scene["analysis"]["dynamic"]["frames"] = 0;
     scene["analysis"]["dynamic"]["probes_m"] = probes_m_;
-    const MotionTrial trial = run_motion_trial(scene, fitted_, registry_, next_folder(), stop_flag());
+    const MotionTrial trial = run_motion_trial(scene, next_trial(), registry_);
     if (!(trial.step_s > 0.0))
       throw InputError(fitted_.scene_file().string() + ": the fitted scene's motion is " + trial.outcome +
                        " before it has a step");
@@ -104,13 +99,13 @@ class Envelope {
 
   void look_at_motion(std::optional<EnvelopeAxis> axis, double factor, EnvelopeProbe& probe) {
     const json scene = at(fixed_, axis, factor);
-    const MotionTrial coarse = run_motion_trial(scene, fitted_, registry_, next_folder(), stop_flag());
+    const MotionTrial coarse = run_motion_trial(scene, next_trial(), registry_);
     if (coarse.outcome != "completed") {
       probe.ending = coarse.outcome;
       return;
     }
     const json finer = scaled_scene(scene, EnvelopeAxis::kStep, kFinerStep);
-    const MotionTrial fine = run_motion_trial(finer, fitted_, registry_, next_folder(), stop_flag());
+    const MotionTrial fine = run_motion_trial(finer, next_trial(), registry_);
     if (fine.outcome != "completed") {
       probe.ending = fine.outcome;
       probe.message = "with a quarter of the step";
@@ -156,6 +151,14 @@ class Envelope {
   }
 
   const volatile std::sig_atomic_t* stop_flag() const { return deadline_.flag(); }
+
+  TrialSettings next_trial() {
+    TrialSettings settings;
+    settings.mesh = fitted_.folder / "organ.mesh";
+    settings.folder = next_folder();
+    settings.stop_flag = stop_flag();
+    return settings;
+  }
 
   fs::path next_folder() { return work_ / std::to_string(trials_++); }
 

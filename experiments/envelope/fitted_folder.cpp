@@ -47,6 +47,11 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
     out.choice.model.label = choice.at("label").get<std::string>();
     out.choice.model.method = choice.at("method").get<std::string>();
     out.choice.model.set = choice.at("set");
+    if (out.choice.model.set.contains("frozen"))
+      out.choice.model.set["frozen"] =
+          fs::absolute(folder / out.choice.model.set["frozen"].get<std::string>())
+              .lexically_normal()
+              .string();
     out.choice.simplifier = choice.at("simplify").get<std::string>();
     if (choice.at("tets_removed_ratio").is_number())
       out.choice.ratio = choice.at("tets_removed_ratio").get<double>();
@@ -61,21 +66,6 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
   out.scene = read_yaml(out.scene_file()).json();
   out.rest_scene = read_yaml(folder / "search" / "scene_0.yaml").json();
   return out;
-}
-
-json spread_probes(const TetMesh& mesh, std::size_t count) {
-  json places = json::array();
-  if (mesh.points.empty()) return places;
-  std::vector<double> gap_sq(mesh.points.size(), std::numeric_limits<double>::infinity());
-  std::size_t next = 0;
-  while (places.size() < std::min(count, mesh.points.size())) {
-    const Vec3 at = mesh.points[next];
-    places.push_back({at.x, at.y, at.z});
-    for (std::size_t v = 0; v < gap_sq.size(); ++v)
-      gap_sq[v] = std::min(gap_sq[v], length_sq(mesh.points[v] - at));
-    next = static_cast<std::size_t>(std::max_element(gap_sq.begin(), gap_sq.end()) - gap_sq.begin());
-  }
-  return places;
 }
 
 }  // namespace palpate::experiments

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/mesh/tet_mesh.h"
 #include "experiments/fit/fit_candidates.h"
 #include "experiments/fit/fit_plan.h"
 
@@ -29,9 +28,5 @@ struct FittedFolder {
 /// Throws: InputError for a folder that is no fit's, or a fit without a choice, or files of it that cannot be
 /// read.
 FittedFolder read_fitted_folder(const std::filesystem::path& folder);
-
-/// The places of at most `count` vertices, spread over the mesh: the first is vertex 0, each next one the
-/// farthest from all before. [[x, y, z], ...] in the mesh's unit.
-nlohmann::json spread_probes(const TetMesh& mesh, std::size_t count);
 
 }  // namespace palpate::experiments

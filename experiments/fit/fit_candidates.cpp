@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "core/dynamics/motion/integrator_kind.h"
 #include "experiments/files/places.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/plan_reader/plan_contestant.h"
@@ -62,6 +63,35 @@ FitModel read_fit_model(const YamlValue& value, const Registry& registry) {
   return model;
 }
 
+FitStepping read_fit_stepping(const YamlValue& value) {
+  const YamlFields fields = value.fields({"label", "integrator", "precision", "solver"});
+  FitStepping stepping;
+  stepping.label = fields.need("label").identifier();
+  const YamlValue integrator = fields.need("integrator");
+  std::vector<std::string> known;
+  for (const auto kind : dynamics::kIntegrators) known.emplace_back(dynamics::integrator_name(kind));
+  stepping.integrator = integrator.text();
+  require_known(integrator, "integrator", stepping.integrator, known);
+  if (const auto precision = fields.find("precision")) {
+    if (precision->text() != "single" && precision->text() != "double")
+      precision->fail_expected("single or double");
+    stepping.single_precision = precision->text() == "single";
+  }
+  if (const auto solver = fields.find("solver")) stepping.solver = solver->json();
+  return stepping;
+}
+
+/// Reads a list of things that have labels; one label belongs to one of them.
+template <typename Thing, typename Read>
+std::vector<Thing> read_labelled(const YamlValue& list, std::set<std::string>& labels, const Read& read) {
+  std::vector<Thing> things;
+  for (const YamlValue& item : list.items()) {
+    things.push_back(read(item));
+    if (!labels.insert(things.back().label).second) item.fail("this label is there already");
+  }
+  return things;
+}
+
 }  // namespace
 
 const char* work_name(FitWork work) {
@@ -101,19 +131,18 @@ std::string FitModel::cannot(FitWork work, const std::vector<std::string>& needs
 
 FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields({"schema", "simplifiers", "models"});
+  const YamlFields fields = root.fields({"schema", "simplifiers", "models", "steppings"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/candidates/1") schema.fail_expected("palpate/candidates/1");
   FitCandidates candidates;
   std::set<std::string> labels{kNoSimplifier};
-  for (const YamlValue& item : fields.need("simplifiers").items()) {
-    candidates.simplifiers.push_back(read_fit_simplifier(item, registry));
-    if (!labels.insert(candidates.simplifiers.back().label).second) item.fail("this label is there already");
-  }
-  for (const YamlValue& item : fields.need("models").items()) {
-    candidates.models.push_back(read_fit_model(item, registry));
-    if (!labels.insert(candidates.models.back().label).second) item.fail("this label is there already");
-  }
+  candidates.simplifiers = read_labelled<FitSimplifier>(
+      fields.need("simplifiers"), labels,
+      [&](const YamlValue& item) { return read_fit_simplifier(item, registry); });
+  candidates.models = read_labelled<FitModel>(
+      fields.need("models"), labels, [&](const YamlValue& item) { return read_fit_model(item, registry); });
+  if (const auto steppings = fields.find("steppings"))
+    candidates.steppings = read_labelled<FitStepping>(*steppings, labels, read_fit_stepping);
   if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");
   return candidates;
 }

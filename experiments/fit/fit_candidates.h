@@ -9,6 +9,7 @@
 
 #include "experiments/contestants/contestant.h"
 #include "experiments/scene_reader/scene.h"
+#include "experiments/trials/fit_stepping.h"
 
 namespace palpate::experiments {
 
@@ -48,6 +49,7 @@ struct FitModel {
 struct FitCandidates {
   std::vector<FitSimplifier> simplifiers;
   std::vector<FitModel> models;
+  std::vector<FitStepping> steppings;  ///< of scenes that move; none: explicit steps as they are
 };
 
 /// Reads palpate/candidates/1. Throws: InputError with file and line, also for an unknown method (with the

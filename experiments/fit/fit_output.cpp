@@ -8,9 +8,11 @@
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/files/file_bytes.h"
+#include "experiments/fit/fitted_scene.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -20,6 +22,32 @@ using nlohmann::json;
 
 json finite_or_null(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
+}
+
+json describe_stepping(const SteppingTry& tried) {
+  const FitStepping& own = tried.stepping;
+  json out{{"label", own.label},
+           {"integrator", own.integrator},
+           {"precision", own.single_precision ? "single" : "double"},
+           {"time_step_s", tried.step_s},
+           {"motion_error", tried.error ? finite_or_null(*tried.error) : json(nullptr)},
+           {"cost_s", finite_or_null(tried.cost())},
+           {"cost_samples_s", tried.cost_s},
+           {"why_not", tried.why_not}};
+  if (!own.solver.is_null()) out["solver"] = own.solver;
+  return out;
+}
+
+json describe_frozen_try(const FrozenTry& tried) {
+  return {{"share_of_tolerance", tried.share},
+          {"vertices", tried.vertices},
+          {"tets", tried.tets},
+          {"worst_error", tried.error ? finite_or_null(*tried.error) : json(nullptr)},
+          {"motion_error", tried.motion_error ? finite_or_null(*tried.motion_error) : json(nullptr)},
+          {"cost_before_s", tried.cost_before_s},
+          {"cost_s", tried.cost_s},
+          {"most_force_n", tried.most_force_n},
+          {"why_not", tried.why_not}};
 }
 
 json describe_point(const FitPoint& point) {
@@ -40,6 +68,8 @@ json describe_point(const FitPoint& point) {
            {"memory_bytes", point.memory_bytes}};
   for (const double own_error : point.own_error) out["reference_error"].push_back(finite_or_null(own_error));
   if (point.explicit_step_s) out["explicit_step_s"] = *point.explicit_step_s;
+  if (point.stepping) out["stepping"] = describe_stepping(*point.stepping);
+  for (const SteppingTry& tried : point.steppings) out["steppings"].push_back(describe_stepping(tried));
   return out;
 }
 
@@ -53,6 +83,25 @@ json describe_saving(const std::string& what, const FitPoint& before, const FitP
           {"error_after", after.error.empty() ? json(nullptr) : json(after.error.front())}};
 }
 
+/// What the choice's integrator saves against explicit steps in double precision, on the scene's own motion.
+std::optional<json> describe_stepping_saving(const FitPoint& choice) {
+  if (!choice.stepping) return std::nullopt;
+  for (const SteppingTry& tried : choice.steppings) {
+    const FitStepping& own = tried.stepping;
+    if (own.integrator != kExplicitIntegrator || own.single_precision || tried.cost_s.empty()) continue;
+    const SteppingTry* taken = choose_stepping(choice.steppings);
+    if (taken == nullptr || own.label == taken->stepping.label) return std::nullopt;
+    const auto error_of = [](const SteppingTry& of) { return of.error ? json(*of.error) : json(nullptr); };
+    return json{{"what", "integrator and step, on the scene's motion: " + taken->stepping.label},
+                {"from", own.label},
+                {"cost_before_s", finite_or_null(tried.cost())},
+                {"cost_after_s", finite_or_null(taken->cost())},
+                {"error_before", error_of(tried)},
+                {"error_after", error_of(*taken)}};
+  }
+  return std::nullopt;
+}
+
 /// Each step that makes the choice cheap, measured in the search with all else as in the choice.
 json describe_savings(const FitResult& result) {
   json savings = json::array();
@@ -63,6 +112,15 @@ json describe_savings(const FitResult& result) {
     if (before != nullptr && before != now && before->failure.empty())
       savings.push_back(describe_saving(what, *before, *now));
   };
+  for (const FrozenTry& tried : result.frozen) {
+    if (tried.why_not.empty())
+      savings.push_back({{"what", "held at rest: " + std::to_string(tried.tets) + " tetrahedra"},
+                         {"from", "the same, whole"},
+                         {"cost_before_s", tried.cost_before_s},
+                         {"cost_after_s", tried.cost_s},
+                         {"error_before", 0.0},
+                         {"error_after", *tried.motion_error}});
+  }
   add("simplification", find_point(result.searched, own.model.label, kNoSimplifier, std::nullopt));
   const FitPoint* other = nullptr;
   for (const FitPoint& point : result.searched) {
@@ -72,62 +130,24 @@ json describe_savings(const FitResult& result) {
     if (other == nullptr || point.error.front() < other->error.front()) other = &point;
   }
   add("model, against the most accurate on the same mesh", other);
+  if (const auto saved = describe_stepping_saving(*result.choice)) savings.push_back(*saved);
   return savings;
 }
 
-json region_json(const Region& region) {
-  const auto list = [](const Vec3& v) { return json{v.x, v.y, v.z}; };
-  switch (region.kind) {
-    case Region::Kind::kSphere:
-      return {{"sphere", {{"center_m", list(region.center)}, {"radius_m", region.radius}}}};
-    case Region::Kind::kHalfSpace:
-      return {{"half_space", {{"normal", list(region.normal)}, {"offset_m", region.offset}}}};
-    case Region::Kind::kBox:
-      break;
-  }
-  return {{"box", {{"low_m", list(region.low)}, {"high_m", list(region.high)}}}};
-}
-
-void put_region(const Region& region, json& entry) {
-  for (const char* key : {"sphere", "half_space", "box"}) entry.erase(key);
-  entry.update(region_json(region));
-}
-
-json model_json(const FitModel& model) {
-  const std::size_t dot = model.method.find('.');
-  const std::string kind = model.method.substr(0, dot);
-  json out = model.set;
-  out[kind == "fem" ? "finite_elements" : kind] = model.method.substr(dot + 1);
+/// Where the error is asked for: names of probes, or regions as the scene gives them; null for the whole
+/// body.
+json describe_places(const std::vector<ErrorPlace>& places) {
+  json out;
+  for (const ErrorPlace& place : places)
+    out.push_back(place.probe ? place.probe->name : place.region.text + " at " + place.where);
   return out;
 }
 
-/// A mapping whose values stand on a line each; lists of mappings a line an entry. JSON, which YAML reads.
-std::string lines_of(const json& scene) {
-  std::ostringstream text;
-  for (const auto& [key, value] : scene.items()) {
-    if (!value.is_array()) {
-      text << key << ": " << value.dump() << '\n';
-      continue;
-    }
-    text << key << ":\n";
-    for (const json& item : value) text << "  - " << item.dump() << '\n';
-  }
-  return text.str();
-}
-
-/// The scene with the chosen mesh and model. Regions are in metres: they stay where the whole mesh had them.
-std::string fitted_scene(const FitResult& result, const Scene& placed) {
-  json scene = read_yaml(result.scene.file).json();
-  scene["mesh"] = {{"file", "organ.mesh"}, {"unit_m", 1}};
-  scene["model"] = model_json(result.choice->candidate.model);
-  for (std::size_t k = 0; k < placed.clamps.size(); ++k)
-    put_region(placed.clamps[k].region, scene["clamp"][k]);
-  for (std::size_t k = 0; k < placed.loads.size(); ++k) {
-    json& load = scene["load"][k];
-    if (load.contains("displace")) put_region(placed.loads[k].region, load["displace"]);
-    if (load.contains("force")) put_region(placed.loads[k].region, load["force"]);
-  }
-  return "# Made by palpate fit: " + result.choice->candidate.name() + "\n" + lines_of(scene);
+std::string places_text(const json& at) {
+  if (at.is_null()) return "";
+  std::string text;
+  for (const json& place : at) text += (text.empty() ? " at " : ", ") + place.get<std::string>();
+  return text;
 }
 
 std::string percent_of(const json& share) {
@@ -143,6 +163,27 @@ const char* work_text(FitWork work) {
   return work == FitWork::kFurther ? "an answer to a new load takes" : "a first answer takes";
 }
 
+void add_steppings(const json& choice, std::ostringstream& text) {
+  if (!choice.contains("steppings")) return;
+  const json& chosen = choice.at("stepping");
+  text << "\nStepped by `" << chosen.at("integrator").get<std::string>() << "` in "
+       << chosen.at("precision").get<std::string>() << " precision, " << seconds_of(chosen.at("time_step_s"))
+       << " a step, which leaves " << percent_of(chosen.at("motion_error"))
+       << " of the scene's motion, what is held at rest with it (at most; in the error above).\n"
+       << "\n| tried on the motion | step | error | a simulated second | not taken, since |\n"
+          "|---|---|---|---|---|\n";
+  for (const json& tried : choice.at("steppings")) {
+    const bool is_chosen = tried.at("label") == chosen.at("label");
+    const std::string why = tried.at("why_not").get<std::string>();
+    text << "| " << tried.at("label").get<std::string>() << " | " << seconds_of(tried.at("time_step_s"))
+         << " | " << percent_of(tried.at("motion_error")) << " | " << seconds_of(tried.at("cost_s")) << " | "
+         << (!why.empty() ? why
+             : is_chosen  ? "taken"
+                          : "it takes longer")
+         << " |\n";
+  }
+}
+
 void add_choice(const FitResult& result, const json& fit, std::ostringstream& text) {
   const json& choice = fit.at("choice");
   text << "**" << choice.at("name").get<std::string>() << "** (" << choice.at("method").get<std::string>()
@@ -153,6 +194,15 @@ void add_choice(const FitResult& result, const json& fit, std::ostringstream& te
   if (choice.contains("explicit_step_s"))
     text << "\nLongest stable step, undamped, predicted: " << seconds_of(choice.at("explicit_step_s"))
          << ".\n";
+  add_steppings(choice, text);
+  for (const json& tried : fit.at("frozen")) {
+    const std::string why = tried.at("why_not").get<std::string>();
+    text << "\nHeld at rest: what moves by less than " << percent_of(tried.at("share_of_tolerance"))
+         << " of the tolerance, " << tried.at("tets") << " tetrahedra; "
+         << (why.empty() ? "taken. `simulate` wakes it (steps the whole model) where more than " +
+                               short_number(tried.at("most_force_n").get<double>()) + " N act on it.\n"
+                         : "not taken: " + why + ".\n");
+  }
   text << "\n| what was saved | from | time before | time after | error before | error after "
           "|\n|---|---|---|---|---|---|\n";
   for (const json& saving : fit.at("savings"))
@@ -178,6 +228,7 @@ json describe_fit(const FitResult& result) {
            {"scene", fs::absolute(result.scene.file).string()},
            {"measure", require.measure},
            {"at_most", require.at_most},
+           {"at", describe_places(require.places)},
            {"work", work_name(result.work)},
            {"budget_s", finite_or_null(budget_of(require))},
            {"needs", require.needs},
@@ -188,7 +239,9 @@ json describe_fit(const FitResult& result) {
            {"nearest", nullptr},
            {"savings", json::array()},
            {"tried", json::array()},
-           {"checked", json::array()}};
+           {"checked", json::array()},
+           {"frozen", json::array()}};
+  for (const FrozenTry& tried : result.frozen) fit["frozen"].push_back(describe_frozen_try(tried));
   if (require.memory_bytes) fit["memory_bytes"] = *require.memory_bytes;
   for (const auto& [key, points] :
        {std::pair("tried", &result.searched), std::pair("checked", &result.checked)}) {
@@ -218,7 +271,8 @@ std::string fit_text(const FitResult& result, const json& fit) {
   std::ostringstream text;
   const SceneRequirement& require = *result.scene.require;
   text << "# " << result.scene.name << "\n\nWanted: error of at most "
-       << short_number(100.0 * require.at_most) << "% (" << require.measure << ")";
+       << short_number(100.0 * require.at_most) << "% (" << require.measure << ")"
+       << places_text(fit.at("at"));
   if (std::isfinite(budget_of(require)))
     text << "; " << work_text(result.work) << " at most " << time_text(budget_of(require));
   text << ".\n\n";
@@ -247,7 +301,14 @@ void write_fit(const FitResult& result, const fs::path& folder) {
     const Scene placed = place_scene(scene, build_scene_mesh(scene.mesh).mesh);
     const fs::path mesh = result.run / "problems" / result.choice->mesh / "in.mesh";
     write_medit(folder / "organ.mesh", read_medit(mesh, ReadOrientation::kKeep).mesh);
-    write_file_atomically(folder / "scene.yaml", fitted_scene(result, placed));
+    json fitted = build_fitted_scene(placed, result.choice->candidate.model);
+    if (const auto& chosen = result.choice->stepping)
+      chosen->stepping.apply(chosen->is_auto ? json("auto") : json(chosen->step_s), fitted);
+    if (!result.frozen_file.empty())
+      write_file_atomically(folder / "frozen.json",
+                            reference::read_json_file(result.frozen_file).dump() + "\n");
+    write_file_atomically(folder / "scene.yaml", "# Made by palpate fit: " + result.choice->candidate.name() +
+                                                     "\n" + scene_lines(fitted));
   }
   write_file_atomically(folder / "fit.md", fit_text(result, fit));
   write_file_atomically(folder / "fit.json", fit.dump(1) + "\n");

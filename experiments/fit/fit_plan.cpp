@@ -101,6 +101,19 @@ json static_load(json load) {
   return load;
 }
 
+/// Leaves of a requirement where its error is asked for, with the probes that it names: a scene at rest has
+/// none of an analysis.
+void keep_error_places(const Scene& scene, json& out) {
+  json error = out["require"]["error"];
+  out.erase("require");
+  out.erase("probes_m");
+  if (!scene.require || scene.require->places.empty()) return;
+  out["require"]["error"] = std::move(error);
+  for (const ErrorPlace& place : scene.require->places) {
+    if (place.probe) out["probes_m"][place.probe->name] = list_of(place.probe->place_m);
+  }
+}
+
 json contestant_json(const FitCandidate& candidate, FitWork work, bool is_large) {
   const FitModel& model = candidate.model;
   json set = model.set;
@@ -163,7 +176,8 @@ std::vector<FitCandidate> list_candidates(const FitCandidates& candidates, FitWo
 
 json static_scene(const Scene& scene) {
   json out = read_yaml(scene.file).json();
-  for (const char* key : {"model", "require"}) out.erase(key);
+  for (const char* key : {"model", "envelope"}) out.erase(key);
+  keep_error_places(scene, out);
   out["analysis"] = "static";
   if (!scene.mesh.shape) out["mesh"]["file"] = fs::absolute(scene.mesh.file).lexically_normal().string();
   for (json& load : out["load"]) load = static_load(load);
@@ -212,6 +226,9 @@ fs::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates) {
                     "displacement_l2",
                     "displacement_energy",
                     "displacement_max",
+                    "displacement_deformation_at",
+                    "displacement_l2_at",
+                    "displacement_max_at",
                     "pad_force",
                     "kernel_s",
                     "answer_s",

@@ -28,7 +28,8 @@ std::vector<FitCandidate> list_candidates(const FitCandidates& candidates, FitWo
                                           const SceneRequirement& require, std::vector<std::string>& dropped);
 
 /// The scene as a static one for a contest of displacements: every load at its greatest share, all at once,
-/// without model and requirement, its mesh's file by its whole path. Throws: InputError as read_yaml.
+/// without model and requirement (but where its error is asked for), its mesh's file by its whole path.
+/// Throws: InputError as read_yaml.
 nlohmann::json static_scene(const Scene& scene);
 
 /// Other loads on the same supports: each one's direction turned by up to 30 degrees, its size times 0.7 to

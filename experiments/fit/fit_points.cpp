@@ -29,6 +29,9 @@ std::string own_error_key(const std::string& measure) {
   if (measure == "displacement_deformation") return "/judge/reference_error_deformation";
   if (measure == "displacement_energy") return "/judge/reference_error_energy";
   if (measure == "displacement_max") return "/judge/reference_error_max";
+  if (measure == "displacement_l2_at") return "/judge/reference_error_l2_at";
+  if (measure == "displacement_deformation_at") return "/judge/reference_error_deformation_at";
+  if (measure == "displacement_max_at") return "/judge/reference_error_max_at";
   return "/judge/reference_error_pad_force";
 }
 
@@ -74,13 +77,14 @@ void add_record(const json& record, const FitPlan& plan, const SceneRequirement&
 }  // namespace
 
 double FitPoint::cost() const {
+  if (stepping) return stepping->cost();
   return cost_s.empty() ? kNone : median(cost_s);
 }
 
 double FitPoint::worst_error() const {
   double worst = error.empty() ? kNone : 0.0;
   for (std::size_t k = 0; k < error.size(); ++k) worst = std::max(worst, error[k] + own_error[k]);
-  return worst;
+  return worst + (stepping ? stepping->error.value_or(kNone) : 0.0);
 }
 
 std::vector<FitPoint> read_fit_points(const std::vector<json>& records, const FitPlan& plan,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "experiments/fit/fit_plan.h"
+#include "experiments/trials/fit_stepping.h"
 
 namespace palpate::experiments {
 
@@ -23,10 +24,13 @@ struct FitPoint {
   std::vector<double> cost_s;     ///< of the scene itself, one a repeat
   std::optional<double> explicit_step_s;
   std::uint64_t memory_bytes = 0;
-  std::string failure;  ///< why it has no figure; empty if it has
+  std::string failure;                    ///< why it has no figure; empty if it has
+  std::vector<SteppingTry> steppings{};   ///< on the scene's own motion
+  std::optional<SteppingTry> stepping{};  ///< the one that is taken; its cost is the point's then
 
   double cost() const;
-  /// The largest of error + own_error: no more than this is certain.
+  /// The largest of error + own_error, and what the step leaves of the motion on top: no more than this is
+  /// certain.
   double worst_error() const;
 };
 

@@ -6,11 +6,15 @@
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
+#include "experiments/fit/fit_freeze.h"
+#include "experiments/fit/fitted_scene.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/trials/motion_stepping.h"
+#include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -22,6 +26,8 @@ constexpr double kSearchShare = 0.6;  ///< of the time limit
 constexpr std::size_t kFinalists = 4;
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
+constexpr double kMotionShare = 0.6;  ///< of the time that is left, for the motion of another finalist
+constexpr double kRestShare = 0.1;    ///< of the time limit: no other one's is begun with less
 /// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
 constexpr std::size_t kMostTetsForThirdLevel = 12'000;
 constexpr double kEnoughShare =
@@ -47,7 +53,7 @@ class Fit {
     result_.searched = read_stage(search);
     result_.run = search.folder / "run";
     if (!result_.is_interrupted) check_finalists(search);
-    if (!result_.choice) {
+    if (!result_.choice && !result_.nearest) {
       if (const FitPoint* nearest = find_nearest(result_.searched, require())) result_.nearest = *nearest;
       result_.run = search.folder / "run";
     }
@@ -67,7 +73,9 @@ class Fit {
     if (plan.candidates.empty())
       throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
     progress_.show("mesh");
-    const std::size_t tets = build_scene_mesh(result_.scene.mesh).mesh.tets.size();
+    const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
+    find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
+    const std::size_t tets = mesh.tets.size();
     plan.levels = tets <= kMostTetsForThirdLevel ? 3 : 2;
     plan.enough = kEnoughShare * require().at_most;
     return plan;
@@ -102,7 +110,8 @@ class Fit {
   /// The cheapest of the search, some at a time, on more loads; the first round in which one meets the
   /// tolerance everywhere decides.
   void check_finalists(const FitPlan& search) {
-    const std::vector<const FitPoint*> good = choose_cheapest(result_.searched, require());
+    const SceneRequirement& first = is_stepped() ? without_budget() : require();
+    const std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
     for (std::size_t from = 0, round = 0; from < good.size() && round < kMostRounds;
          from += kFinalists, ++round) {
       if (left_s() <= 0.0) break;
@@ -116,14 +125,95 @@ class Fit {
       run_stage(plan, left_s());
       std::vector<FitPoint> points = read_stage(plan);
       time_again(plan, points);
+      if (is_stepped()) step_motions(plan, points);
       result_.checked.insert(result_.checked.end(), points.begin(), points.end());
       const auto best = choose_cheapest(points, require());
       if (!best.empty()) {
         result_.choice = *best.front();
         result_.run = plan.folder / "run";
+        if (is_stepped()) freeze(plan);
         return;
       }
       if (result_.is_interrupted) return;
+      if (const auto dear = choose_cheapest(points, without_budget()); is_stepped() && !dear.empty()) {
+        result_.nearest = *dear.front();  // the tolerance is met: those that follow are dearer
+        result_.run = plan.folder / "run";
+        return;
+      }
+    }
+  }
+
+  /// Holds still what hardly moves of the choice, if that is cheaper and within the tolerance.
+  void freeze(const FitPlan& check) {
+    FitPoint& choice = *result_.choice;
+    if (!choice.stepping || left_s() <= kRestShare * options_.time_limit_s) return;
+    progress_.show("still parts of " + choice.candidate.name());
+    const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
+    FreezeTask task;
+    task.check = check;
+    task.scene = build_fitted_scene(placed, choice.candidate.model);
+    choice.stepping->stepping.apply(choice.stepping->step_s, task.scene);
+    task.probes_m = choose_probes(result_.scene, check.folder / "run" / "problems" / choice.mesh / "in.mesh",
+                                  kTrialProbes);
+    task.folder = options_.out / "still";
+    task.at_most = require().at_most;
+    task.measure = require().measure;
+    task.time_limit_s = left_s();
+    task.stop_flag = options_.stop_flag;
+    task.run = [this](const FitPlan& plan, double seconds) { run_stage(plan, seconds); };
+    const bool was_complete = result_.is_complete;
+    const std::string run_mesh = choice.mesh;
+    result_.frozen = freeze_still_part(task, registry_, choice);
+    result_.is_complete = was_complete;  // a saving that was not looked at to its end is none, and no fault
+    choice.mesh = run_mesh;
+    if (!result_.frozen.empty() && result_.frozen.back().why_not.empty())
+      result_.frozen_file = task.folder / "frozen.json";
+  }
+
+  /// Whether integrators are tried: a preset has its own, and a scene at rest has none.
+  bool is_stepped() const {
+    return result_.work == FitWork::kSecond && result_.scene.is_dynamic &&
+           result_.scene.dynamic.preset.empty() && !candidates_.steppings.empty();
+  }
+
+  /// The tolerance without the budget, which the explicit steps of the search say nothing of.
+  const SceneRequirement& without_budget() {
+    if (!without_budget_) {
+      without_budget_ = require();
+      without_budget_->time_per_second_s.reset();
+    }
+    return *without_budget_;
+  }
+
+  /// Tries the integrators on the motion of those that meet the tolerance at rest, the cheapest first; what
+  /// the best of them costs and leaves is the point's then.
+  void step_motions(const FitPlan& check, std::vector<FitPoint>& points) {
+    const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
+    bool is_first = true;
+    for (const FitPoint* good : choose_cheapest(points, without_budget())) {
+      FitPoint& point = points[static_cast<std::size_t>(good - points.data())];
+      if (left_s() <= (is_first ? 0.0 : kRestShare * options_.time_limit_s)) {
+        point.failure = "its motion was not run: no time was left";
+        result_.is_complete = false;
+        continue;
+      }
+      progress_.show("motion of " + point.candidate.name());
+      SteppingTask task;
+      task.scene = build_fitted_scene(placed, point.candidate.model);
+      task.mesh = check.folder / "run" / "problems" / point.mesh / "in.mesh";
+      task.probes_m = choose_probes(result_.scene, task.mesh, kTrialProbes);
+      task.most_error = require().at_most - point.worst_error();
+      task.time_limit_s = is_first ? left_s() : kMotionShare * left_s();
+      task.folder = check.folder / "motion" / plan_label(point.candidate);
+      task.stop_flag = options_.stop_flag;
+      point.steppings = try_steppings(task, candidates_.steppings, registry_);
+      is_first = false;
+      if (const SteppingTry* best = choose_stepping(point.steppings)) {
+        point.stepping = *best;
+      } else {
+        point.failure = "no step leaves so little of its motion: " + point.steppings.front().stepping.label +
+                        " " + point.steppings.front().why_not;
+      }
     }
   }
 
@@ -155,6 +245,7 @@ class Fit {
   Progress& progress_;
   Stopwatch watch_;
   FitCandidates candidates_;
+  std::optional<SceneRequirement> without_budget_;
   FitResult result_;
 };
 

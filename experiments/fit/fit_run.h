@@ -10,6 +10,7 @@
 
 #include "experiments/fit/fit_points.h"
 #include "experiments/text/terminal.h"
+#include "experiments/trials/frozen_choice.h"
 
 namespace palpate::experiments {
 
@@ -25,14 +26,16 @@ struct FitOptions {
 struct FitResult {
   Scene scene;
   FitWork work = FitWork::kFirst;
-  std::vector<std::string> dropped;  ///< models that cannot do what is needed
-  std::vector<FitPoint> searched;    ///< every candidate on the scene as it is
-  std::vector<FitPoint> checked;     ///< finalists, on the scene and on other loads
-  std::optional<FitPoint> choice;    ///< verified; nothing if nothing does
-  std::optional<FitPoint> nearest;   ///< where there is no choice: what comes closest
-  std::filesystem::path run;         ///< that has the choice's mesh, or the nearest's
-  bool is_complete = true;           ///< false: stopped before all was tried
-  bool is_interrupted = false;       ///< by the user
+  std::vector<std::string> dropped;     ///< models that cannot do what is needed
+  std::vector<FitPoint> searched;       ///< every candidate on the scene as it is
+  std::vector<FitPoint> checked;        ///< finalists, on the scene and on other loads
+  std::optional<FitPoint> choice;       ///< verified; nothing if nothing does
+  std::vector<FrozenTry> frozen;        ///< parts of the choice that were held at rest
+  std::filesystem::path frozen_file{};  ///< of the one that is taken; empty: none
+  std::optional<FitPoint> nearest;      ///< where there is no choice: what comes closest
+  std::filesystem::path run;            ///< that has the choice's mesh, or the nearest's
+  bool is_complete = true;              ///< false: stopped before all was tried
+  bool is_interrupted = false;          ///< by the user
   double wall_s = 0.0;
 };
 

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -149,15 +152,30 @@ void hold_word(GateLine& line, const std::vector<json>& records) {
     fail_without_figure(line, is_hash ? "another output" : "another outcome");
 }
 
+/// The medians of both cases of a line, by `read` of a case; nothing where one has no figures, which the line
+/// then says.
+template <typename Read>
+std::optional<std::pair<double, double>> medians_of_both(GateLine& line, const Read& read) {
+  std::pair<double, double> both;
+  for (const auto& [run_case, into] :
+       {std::pair(&line.figure.run_case, &both.first), std::pair(&line.figure.other_case, &both.second)}) {
+    const Figures found = read(*run_case);
+    if (!found.problem.empty()) {
+      fail_without_figure(line, *run_case + ": " + found.problem);
+      return std::nullopt;
+    }
+    *into = median(found.values);
+  }
+  return both;
+}
+
 void hold_comparison(GateLine& line, const std::vector<json>& records) {
   const AcceptedFigure& figure = line.figure;
   const Measure& measure = *find_measure(figure.measure);
-  const Figures less = figures_of(records, figure.run_case, measure);
-  const Figures than = figures_of(records, figure.other_case, measure);
-  if (!less.problem.empty()) return fail_without_figure(line, figure.run_case + ": " + less.problem);
-  if (!than.problem.empty()) return fail_without_figure(line, figure.other_case + ": " + than.problem);
-  const double left = median(less.values);
-  const double right = median(than.values);
+  const auto both = medians_of_both(
+      line, [&](const std::string& run_case) { return figures_of(records, run_case, measure); });
+  if (!both) return;
+  const auto [left, right] = *both;
   if (figure.by_factor != 1.0 && (left < 0.0 || right < 0.0))
     return fail_without_figure(line, "a factor between figures that are not all positive");
   if (left != 0.0 && std::isfinite(right / left)) line.measured = right / left;
@@ -191,13 +209,12 @@ Figures times_of(const std::vector<json>& records, const std::string& run_case, 
 void hold_time_ratio(GateLine& line, const std::vector<json>& records) {
   const AcceptedFigure& figure = line.figure;
   const Measure& measure = *find_measure(figure.measure);
-  const Figures own = times_of(records, figure.run_case, measure);
-  const Figures over = times_of(records, figure.other_case, measure);
-  if (!own.problem.empty()) return fail_without_figure(line, figure.run_case + ": " + own.problem);
-  if (!over.problem.empty()) return fail_without_figure(line, figure.other_case + ": " + over.problem);
-  const double divisor = median(over.values);
+  const auto both = medians_of_both(
+      line, [&](const std::string& run_case) { return times_of(records, run_case, measure); });
+  if (!both) return;
+  const auto [own, divisor] = *both;
   if (divisor <= 0.0) return fail_without_figure(line, figure.other_case + ": its time is not above zero");
-  line.measured = median(own.values) / divisor;
+  line.measured = own / divisor;
   if (!is_comparable(line)) return;
   const double low = *figure.value / figure.lower;
   const double high = *figure.value * figure.upper;

@@ -70,7 +70,10 @@ struct RunSettings {
   /// Repeats go on until the 95% interval of a case's median kernel time is at most this wide, as a share of
   /// the median ...
   std::optional<double> until_width;
-  int most_repeats = 0;         ///< ... or there are so many of them
+  int most_repeats = 0;  ///< ... or there are so many of them
+  /// Cases that cannot be on the plan's frontier any more get no more repeats: looked at after so many of
+  /// each, after twice as many, ... (rounds/halving.h). 0: all get all.
+  int halving_from = 0;
   std::int64_t order_seed = 1;  ///< of the random order of the cases in each round
   int threads = 1;
   int mpi_ranks = 1;  ///< of each method that can run under mpirun and whose entry does not say how many
@@ -110,6 +113,9 @@ struct Plan {
   std::vector<std::string> measure;
   std::vector<std::string> compared;  ///< measures whose better side the report needs
   std::vector<AcceptBound> accept;
+  /// Of the key "frontier": the family of each label, of contestants or of simplifiers.
+  std::map<std::string, std::string> families;
+  bool families_of_simplifiers = false;
   std::vector<std::string> charts;          ///< empty: the report's choice
   std::vector<std::string> notes;           ///< worth saying, no error: contestants that are unavailable here
   std::shared_ptr<const ContestPart> part;  ///< may be null

@@ -180,6 +180,7 @@ json build_provenance(const Plan& plan, const Registry& registry, int threads) {
           {"repeats", plan.run.repeats},
           {"warmup", plan.run.warmup},
           {"until_width", or_null(plan.run.until_width)},
+          {"halving_from", plan.run.halving_from > 0 ? json(plan.run.halving_from) : json()},
           {"most_repeats", plan.run.until_width ? json(plan.run.most_repeats) : json()},
           {"order_seed", plan.run.order_seed},
           {"timeout_s", plan.run.timeout_s},

@@ -126,7 +126,7 @@ bool CaseState::is_closed() const {
 }
 
 bool CaseState::is_due(int repeat, int warmup, const RepeatBounds& bounds) const {
-  if (done.count(repeat) > 0 || is_closed()) return false;
+  if (done.count(repeat) > 0 || is_closed() || end == RepeatsEnd::kHalved) return false;
   if (repeat < warmup + bounds.least) return true;
   return repeat < warmup + bounds.most && end == RepeatsEnd::kNotYet;
 }
@@ -149,6 +149,8 @@ const char* repeats_end_name(RepeatsEnd end) {
       return "limit";
     case RepeatsEnd::kNoTime:
       return "no_time";
+    case RepeatsEnd::kHalved:
+      return "halved";
     case RepeatsEnd::kNotYet:
     case RepeatsEnd::kAll:
       break;
@@ -160,7 +162,7 @@ void state_repeats(const RunSettings& run, const std::vector<Case>& cases,
                    const std::vector<CaseState>& states, json& provenance) {
   require(cases.size() == states.size(), "state_repeats: a state a case");
   provenance["repeats_of"] = json::object();
-  if (run.until_width) provenance["repeats_ended"] = json::object();
+  if (run.until_width || run.halving_from > 0) provenance["repeats_ended"] = json::object();
   for (std::size_t i = 0; i < cases.size(); ++i) {
     const RepeatBounds bounds = repeat_bounds(run, cases[i]);
     const CaseState& state = states[i];
@@ -171,6 +173,7 @@ void state_repeats(const RunSettings& run, const std::vector<Case>& cases,
     const bool known = std::isfinite(state.width);
     provenance["repeats_ended"][cases[i].id] = {
         {"reason", reason}, {"repeats", wanted}, {"width", known ? json(state.width) : json()}};
+    if (!state.halved_by.empty()) provenance["repeats_ended"][cases[i].id]["by"] = state.halved_by;
   }
 }
 

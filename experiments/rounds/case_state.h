@@ -49,7 +49,8 @@ enum class RepeatsEnd {
   kAll,     ///< it has the plan's number, and no width was asked for
   kNarrow,  ///< the interval of its median kernel time is as narrow as asked for
   kLimit,   ///< it has the most that the plan allows
-  kNoTime   ///< a repeat gave no kernel time: no number of them makes an interval
+  kNoTime,  ///< a repeat gave no kernel time: no number of them makes an interval
+  kHalved   ///< it cannot be on the plan's frontier any more (rounds/halving.h)
 };
 
 /// An answer that a case gave, as far as a later repeat's is held against it.
@@ -66,6 +67,7 @@ struct CaseState {
   double wall_s = -1.0;  ///< of the last repeat; below zero: not known
   RepeatsEnd end = RepeatsEnd::kNotYet;
   double width = std::numeric_limits<double>::infinity();  ///< relative_median_width of its kernel times
+  std::string halved_by;                                   ///< kHalved: the case that beats it
   std::optional<double> tets;                       ///< of the first answer that was judged to have some
   nlohmann::json tuned = nlohmann::json::object();  ///< what the first search found
   std::string worst;  ///< outcome of the last repeat that was not accepted, else of the first; empty: not run
@@ -101,13 +103,13 @@ struct CaseState {
   bool is_closed_ = false;
 };
 
-/// "narrow", "limit" or "no_time"; empty for the others.
+/// "narrow", "limit", "no_time" or "halved"; empty for the others.
 const char* repeats_end_name(RepeatsEnd end);
 
 /// States in a provenance how many repeats each case has to have ("repeats_of", for those that have not the
-/// plan's number) and, where a width was asked for, why those that ended did ("repeats_ended": reason,
-/// repeats, width). A case that has not ended has to have the most, so that a run that is broken off is not
-/// taken for whole.
+/// plan's number) and, where a width or halving was asked for, why those that ended did ("repeats_ended":
+/// reason, repeats, width, and of those that were halved what beats them). A case that has not ended has to
+/// have the most, so that a run that is broken off is not taken for whole.
 void state_repeats(const RunSettings& run, const std::vector<Case>& cases,
                    const std::vector<CaseState>& states, nlohmann::json& provenance);
 

@@ -14,6 +14,8 @@ namespace palpate::experiments {
 namespace {
 
 constexpr std::int64_t kMostRanks = 1024;
+/// Fewer repeats than this part equal cases by chance too often (rounds/halving.h).
+constexpr int kLeastRung = 3;
 constexpr std::int64_t kLargestOrderSeed = std::int64_t{1} << 40;
 
 /// until_width and most_repeats: one is nothing without the other.
@@ -29,10 +31,23 @@ void read_width(const YamlFields& fields, RunSettings& run) {
   run.most_repeats = static_cast<int>(most->integer(run.repeats, 10'000));
 }
 
+/// halving_from, which needs repeats to leave out.
+void read_halving(const YamlFields& fields, RunSettings& run) {
+  const auto from = fields.find("halving_from");
+  if (!from) return;
+  if (!run.timed) from->fail("\"halving_from\" is of times, and the plan says \"timed: false\"");
+  if (run.until_width) from->fail("\"halving_from\" goes with \"repeats\", not with \"until_width\"");
+  if (run.repeats <= kLeastRung)
+    from->fail("\"halving_from\" needs more than " + std::to_string(kLeastRung) +
+               " \"repeats\" to leave some out");
+  run.halving_from = static_cast<int>(from->integer(kLeastRung, run.repeats - 1));
+}
+
 RunSettings read_run(const YamlValue& value) {
-  const YamlFields fields = value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s",
-                                          "memory_mib", "judge_timeout_s", "judge_memory_mib", "until_width",
-                                          "most_repeats", "order_seed", "timed", "mpi_ranks"});
+  const YamlFields fields =
+      value.fields({"repeats", "seed_repeats", "warmup", "threads", "timeout_s", "memory_mib",
+                    "judge_timeout_s", "judge_memory_mib", "until_width", "most_repeats", "order_seed",
+                    "timed", "mpi_ranks", "halving_from"});
   RunSettings run;
   if (const auto v = fields.find("repeats")) run.repeats = static_cast<int>(v->integer(1, 10'000));
   if (const auto v = fields.find("seed_repeats")) run.seed_repeats = static_cast<int>(v->integer(1, 10'000));
@@ -50,6 +65,7 @@ RunSettings read_run(const YamlValue& value) {
   if (const auto v = fields.find("order_seed")) run.order_seed = v->integer(0, kLargestOrderSeed);
   if (const auto v = fields.find("timed")) run.timed = v->boolean();
   read_width(fields, run);
+  read_halving(fields, run);
   return run;
 }
 
@@ -198,6 +214,9 @@ Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   refuse_keys_of_others(fields, contest);
   if (const auto run = fields.find("run")) plan.run = read_run(*run);
   contest.read(fields, plan, registry);
+  if (plan.run.halving_from > 0 && (plan.contest != "deform" || !fields.find("frontier")))
+    fields.need("run").fail(
+        "\"halving_from\" leaves out what cannot be on the frontier, and the plan has no \"frontier\"");
   if (const auto measure = fields.find("measure")) read_measures(*measure, plan.run.timed, plan.measure);
   if (const auto accept = fields.find("accept")) plan.accept = read_accept(*accept);
   if (const auto charts = fields.find("charts")) plan.charts = read_charts(*charts, contest.charts);

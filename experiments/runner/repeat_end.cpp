@@ -28,7 +28,7 @@ void add_load(const MachineLoad& load, const ContestantAnswer& answer, json& rec
 
 void add_file_hashes(const MethodSpec& method, const Case& c, json& record) {
   for (const OptionSpec& option : method.options) {
-    if (option.type != OptionType::kFile) continue;
+    if (option.type != OptionType::kFile || !c.options.contains(option.name)) continue;
     const std::string file = c.options.at(option.name).get<std::string>();
     std::error_code error;
     if (!file.empty() && fs::is_regular_file(file, error)) record["files"][option.name] = hash_file(file);

@@ -19,6 +19,7 @@
 #include "experiments/rounds/case_choice.h"
 #include "experiments/rounds/case_groups.h"
 #include "experiments/rounds/case_state.h"
+#include "experiments/rounds/halving.h"
 #include "experiments/rounds/rest_time.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
@@ -49,6 +50,7 @@ class Runner {
         cases_(build_cases(plan, registry)),
         timed_(find_timed(plan, cases_)),
         states_(cases_.size()),
+        halving_(plan, cases_),
         selected_(choose_cases(plan, cases_, {options.case_id, options.only, options.part})) {
     contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
   }
@@ -216,6 +218,7 @@ class Runner {
   /// What the folder's records say of cases and inputs, from the start.
   void load_records() {
     states_.assign(cases_.size(), {});
+    halving_ = HalvingRecords(plan_, cases_);
     recorded_inputs_.clear();
     failed_inputs_.clear();
     std::map<std::string, std::size_t> index;
@@ -235,6 +238,7 @@ class Runner {
   void remember(std::size_t index, const json& record) {
     CaseState& state = states_[index];
     state.remember(record, bounds_of(index));
+    if (plan_.run.halving_from > 0) halving_.add(index, record);
     if (state.done.size() >= static_cast<std::size_t>(bounds_of(index).least) && !has_due(index))
       state.drop_answers();
   }
@@ -243,6 +247,7 @@ class Runner {
   void note_input(const json& record) {
     const std::string id = record.at("case").get<std::string>();
     recorded_inputs_.insert(id);
+    if (plan_.run.halving_from > 0) halving_.add_reference(record);
     if (!record.at("contestant").is_null() || record.at("outcome") == "accepted") return;
     failed_inputs_[id] = record.at("outcome").get<std::string>() + ": " + reason_of(record);
   }
@@ -271,8 +276,32 @@ class Runner {
     RestTime rest;
     for (const std::size_t index : selected_) rest.add(count_due(index), states_[index].wall_s);
     progress_.start(rest.repeats());
-    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat)
+    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat) {
       run_round(repeat, records, rest);
+      if (!result_.interrupted) halve(repeat + 1 - plan_.run.warmup, rest);
+    }
+    if (left_out_ > 0)
+      progress_.say("halving: " + std::to_string(left_out_) +
+                    " repeats of cases that cannot be on the frontier " +
+                    "were left out (repeats_ended in provenance.json)");
+  }
+
+  /// At the end of a rung, cases that cannot be on the frontier any more get no more repeats.
+  void halve(int measured, RestTime& rest) {
+    const int first = plan_.run.halving_from;
+    if (first == 0 || measured >= plan_.run.repeats || !is_rung(measured, first)) return;
+    std::vector<bool> is_open(cases_.size(), false);
+    for (const std::size_t index : selected_) is_open[index] = states_[index].end != RepeatsEnd::kHalved;
+    const auto halved = find_halved(halving_.figures(plan_.run.warmup, measured), is_open);
+    for (std::size_t index = 0; index < halved.size(); ++index) {
+      if (!halved[index]) continue;
+      CaseState& state = states_[index];
+      const int due = count_due(index);
+      rest.remove(due, state.wall_s);
+      left_out_ += due;
+      state.end = RepeatsEnd::kHalved;
+      state.halved_by = cases_[*halved[index]].id;
+    }
   }
 
   /// One repeat of every selected case that is due, in the order of its round.
@@ -401,6 +430,8 @@ class Runner {
   std::vector<Case> cases_;
   std::vector<bool> timed_;  ///< by case
   std::vector<CaseState> states_;
+  HalvingRecords halving_;
+  int left_out_ = 0;  ///< repeats, by halving
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;

@@ -164,6 +164,25 @@ std::filesystem::path scenes_folder() {
   return std::filesystem::path(source_folder()) / "experiments" / "scenes";
 }
 
+/// All probes by name: those that have one, and a dynamic scene's own as history.csv names them. The former
+/// are written there, too.
+std::vector<SceneProbe> name_probes(const YamlFields& fields, Scene& scene) {
+  std::vector<SceneProbe> named = scene.probes;
+  std::vector<Vec3>& written = scene.dynamic.probes_m;
+  for (std::size_t k = 0; k < written.size(); ++k) {
+    named.push_back({"probe_" + std::to_string(k + 1), written[k]});
+    for (const SceneProbe& probe : scene.probes) {
+      if (probe.name == named.back().name)
+        fields.need("probes_m")
+            .fail("\"" + probe.name + "\" is what a probe of the analysis is called already");
+    }
+  }
+  if (scene.is_dynamic) {
+    for (const SceneProbe& probe : scene.probes) written.push_back(probe.place_m);
+  }
+  return named;
+}
+
 }  // namespace
 
 void check_poisson_ratio(const YamlValue& at, double ratio) {
@@ -236,8 +255,8 @@ SceneLoad read_scene_load(const YamlValue& value) {
 
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
-  const YamlFields fields = root.fields(
-      {"schema", "mesh", "material", "strain", "model", "clamp", "load", "analysis", "require", "envelope"});
+  const YamlFields fields = root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load",
+                                         "analysis", "probes_m", "require", "envelope"});
   const YamlValue schema = fields.need("schema");
   if (schema.text() != "palpate/scene/1") schema.fail_expected("palpate/scene/1");
   Scene scene;
@@ -247,12 +266,18 @@ Scene read_scene(const std::filesystem::path& path) {
   scene.material = read_scene_material(fields.need("material"));
   if (const auto strain = fields.find("strain")) scene.strain = read_strain(*strain);
   if (const auto model = fields.find("model")) scene.model = read_model(*model);
+  if (scene.model && scene.model->set.count("frozen") > 0) {
+    std::string& file = scene.model->set["frozen"].text;
+    file = std::filesystem::absolute(path.parent_path() / file).lexically_normal().string();
+  }
   if (const auto clamp = fields.find("clamp")) {
     for (const YamlValue& item : clamp->items()) scene.clamps.push_back(read_scene_clamp(item));
   }
   read_loads(fields.need("load"), scene);
   read_analysis(fields.need("analysis"), scene);
-  if (const auto require = fields.find("require")) scene.require = read_requirement(*require);
+  if (const auto probes = fields.find("probes_m")) scene.probes = read_probes(*probes);
+  const std::vector<SceneProbe> named = name_probes(fields, scene);
+  if (const auto require = fields.find("require")) scene.require = read_requirement(*require, named);
   if (const auto envelope = fields.find("envelope")) scene.envelope = path.parent_path() / envelope->text();
   check_times(scene);
   return scene;

@@ -66,9 +66,11 @@ struct Scene {
   std::optional<SceneModel> model;
   std::vector<SceneClamp> clamps;
   std::vector<SceneLoad> loads;
-  bool is_dynamic = false;                  ///< `analysis: {dynamic: ...}`
-  SceneDynamic dynamic;                     ///< of a dynamic one
-  std::string analysis_where;               ///< "kidney.yaml:20"
+  bool is_dynamic = false;     ///< `analysis: {dynamic: ...}`
+  SceneDynamic dynamic;        ///< of a dynamic one
+  std::string analysis_where;  ///< "kidney.yaml:20"
+  /// Points that have a name. Of a dynamic scene they are written to history.csv, after its own.
+  std::vector<SceneProbe> probes;
   std::optional<SceneRequirement> require;  ///< for `palpate fit`
   /// Of a fitted scene: how far its model may be taken (palpate/envelope/1); resolved against the scene's
   /// folder.

@@ -239,6 +239,11 @@ Scene place_scene(Scene scene, const TetMesh& mesh) {
     if (load.kind != SceneLoad::Kind::kGravity) load.region = place_region(load.region, mesh);
     if (load.kind == SceneLoad::Kind::kDisplace) check_tool_stays(load, mesh);
   }
+  if (scene.require) {
+    for (ErrorPlace& place : scene.require->places) {
+      if (!place.probe) place.region = place_region(place.region, mesh);
+    }
+  }
   return scene;
 }
 

@@ -1,15 +1,18 @@
 #include "reference/elastic_models/model_request.h"
 
 #include <chrono>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/dynamics/motion/frozen_part.h"
 #include "core/dynamics/statics/calibration.h"
 #include "core/springs/identification/identify_options.h"
 #include "core/springs/network/moduli_csv.h"
 #include "core/springs/network/springs_csv.h"
+#include "reference/door/json_file.h"
 #include "reference/door/request_options.h"
 
 namespace palpate::reference {
@@ -158,8 +161,32 @@ BuiltModel build_springs(const TetMesh& mesh, const Material& material, const Sp
 }  // namespace
 
 ModelRequest take_model_request(const std::string& method, StrainSize strain, json& options) {
-  if (method.starts_with("springs.")) return {take_spring_request(method, strain, options), {}};
-  return {std::nullopt, take_blend(method, strain, options)};
+  const auto frozen = take_option<std::string>(options, "frozen", &json::is_string,
+                                               "the path of a file of frozen vertices", "");
+  if (method.starts_with("springs.")) return {take_spring_request(method, strain, options), {}, frozen};
+  return {std::nullopt, take_blend(method, strain, options), frozen};
+}
+
+std::vector<Index> read_frozen(const ModelRequest& wanted, const TetMesh& mesh) {
+  std::vector<Index> frozen;
+  if (wanted.frozen_file.empty()) return frozen;
+  const json root = read_json_file(wanted.frozen_file);
+  const auto fail = [&](const std::string& expected, const json& found) {
+    throw InputError(wanted.frozen_file, 0, expected, found.dump().substr(0, 80));
+  };
+  if (!root.is_object() || root.value("schema", json()) != "palpate/frozen/1") fail("palpate/frozen/1", root);
+  const json& of = root.value("of_vertices", json());
+  if (of != mesh.points.size())
+    fail("a mesh of " + std::to_string(mesh.points.size()) + " vertices, which this one is", of);
+  const json vertices = root.value("vertices", json());
+  if (!vertices.is_array()) fail("a list of vertices", vertices);
+  frozen.reserve(vertices.size());
+  for (const json& vertex : vertices) {
+    if (!vertex.is_number_unsigned() || vertex.get<std::uint64_t>() >= mesh.points.size())
+      fail("a vertex of the mesh", vertex);
+    frozen.push_back(vertex.get<Index>());
+  }
+  return frozen;
 }
 
 BuiltModel build_requested_model(const TetMesh& mesh, const Material& material, const ModelRequest& wanted,
@@ -168,6 +195,11 @@ BuiltModel build_requested_model(const TetMesh& mesh, const Material& material, 
   BuiltModel built = wanted.springs ? build_springs(mesh, material, *wanted.springs, response)
                                     : dynamics::build_blend_model(mesh, material, wanted.blend);
   response.notes.insert(response.notes.end(), built.warnings.begin(), built.warnings.end());
+  const dynamics::FrozenCount dropped = drop_frozen(read_frozen(wanted, mesh), built.model);
+  if (!wanted.frozen_file.empty()) {
+    response.report["frozen_springs"] = dropped.springs;
+    response.report["frozen_domains"] = dropped.domains;
+  }
   return built;
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/dynamics/elasticity/volume_models.h"
 #include "core/springs/identification/identify.h"
@@ -26,15 +27,20 @@ struct SpringRequest {
 struct ModelRequest {
   std::optional<SpringRequest> springs;
   dynamics::BlendOptions blend;  ///< without springs
+  std::string frozen_file;       ///< palpate/frozen/1; empty: none of it is frozen
 };
 
 /// Takes what makes the model out of `options`; what says how to solve stays. Throws: InputError for an
 /// unknown method or a bad value.
 ModelRequest take_model_request(const std::string& method, StrainSize strain, nlohmann::json& options);
 
-/// Builds the model. The report gets identify_s and the figures of identified springs, the notes its
-/// warnings. Throws: InputError for a ratio that the model cannot represent, or a springs file that does not
-/// fit.
+/// The frozen vertices of a request; none without a file. Throws: InputError for a file that is not as it
+/// should be, or of another mesh.
+std::vector<Index> read_frozen(const ModelRequest& wanted, const TetMesh& mesh);
+
+/// Builds the model, without what read_frozen says. The report gets identify_s and the figures of identified
+/// springs, the notes its warnings. Throws: InputError for a ratio that the model cannot represent, or a
+/// springs file that does not fit.
 dynamics::BuiltModel build_requested_model(const TetMesh& mesh, const Material& material,
                                            const ModelRequest& wanted, Response& response);
 

@@ -117,6 +117,7 @@ Response answer_replay(MovingTask task, const Request& request, json& left,
   if (options.frames > 0) task.body.stepping.frames = options.frames;
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
   MotionOutput output(request.folder, task.body.motion, task.mesh);
+  output.watch_frozen(setup.frozen);
   Response response;
   response.notes = setup.notes;
   if (options.setup_only) {
@@ -240,6 +241,9 @@ Response answer_ticks(MovingTask task, const Request& request, json& left) {
 /// The body's model as a file for other simulators.
 Response answer_model(const MovingTask& task, const Request& request, const json& left) {
   require_all_taken(left);
+  if (!task.body.model.options.value("frozen", "").empty())
+    throw InputError("model: frozen", 0, "a whole model: what is written has no part that is held at rest",
+                     "one");
   const Stopwatch clock;
   Response response;
   const dynamics::MotionModel model =

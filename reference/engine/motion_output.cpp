@@ -6,6 +6,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/dynamics/motion/frozen_part.h"
 #include "core/mesh/io/displacement_vtu.h"
 #include "reference/door/result_folder.h"
 
@@ -95,6 +96,13 @@ void MotionOutput::add_row(const MotionPhase& phase, dynamics::MotionForces& for
                                  ? Vec3{}
                                  : pushes[static_cast<std::size_t>(at - phase.loads.begin()) + 1]);
     }
+  }
+  if (!frozen_.empty()) {
+    std::vector<Vec3> force(state.displacement_m.size());
+    forces.evaluate(state.displacement_m, state.velocity_m_s, state.time_s, force);
+    const double now_n = dynamics::frozen_force(frozen_, force);
+    const bool is_known = !std::isnan(max_frozen_force_n_);  // a NaN stays
+    if (is_known && !(now_n <= max_frozen_force_n_)) max_frozen_force_n_ = now_n;
   }
   for (const Index probe : probes_) append_cells(history_, state.displacement_m[probe]);
   append_cell(history_, largest_m);

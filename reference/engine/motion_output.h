@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ class MotionOutput {
  public:
   MotionOutput(std::filesystem::path folder, const MotionProblem& problem, const TetMesh& mesh);
 
+  /// Also measures what acts on these vertices, which are held at rest, at each row. They have to live as
+  /// long as this.
+  void watch_frozen(std::span<const Index> frozen) { frozen_ = frozen; }
+
   /// A row of the history for the state of a phase.
   void add_row(const MotionPhase& phase, dynamics::MotionForces& forces, const dynamics::MotionState& state);
 
@@ -61,6 +66,8 @@ class MotionOutput {
   std::size_t frame_count() const { return frame_times_.size(); }
   double max_displacement_m() const { return max_displacement_m_; }
   double max_kinetic_j() const { return max_kinetic_j_; }
+  /// The most of dynamics::frozen_force over the rows, in N.
+  double max_frozen_force_n() const { return max_frozen_force_n_; }
 
  private:
   std::filesystem::path folder_;
@@ -73,6 +80,8 @@ class MotionOutput {
   std::vector<double> frame_times_;
   double max_displacement_m_ = 0.0;
   double max_kinetic_j_ = 0.0;
+  std::span<const Index> frozen_;
+  double max_frozen_force_n_ = 0.0;
 };
 
 }  // namespace palpate::reference

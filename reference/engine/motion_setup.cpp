@@ -5,9 +5,11 @@
 #include <limits>
 #include <numeric>
 #include <set>
+#include <span>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/dynamics/motion/frozen_part.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
 #include "core/dynamics/tet_engine/tet_engine.h"
 #include "reference/door/request_options.h"
@@ -45,7 +47,7 @@ bool is_weight(const MotionLoad& load) {
 
 /// The loads that a phase has: first what holds the body, with its weight; then each other load by itself.
 MotionPhase build_phase(const MovingBody& body, const TetMesh& mesh, const MotionModel& free_body,
-                        const LoadPhase& time) {
+                        const LoadPhase& time, std::span<const Index> frozen) {
   MotionPhase phase{free_body, {}, 0};
   BoundaryProblem own = body.motion.body;
   for (const std::size_t k : time.loads) {
@@ -57,6 +59,7 @@ MotionPhase build_phase(const MovingBody& body, const TetMesh& mesh, const Motio
     }
   }
   phase.model.loads.push_back({dynamics::build_loads(mesh, own), {}});
+  dynamics::hold_frozen(frozen, phase.model.loads.back().loads);
   for (const std::size_t k : phase.loads) {
     const MotionLoad& load = body.motion.loads[k];
     phase.model.loads.push_back({dynamics::build_loads(mesh, load.part), load.profile});
@@ -186,6 +189,8 @@ MotionSetup build_motion(const MovingBody& body, const TetMesh& mesh, int thread
   MotionSetup setup;
   Response made;
   const MotionModel free_body = build_free_body(body, mesh, build_elastic(body, mesh, made));
+  nlohmann::json options = body.model.options;
+  setup.frozen = read_frozen(take_model_request(body.model.method, body.motion.body.strain, options), mesh);
   setup.method = body.model.method;
   setup.report = made.report;
   if (body.model.is_material) setup.notes = made.notes;
@@ -197,7 +202,7 @@ MotionSetup build_motion(const MovingBody& body, const TetMesh& mesh, int thread
   setup.integrator.speed_limit_m_s = body.stepping.speed_limit_m_s.value_or(0.0);
   const std::vector<LoadPhase> times = find_phases(body.motion);
   for (const LoadPhase& time : times) {
-    setup.phases.push_back(build_phase(body, mesh, free_body, time));
+    setup.phases.push_back(build_phase(body, mesh, free_body, time, setup.frozen));
     try {
       validate(setup.phases.back().model);
     } catch (const InputError& error) {

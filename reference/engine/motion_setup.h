@@ -22,6 +22,7 @@ struct MotionPhase {
 struct MotionSetup {
   std::string method;  ///< "springs.uniform"
   std::vector<MotionPhase> phases;
+  std::vector<Index> frozen;  ///< held at rest throughout
   dynamics::IntegratorOptions integrator;
   EngineChoice engine = EngineChoice::kGeneral;  ///< what steps it; never kAuto
   std::string why_general;        ///< what of it a faster engine cannot take; empty if one can take all

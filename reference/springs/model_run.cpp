@@ -5,10 +5,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/elastic_model.h"
+#include "core/dynamics/motion/frozen_part.h"
 #include "core/dynamics/statics/static_equilibrium.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
@@ -73,7 +75,9 @@ Response run_model(const Request& request) {
   Response response;
   response.report = {{"method", request.method}, {"vertices", task.mesh.points.size()}};
   const Stopwatch kernel;
-  const dynamics::Loads loads = dynamics::build_loads(task.mesh, task.problem);
+  dynamics::Loads loads = dynamics::build_loads(task.mesh, task.problem);
+  const std::vector<Index> frozen = read_frozen(wanted, task.mesh);
+  dynamics::hold_frozen(frozen, loads);
   dynamics::require_no_rigid_motion(task.mesh, loads);
   const Stopwatch building;
   const dynamics::BuiltModel built =
@@ -88,6 +92,13 @@ Response run_model(const Request& request) {
   report_solution(solution.report, response);
   if (const auto share = spring_share(built.model, solution.displacement_m))
     response.report["stiffness_share_springs"] = *share;
+  if (!frozen.empty()) {
+    std::vector<Vec3> force(task.mesh.points.size());
+    dynamics::add_elastic_forces(built.model, solution.displacement_m, force);
+    dynamics::add_load_forces(loads, solution.displacement_m, 1.0, force);
+    response.report["frozen_vertices"] = frozen.size();
+    response.report["frozen_force_most_n"] = dynamics::frozen_force(frozen, force);
+  }
   if (with_cost) report_cost(measure_model_cost(built.model, loads), response.report);
   if (with_steps) {
     report_step_cost(measure_step_cost(task.mesh, built.model, loads, task.problem.material.density_kg_m3,

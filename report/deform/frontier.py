@@ -9,6 +9,7 @@ the mesh that was made, against that mesh's own reference. Work is one of three:
 
 A point is off the frontier if another is surely faster (their 95% intervals of the median don't meet) and has no greater error,
 or is better by more than both references leave open, and no slower in the median. What is within noise of the frontier is on it.
+A point whose repeats were left out by halving (`run: {halving_from: ...}`) was surely beaten when they were, and is off it.
 Failed and unsolved points are kept, and shown apart.
 """
 
@@ -49,6 +50,7 @@ class Point:
     own_errors: dict
     works: dict  # by the names of WORKS; None where there is none
     note: str = ""
+    halved_by: str = ""  # the case that beat it when its other repeats were left out
     on: set = field(default_factory=set)  # (work, measure) of the frontiers that it is on
 
     @property
@@ -98,6 +100,22 @@ def family_of(group, record, families, of_simplifiers):
     return families.get(label, label)
 
 
+def halved_cases(run):
+    """{case: the case that beats it} of those whose repeats were left out."""
+    ended = run.provenance.get("repeats_ended")
+    return {case: str(end.get("by", "")) for case, end in (ended or {}).items() if end.get("reason") == "halved"}
+
+
+def halving_text(scenes):
+    """What was skipped, or an empty text."""
+    halved = [point for points in scenes.values() for point in points if point.halved_by]
+    if not halved:
+        return ""
+    return (f"Halving: {len(halved)} of {sum(map(len, scenes.values()))} points got no more repeats once another of their family was surely faster "
+            "and had no greater error; they are off the frontier, with the repeats that they have:\n"
+            + "\n".join(f"  {point.case}, beaten by {point.halved_by}" for point in halved))
+
+
 def read_point(group, references, families, of_simplifiers):
     record = (group.accepted() or group.records)[0]
     problem = problem_of(record)
@@ -124,6 +142,8 @@ def mark_frontier(points):
         for measure, _, _ in ERRORS:
             own = [point for point in points if point.has(work, measure)]
             for point in own:
+                if point.halved_by:
+                    continue
                 if not any(is_beaten(point, other, work, measure) for other in own if other is not point):
                     point.on.add((work, measure))
 
@@ -134,8 +154,10 @@ def read_points(run):
     of_simplifiers = asked(run).get("of") == "simplifiers"
     references = {problem_of(record): record for record in run.references}
     scenes = {}
+    halved = halved_cases(run)
     for group in run.groups:
         point = read_point(group, references, families, of_simplifiers)
+        point.halved_by = halved.get(point.case, "")
         scenes.setdefault((point.scene, point.poisson_ratio), []).append(point)
     for points in scenes.values():
         mark_frontier(points)
@@ -248,6 +270,8 @@ def frontier_text(run, scenes, rows):
     outcomes = judge_targets(run, scenes)
     if outcomes:
         out.append(targets_text(outcomes))
+    if halving_text(scenes):
+        out.append(halving_text(scenes))
     lost = [point for points in scenes.values() for point in points if point.note]
     if lost:
         out.append("Not on any frontier, since there is no answer:\n\n"
@@ -287,7 +311,7 @@ def targets_text(outcomes):
 POINT_HEADER = ["scene", "poisson_ratio", "family", "label", "mesh", "tets", "case", *(name for name, _, _ in ERRORS),
                 *(own for _, _, own in ERRORS),
                 *(f"{work}_{what}" for work, _ in WORKS for what in ("s", "low_s", "high_s")),
-                *(f"on_{work}" for work, _ in WORKS), "note"]
+                *(f"on_{work}" for work, _ in WORKS), "halved_by", "note"]
 
 
 def finite(value):
@@ -301,7 +325,7 @@ def point_row(point):
         works += [None] * 3 if found is None else [found.median, finite(found.low), finite(found.high)]
     return [point.scene, point.poisson_ratio, point.family, point.label, point.mesh, point.tets, point.case,
             *(point.errors[name] for name, _, _ in ERRORS), *(point.own_errors[name] for name, _, _ in ERRORS), *works,
-            *(" ".join(name for name, _, _ in ERRORS if (work, name) in point.on) for work, _ in WORKS), point.note]
+            *(" ".join(name for name, _, _ in ERRORS if (work, name) in point.on) for work, _ in WORKS), point.halved_by, point.note]
 
 
 def write_frontier(scenes, rows, folder):

@@ -1,5 +1,6 @@
 """Error against work on made-up records: what is on the frontier, times at equal error, targets, charts."""
 
+import json
 import unittest
 
 from support import ReportTest
@@ -64,6 +65,21 @@ class Points(FrontierTest):
     def test_too_few_repeats_beat_nobody(self):
         points, _ = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1, count=3), *repeats("bad", 0.05, 9.0, count=3)])
         self.assertIn("displacement_deformation", points["bad"]["on_first"])
+
+    def test_what_was_left_out_by_halving_is_off_and_named(self):
+        lines = [reference(), *repeats("quick", 0.05, 0.1), *repeats("bad", 0.2, 0.5, count=3), *repeats("exact", 0.01, 1.0)]
+        case = next(line["case"] for line in lines if line["label"] == "bad")
+        synthetic.write_run(self.folder, lines, PLAN)
+        provenance = json.loads((self.folder / "provenance.json").read_text())
+        provenance["repeats_ended"] = {case: {"reason": "halved", "repeats": 3, "width": None, "by": "bar/quick"}}
+        provenance["repeats_of"] = {case: 3}
+        (self.folder / "provenance.json").write_text(json.dumps(provenance))
+        code, out, _ = self.report("--no-charts")
+        self.assertEqual(code, 0)
+        points = {row["label"]: row for row in self.table("frontier.csv")}
+        self.assertEqual((points["bad"]["on_first"], points["bad"]["halved_by"]), ("", "bar/quick"))
+        self.assertEqual(points["quick"]["halved_by"], "")
+        self.assertIn("Halving: 1 of 3 points", out)
 
     def test_the_simplifier_belongs_to_a_first_answer_and_not_to_a_further_one(self):
         sweep = {"simplify": "refined", "tets_removed_ratio": 0.5, "vertices": 1503}

@@ -115,15 +115,14 @@ Decision decide_three(const Differences& found, double whole) {
   return decision;
 }
 
-/// The error in one figure, of which `last` and `previous` are the differences and `lowest_order` is the
-/// least order of any part of the error.
-std::optional<double> bound_of(const Decision& decision, const Differences& found,
-                               double DisplacementSize::*figure, double lowest_order) {
-  double last = found.last_size.*figure;
-  const double previous = found.previous.*figure;
+/// The error in one figure, of which `last` and `previous` (nothing of two levels) are the differences and
+/// `lowest_order` is the least order of any part of the error.
+std::optional<double> bound_of(const Decision& decision, double last, std::optional<double> before,
+                               double lowest_order) {
+  const double previous = before.value_or(0.0);
   if (decision.bound == Decision::Bound::kNone) return std::nullopt;
   if (decision.bound == Decision::Bound::kLargerDifference) return std::max(last, previous);
-  if (found.has_previous) {
+  if (before) {
     if (!(previous > last)) return std::nullopt;
     last = std::max(last, previous / std::exp2(kHighestOrder));
     lowest_order = std::min(lowest_order, std::log2(previous / last));
@@ -137,6 +136,23 @@ std::optional<double> bound_of(const Decision& decision, const Differences& foun
 std::optional<double> over(std::optional<double> value, double whole) {
   if (!value || !(whole > 0.0)) return std::nullopt;
   return *value / whole;
+}
+
+/// The errors at the chosen points, by the same decision: how the levels converge is told by the whole body.
+void bound_chosen(const TetMesh& mesh, std::span<const std::vector<Vec3>> levels, const Decision& decision,
+                  const ChosenPoints& chosen, ReferenceEstimate& estimate) {
+  const std::size_t count = levels.size();
+  const ChosenSize whole = measure_chosen(mesh, estimate.field, chosen);
+  const ChosenSize last = measure_chosen(mesh, subtract(levels[count - 1], levels[count - 2]), chosen);
+  std::optional<ChosenSize> previous;
+  if (count >= 3) previous = measure_chosen(mesh, subtract(levels[count - 2], levels[count - 3]), chosen);
+  const auto bound = [&](double ChosenSize::*figure) {
+    const auto before = previous ? std::optional((*previous).*figure) : std::nullopt;
+    return over(bound_of(decision, last.*figure, before, kLowestLocalOrder), whole.*figure);
+  };
+  estimate.error.chosen_l2 = bound(&ChosenSize::l2);
+  estimate.error.chosen_deformation = bound(&ChosenSize::deformation);
+  estimate.error.chosen_max = bound(&ChosenSize::max);
 }
 
 void check_levels(std::span<const std::vector<Vec3>> levels, const ReferenceOptions& options) {
@@ -184,12 +200,14 @@ ReferenceEstimate estimate_reference(const TetMesh& mesh, std::span<const std::v
 
   const DisplacementSize whole = measure_displacement(mesh, estimate.field, lambda_pa, mu_pa);
   const auto bound = [&](double DisplacementSize::*figure, double lowest_order) {
-    return over(bound_of(decision, found, figure, lowest_order), whole.*figure);
+    const auto before = found.has_previous ? std::optional(found.previous.*figure) : std::nullopt;
+    return over(bound_of(decision, found.last_size.*figure, before, lowest_order), whole.*figure);
   };
   estimate.error.relative_l2 = bound(&DisplacementSize::l2, kLowestOrder);
   estimate.error.relative_deformation = bound(&DisplacementSize::deformation, kLowestOrder);
   estimate.error.relative_max = bound(&DisplacementSize::max, kLowestLocalOrder);
   estimate.error.relative_energy = bound(&DisplacementSize::energy, kLowestLocalOrder);
+  if (options.chosen) bound_chosen(mesh, levels, decision, *options.chosen, estimate);
   if (found.has_previous) estimate.difference.push_back(found.previous.l2 / whole.l2);
   estimate.difference.push_back(found.last_size.l2 / whole.l2);
   return estimate;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/judge/displacement/chosen_points.h"
 #include "core/judge/displacement/displacement.h"
 #include "core/mesh/tet_mesh.h"
 
@@ -21,13 +22,17 @@ enum class ReferenceKind {
 /// "extrapolated", "finest".
 std::string reference_kind_name(ReferenceKind kind);
 
-/// The error of a reference in the four figures of DisplacementError, each relative to the reference itself;
-/// nothing where there is no estimate.
+/// The error of a reference in the figures of DisplacementError and ChosenError, each relative to the
+/// reference itself; nothing where there is no estimate.
 struct ReferenceError {
   std::optional<double> relative_l2;
   std::optional<double> relative_deformation;
   std::optional<double> relative_max;
   std::optional<double> relative_energy;
+  /// Those of ChosenError; nothing, too, where no points were chosen.
+  std::optional<double> chosen_l2{};
+  std::optional<double> chosen_deformation{};
+  std::optional<double> chosen_max{};
 };
 
 /// The reference and what is known of its error.
@@ -46,6 +51,8 @@ struct ReferenceEstimate {
 struct ReferenceOptions {
   /// Order for two levels, from 1 to 4; without it they are not extrapolated. Three levels observe their own.
   std::optional<double> stated_order;
+  /// Vertices at which alone the error is wanted, too.
+  std::optional<ChosenPoints> chosen{};
 };
 
 /// Makes the reference from the displacements of one method on h, h/2 (and h/4, ...), all given at the same
@@ -58,10 +65,10 @@ struct ReferenceOptions {
 ///   one level:    that level, and no estimate.
 /// Error: extrapolated, max(1/x, 1/x0 - 1/x) D; finest, D / x0; x0 = 2^p0 - 1. It is no less than the true
 /// error for any sum of terms a_i h^(p_i) with p_i >= p0 whose a_i point the same way or across. p0 is 1 in
-/// the L2 norm, with rigid motions or without, 1/2 for maximum and energy (the edge of a hard clamp), or the
-/// order observed in that figure if it is less. A last difference below 1/16 of the one before counts as 1/16
-/// of it (order 4). Where the differences point elsewhere, the error is the larger one; where they do not
-/// shrink, there is no estimate. docs/judge.md has the proof.
+/// the L2 norm, with rigid motions or without, 1/2 for maximum, energy and chosen points (the edge of a hard
+/// clamp), or the order observed in that figure if it is less. A last difference below 1/16 of the one before
+/// counts as 1/16 of it (order 4). Where the differences point elsewhere, the error is the larger one; where
+/// they do not shrink, there is no estimate. docs/judge.md has the proof.
 ///
 /// Throws: ContractError for no level or other sizes; InputError for values that are not finite, a field that
 /// is zero, or a stated order outside [1, 4].

@@ -28,7 +28,7 @@ double largest(const std::vector<Vec3>& field) {
   return most;
 }
 
-json describe_reference(const DeformReference& reference) {
+json describe_reference(const DeformInput& input, const DeformReference& reference) {
   const judge::ReferenceEstimate& estimate = reference.estimate;
   if (!reference.failure.empty()) return nullptr;
   json figures = {{"valid", true}, {"findings", json::array()}, {"level_reports", reference.levels}};
@@ -43,6 +43,12 @@ json describe_reference(const DeformReference& reference) {
   figures["reference_error_max"] = or_null(estimate.error.relative_max);
   figures["reference_error_energy"] = or_null(estimate.error.relative_energy);
   figures["reference_error_energy_whole"] = or_null(reference.whole_energy);
+  if (input.chosen) {
+    figures["reference_error_l2_at"] = or_null(estimate.error.chosen_l2);
+    figures["reference_error_deformation_at"] = or_null(estimate.error.chosen_deformation);
+    figures["reference_error_max_at"] = or_null(estimate.error.chosen_max);
+    figures["points_at"] = input.chosen->vertex.size();
+  }
   if (!reference.pad_force_n.empty()) {
     figures["reference_error_pad_force"] = or_null(reference.pad_force_error);
     figures["pad_forces_n"] = json::array();
@@ -103,6 +109,13 @@ json judge_displacement(const DeformInput& input, const DeformReference& referen
   figures["displacement_deformation"] = error.relative_deformation;
   figures["displacement_max"] = error.relative_max;
   figures["displacement_energy"] = error.relative_energy;
+  if (input.chosen) {
+    const judge::ChosenError there =
+        judge::compare_chosen(input.own.mesh, field, reference.estimate.field, *input.chosen);
+    figures["displacement_l2_at"] = there.relative_l2;
+    figures["displacement_deformation_at"] = there.relative_deformation;
+    figures["displacement_max_at"] = there.relative_max;
+  }
   figures["displacement_energy_whole"] = compare(nodes, reference.field).relative_energy;
   figures["rigid_share"] = error.rigid_share;
   figures["worst_vertex"] = error.worst_point;
@@ -243,7 +256,7 @@ class DeformContest : public Contest {
         start_reference_record(setting_.plan, mesh_facts(input.scene, input.own.mesh, input.own.mesh_hash),
                                input.scene, input.sweep, reference.outcome, reference.failure);
     record["scene"] = scene_facts(input);
-    record["judge"] = describe_reference(reference);
+    record["judge"] = describe_reference(input, reference);
     if (reference.failure.empty())
       record["mesh_file"] = std::filesystem::relative(setting_.folder.paths().reference(input.id),
                                                       setting_.folder.paths().folder)

@@ -26,6 +26,7 @@ struct DeformInput {
   nlohmann::json sweep = nlohmann::json::object();  ///< of the problem alone
   Scene placed;
   ProblemFiles own;
+  std::optional<judge::ChosenPoints> chosen;  ///< of its own mesh: where the scene asks for an error
 };
 
 /// What came of the reference.

@@ -14,10 +14,10 @@ namespace {
 constexpr double kLeastError = 1e-6;
 constexpr double kMostError = 10.0;
 
-/// The names of the families. Their labels are checked: each of `entries` belongs to one.
-std::vector<std::string> read_families(const YamlValue& value, const std::vector<PlanContestant>& entries) {
+/// The names of the families. Their labels are checked: each of `entries` belongs to one, in `family_of`.
+std::vector<std::string> read_families(const YamlValue& value, const std::vector<PlanContestant>& entries,
+                                       std::map<std::string, std::string>& family_of) {
   std::vector<std::string> names;
-  std::map<std::string, std::string> family_of;
   for (const auto& [name, members] : value.entries()) {
     names.push_back(name);
     for (const YamlValue& item : members.items()) {
@@ -50,11 +50,13 @@ void check_family(const YamlValue& value, const std::vector<std::string>& famili
 
 }  // namespace
 
-void check_frontier(const YamlFields& fields, const Plan& plan) {
+void check_frontier(const YamlFields& fields, Plan& plan) {
   const auto given = fields.find("frontier");
   if (!given) return;
   const YamlFields frontier = given->fields({"of", "families", "against", "at", "targets"});
-  const std::vector<std::string> families = read_families(frontier.need("families"), read_of(frontier, plan));
+  const std::vector<PlanContestant>& entries = read_of(frontier, plan);
+  const std::vector<std::string> families = read_families(frontier.need("families"), entries, plan.families);
+  plan.families_of_simplifiers = &entries == &plan.simplifiers;
   for (const YamlValue& name : frontier.need("against").items()) check_family(name, families);
   const YamlValue errors = frontier.need("at");
   for (const YamlValue& error : errors.items()) error.number(kLeastError, kMostError);

@@ -18,9 +18,10 @@ namespace palpate::experiments {
 /// Every label of what it is of belongs to one family. `against` names those that the others' times are
 /// divided by, `at` the errors at which times are compared. A target is a factor between the fastest of all
 /// other families and the one that it is held against, in the work of a first answer, a further one, or a
-/// simulated second. The report reads them from the plan itself (report/deform/frontier.py). Requires:
-/// plan.contestants are read. Throws: InputError with file and line for an unknown label or family (with the
-/// nearest), a label in two families or in none, an error that is not in (0, 10].
-void check_frontier(const YamlFields& fields, const Plan& plan);
+/// simulated second. The plan gets the families; the report reads the rest from the plan itself
+/// (report/deform/frontier.py). Requires: plan.contestants are read. Throws: InputError with file and line
+/// for an unknown label or family (with the nearest), a label in two families or in none, an error that is
+/// not in (0, 10].
+void check_frontier(const YamlFields& fields, Plan& plan);
 
 }  // namespace palpate::experiments

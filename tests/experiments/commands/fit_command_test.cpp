@@ -79,6 +79,41 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
   EXPECT_TRUE(std::filesystem::exists(folder() / "fit" / "fit.md"));
 }
 
+/// The far end of a bar that hangs from its other one: a tolerance there holds there, in the search, on other
+/// loads and in what is written, and a place without vertices is refused before anything is solved.
+TEST_F(FitCommand, AToleranceMayHoldAtAPlaceAlone) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
+  const std::string asked = "error: {measure: relative_l2, at_most: 0.5, at: ";
+  const test::ProgramResult nowhere =
+      fit(asked + "[{sphere: {center_m: [0.031, 0.001, 0.001], radius_m: 1.0e-5}}]}");
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.error, AllOf(HasSubstr("scene.yaml:7"), HasSubstr("has no vertex of the mesh in it")));
+  std::filesystem::remove_all(folder() / "fit");
+  const test::ProgramResult result = fit(asked + "[{half_space: {normal: [-1, 0, 0], share: 0.2}}]}");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json found = report();
+  EXPECT_EQ(found.at("measure"), "displacement_l2_at");
+  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.5);
+  std::ifstream records(folder() / "fit/search/run/records.jsonl");
+  std::size_t judged = 0;
+  for (std::string line; std::getline(records, line);) {
+    const json record = json::parse(line);
+    if (record.at("outcome") != "accepted") continue;
+    ++judged;
+    if (record.at("label") == "reference") {
+      EXPECT_GT(record.at("/judge/points_at"_json_pointer).get<int>(), 3);
+      EXPECT_GT(record.at("/judge/reference_error_l2_at"_json_pointer).get<double>(), 0.0);
+    } else {
+      const json& judge = record.at("judge");
+      EXPECT_NE(judge.at("displacement_l2_at"), judge.at("displacement_l2"));
+    }
+  }
+  EXPECT_GE(judged, 5U);
+  EXPECT_THAT(test::bytes_of(folder() / "fit/scene.yaml"), HasSubstr("\"at\":[{\"half_space\":"));
+  EXPECT_THAT(test::bytes_of(folder() / "fit/fit.md"), HasSubstr(" at half_space"));
+}
+
 TEST_F(FitCommand, WhereNothingDoesTheNearestIsNamedAndTheExitCodeIsOne) {
   ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
   const test::ProgramResult result =
@@ -148,6 +183,116 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
   EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
   std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
+}
+
+/// A stiff bar that is pushed slowly: its waves take 50 us from vertex to vertex, its motion a tenth of a
+/// second. The trapezoidal rule follows it at steps that are longer by far; what is taken is the cheapest of
+/// those that hold, by the times that were measured, and what an engine cannot take is named.
+TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 100, length_m: 0.1}";
+  text_.material = "{young_modulus_pa: 1.0e+6, poisson_ratio: 0.3, density_kg_m3: 1000}";
+  text_.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+8}]";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0, 0.2, 0]}, "
+      "profile: {times_s: [0, 0.1], shares: [0, 1], smooth: true}}]";
+  text_.analysis =
+      "{dynamic: {integrator: velocity_verlet, time_step_s: auto, duration_s: 0.12, damping: {mass_per_s: "
+      "20}}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {second: []}}]\n"
+               "steppings:\n"
+               "  - {label: explicit, integrator: symplectic_euler}\n"
+               "  - {label: no_engine, integrator: runge_kutta_4, precision: single}\n"
+               "  - {label: trapezoidal, integrator: trapezoidal}\n");
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 10000").exit_code, 0);
+  const json found = report();
+  const json& choice = found.at("choice");
+  std::map<std::string, json> tried;
+  for (const json& each : choice.at("steppings")) tried[each.at("label")] = each;
+  EXPECT_THAT(tried.at("no_engine").at("why_not").get<std::string>(), HasSubstr("precision"));
+  ASSERT_EQ(tried.at("explicit").at("why_not"), "");
+  ASSERT_EQ(tried.at("trapezoidal").at("why_not"), "");
+  EXPECT_GT(tried.at("trapezoidal").at("time_step_s").get<double>(),
+            20.0 * tried.at("explicit").at("time_step_s").get<double>());
+  const double cost = choice.at("cost_s").get<double>();
+  for (const char* label : {"explicit", "trapezoidal"}) {
+    EXPECT_LE(cost, tried.at(label).at("cost_s").get<double>()) << label;
+    EXPECT_GT(tried.at(label).at("motion_error").get<double>(), 0.0) << label;
+  }
+  const json& taken = choice.at("stepping");
+  double rest = 0.0;
+  for (std::size_t k = 0; k < choice.at("error").size(); ++k)
+    rest =
+        std::max(rest, choice.at("error")[k].get<double>() + choice.at("reference_error")[k].get<double>());
+  EXPECT_DOUBLE_EQ(choice.at("worst_error").get<double>(), rest + taken.at("motion_error").get<double>());
+  EXPECT_THAT(test::bytes_of(folder() / "fit/scene.yaml"),
+              HasSubstr("\"integrator\":" + taken.at("integrator").dump()));
+  const test::ProgramResult solved =
+      run_program({"simulate", path("fit/scene.yaml"), "-o", path("solved"), "--json"});
+  ASSERT_EQ(solved.exit_code, 0) << solved.error;
+  EXPECT_NEAR(json::parse(solved.out).at("time_step_s").get<double>(), taken.at("time_step_s").get<double>(),
+              1e-12);
+}
+
+/// A bar of which two thirds lie in a stiff bed: they hardly move, and are held at rest where that costs
+/// less. Whether it does is the clock's to say; errors, files and waking are not.
+TEST_F(FitCommand, APartThatHardlyMovesMayBeHeldAndWakes) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  text_.mesh = "{make: bar, vertices: 200, length_m: 0.1}";
+  text_.material = "{young_modulus_pa: 1.0e+6, poisson_ratio: 0.3, density_kg_m3: 1000}";
+  text_.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.6}, elastic_pa_per_m: 1.0e+8}]";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0, 0.2, 0]}, "
+      "profile: {times_s: [0, 0.05], shares: [0, 1], smooth: true}}]";
+  text_.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.06, damping: {mass_per_s: "
+      "20}}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: blend, method: smoothed.blend, works: {second: []}}]\n"
+               "steppings: [{label: explicit, integrator: symplectic_euler}]\n");
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.3}").exit_code, 0);
+  const json found = report();
+  ASSERT_FALSE(found.at("frozen").empty());
+  const json& held = found.at("frozen")[0];
+  EXPECT_GT(held.at("tets").get<int>(), 100);
+  EXPECT_GT(held.at("most_force_n").get<double>(), 0.0);
+  EXPECT_LE(held.at("worst_error").get<double>() + held.at("motion_error").get<double>(), 0.3);
+  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.3);
+  const bool is_taken = found.at("frozen").back().at("why_not") == "";
+  EXPECT_EQ(is_taken, std::filesystem::exists(folder() / "fit/frozen.json"));
+  EXPECT_EQ(is_taken, found.at("/choice/set"_json_pointer).contains("frozen"));
+  if (!is_taken) {
+    EXPECT_THAT(found.at("frozen").back().at("why_not").get<std::string>(), HasSubstr("the whole model"));
+  }
+  // The part as it was verified, whatever it costs: under the same loads it stays, under ten times as much it
+  // wakes.
+  json scene = json::parse(test::bytes_of(folder() / "fit/still/0/held_0/scene.yaml"));
+  json frozen = json::parse(test::bytes_of(folder() / "fit/still/0/frozen.json"));
+  frozen["most_force_n"] = held.at("most_force_n");
+  scene["model"]["frozen"] = "mine.json";
+  folder().add("mine.json", frozen.dump());
+  const auto simulate = [&](double factor) {
+    scene["load"][0]["force"]["total_n"] = {0.0, 0.2 * factor, 0.0};
+    folder().add("held.yaml", scene.dump());
+    return run_program({"simulate", path("held.yaml"), "-o", path("solved"), "--json"});
+  };
+  const test::ProgramResult still = simulate(1.0);
+  EXPECT_EQ(json::parse(still.out).at("frozen_vertices"), held.at("vertices")) << still.error;
+  EXPECT_THAT(still.error, Not(HasSubstr("wakes")));
+  const test::ProgramResult woken = simulate(10.0);
+  EXPECT_EQ(woken.exit_code, 0) << woken.error;
+  EXPECT_THAT(woken.error, HasSubstr("it wakes, and the whole model is stepped from the start"));
+  EXPECT_EQ(json::parse(woken.out).at("frozen_vertices"), 0);
+  scene["model"].erase("frozen");
+  const test::ProgramResult whole = simulate(10.0);
+  EXPECT_EQ(json::parse(whole.out).at("state_hash"), json::parse(woken.out).at("state_hash"));
+  frozen["of_vertices"] = 7;
+  folder().add("mine.json", frozen.dump());
+  scene["model"]["frozen"] = "mine.json";
+  EXPECT_THAT(simulate(1.0).error, HasSubstr("mine.json: expected a mesh of"));
 }
 
 TEST_F(FitCommand, AnEnvelopeIsMeasuredOfAFitAlone) {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "core/base/error.h"
-#include "experiments/envelope/motion_trial.h"
+#include "experiments/trials/motion_trial.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {

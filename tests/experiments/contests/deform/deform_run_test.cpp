@@ -45,6 +45,38 @@ class DeformRun : public testing::Test {
   test::ExperimentFixture fixture_;
 };
 
+/// Times are those that the answers report. `slow` is twenty times as slow as `quick` of its family and
+/// worse: after three repeats it gets no more. `other` is slow and as bad, but alone in its family; `good` is
+/// slow and better than all.
+TEST_F(DeformRun, HalvingLeavesOutWhatCannotBeOnTheFrontier) {
+  const auto plan = add_plan(
+      "\n  - {method: test.field, label: quick, set: {factor: 0.95}}"
+      "\n  - {method: test.field, label: slow, set: {factor: 0.9, takes_s: 2.0e-5}}"
+      "\n  - {method: test.field, label: good, set: {factor: 0.99, takes_s: 1.0e-5}}"
+      "\n  - {method: test.field, label: other, set: {factor: 0.9, takes_s: 1.0e-5}}",
+      "run: {repeats: 8, warmup: 1, halving_from: 3}\n"
+      "frontier: {families: {ours: [quick, slow, good], theirs: [other]}, against: [theirs], at: [0.1]}\n",
+      "{method: test.field, levels: 2}");
+  const auto count = [&] {
+    std::map<std::string, int> repeats;
+    for (const json& record : read_records(fixture_.folder() / "run/records.jsonl"))
+      ++repeats[record.at("label").get<std::string>()];
+    return repeats;
+  };
+  fixture_.run(plan);
+  const std::map<std::string, int> expected{
+      {"reference", 1}, {"quick", 9}, {"slow", 4}, {"good", 9}, {"other", 9}};
+  EXPECT_EQ(count(), expected);
+  std::ifstream file(fixture_.folder() / "run/provenance.json");
+  const json provenance = json::parse(file);
+  EXPECT_EQ(provenance.at("repeats_ended"),
+            json::parse(
+                R"({"block/slow": {"reason": "halved", "repeats": 3, "width": null, "by": "block/quick"}})"));
+  EXPECT_EQ(provenance.at("repeats_of"), json({{"block/slow", 3}}));
+  EXPECT_TRUE(fixture_.run(plan, true).is_whole);
+  EXPECT_EQ(count(), expected) << "gone on with, the same is left out";
+}
+
 TEST_F(DeformRun, AnErrorOfATenthIsFoundToBeOne) {
   const auto plan = add_plan(
       "\n  - {method: test.field, label: exact}\n  - {method: test.field, label: stiff, set: {factor: 0.9}}"

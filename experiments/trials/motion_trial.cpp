@@ -1,4 +1,4 @@
-#include "experiments/envelope/motion_trial.h"
+#include "experiments/trials/motion_trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/mesh/io/medit.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/files/output_file.h"
 #include "experiments/scene_reader/scene_motion.h"
@@ -74,23 +75,71 @@ double history_difference(const ProbeHistory& coarse, const ProbeHistory& fine) 
   return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
 }
 
-MotionTrial run_motion_trial(const json& scene_json, const FittedFolder& fitted, const Registry& registry,
-                             const fs::path& folder, const volatile std::sig_atomic_t* stop_flag) {
-  create_folder(folder);
+json with_fixed_step(const json& scene, double step_s, const json& probes_m) {
+  json out = scene;
+  json& dynamic = out["analysis"]["dynamic"];
+  dynamic["time_step_s"] = step_s;
+  dynamic["allow_unstable"] = true;
+  dynamic["frames"] = 0;
+  dynamic["samples"] = 400;
+  dynamic["probes_m"] = probes_m;
+  dynamic.erase("safety");
+  return out;
+}
+
+json spread_probes(std::span<const Vec3> points, std::size_t count) {
+  json places = json::array();
+  if (points.empty()) return places;
+  std::vector<double> gap_sq(points.size(), std::numeric_limits<double>::infinity());
+  std::size_t next = 0;
+  while (places.size() < std::min(count, points.size())) {
+    const Vec3 at = points[next];
+    places.push_back({at.x, at.y, at.z});
+    for (std::size_t v = 0; v < gap_sq.size(); ++v)
+      gap_sq[v] = std::min(gap_sq[v], length_sq(points[v] - at));
+    next = static_cast<std::size_t>(std::max_element(gap_sq.begin(), gap_sq.end()) - gap_sq.begin());
+  }
+  return places;
+}
+
+json choose_probes(const Scene& scene, const fs::path& fitted_mesh, std::size_t count) {
+  if (!scene.require || scene.require->places.empty())
+    return spread_probes(read_medit(fitted_mesh, ReadOrientation::kKeep).mesh.points, count);
+  const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
+  std::vector<Vec3> chosen;
+  for (const std::size_t v : find_error_points(*place_scene(scene, mesh).require, mesh))
+    chosen.push_back(mesh.points[v]);
+  return spread_probes(chosen, count);
+}
+
+MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settings,
+                             const Registry& registry) {
+  create_folder(settings.folder);
   json placed = scene_json;
-  placed["mesh"]["file"] = fs::absolute(fitted.folder / "organ.mesh").lexically_normal().string();
-  placed.erase("envelope");
-  write_file_atomically(folder / "scene.yaml", placed.dump(1) + "\n");
-  const Scene scene = read_scene(folder / "scene.yaml");
+  placed["mesh"] = {{"file", fs::absolute(settings.mesh).lexically_normal().string()}, {"unit_m", 1}};
+  for (const char* key : {"envelope", "require", "probes_m"}) placed.erase(key);
+  if (placed["model"].contains("frozen"))  // beside the mesh, unless it says where
+    placed["model"]["frozen"] =
+        fs::absolute(settings.mesh.parent_path() / placed["model"]["frozen"].get<std::string>())
+            .lexically_normal()
+            .string();
+  write_file_atomically(settings.folder / "scene.yaml", placed.dump(1) + "\n");
+  const Scene scene = read_scene(settings.folder / "scene.yaml");
   const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
   const reference::MovingBody body = build_moving_body(place_scene(scene, mesh), mesh, registry);
-  ContestantTask task = start_moving_task("engine.replay", body, mesh, registry, folder / "body");
-  task.stop_flag = stop_flag;
-  task.options["stop_after_s"] = kTrialSeconds;
+  ContestantTask task = start_moving_task("engine.replay", body, mesh, registry, settings.folder / "body");
+  task.stop_flag = settings.stop_flag;
+  task.options["stop_after_s"] = settings.timeout_s;
   const ContestantAnswer answer = run_moving_task(task, scene.analysis_where);
   MotionTrial trial;
   trial.outcome = answer.outcome == "interrupted" ? "interrupted" : answer.report.value("outcome", "");
-  trial.step_s = answer.report.value("time_step_s", 0.0);
+  if (answer.report.is_object()) {
+    trial.step_s = answer.report.value("time_step_s", 0.0);
+    trial.kernel_s = answer.report.value("kernel_s", 0.0);
+    trial.simulated_s = answer.report.value("simulated_s", 0.0);
+    const json force = answer.report.value("frozen_force_most_n", json());
+    trial.frozen_force_n = force.is_number() ? force.get<double>() : 0.0;
+  }
   if (trial.outcome == "completed") trial.history = read_probe_history(answer.output);
   return trial;
 }
