@@ -1,9 +1,14 @@
 #include "experiments/contests/simplified_mesh.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/error.h"
 #include "core/mesh/io/medit.h"
+#include "core/simplify/sizing/size_file.h"
 #include "experiments/contestants/answer_cache.h"
 #include "experiments/files/output_file.h"
+#include "experiments/grading/graded_sizes.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/plan_reader/plan_contestant.h"
 
@@ -27,6 +32,15 @@ const SweepAxis* stop_axis(const Plan& plan) {
     if (axis.is_stop()) return &axis;
   }
   return nullptr;
+}
+
+/// The tets that a stop leaves. Throws: InputError for a stop without a count.
+std::uint64_t count_of(const Stop& stop, const TetMesh& whole) {
+  const auto tets = static_cast<double>(whole.tets.size());
+  if (stop.kind == StopKind::kTets) return static_cast<std::uint64_t>(stop.value);
+  if (stop.kind == StopKind::kRatio)
+    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::floor(tets * (1.0 - stop.value))));
+  throw InputError("grade", 0, "a stop by tets or by ratio", stop_name(stop.kind));
 }
 
 void read_simplifier_list(const YamlFields& fields, Plan& plan, const Registry& registry) {
@@ -61,6 +75,8 @@ void read_simplifier_list(const YamlFields& fields, Plan& plan, const Registry& 
       value->fail("simplifiers stop at a count or a ratio, not at the tets of another");
     if (!simplifier.keep.empty() || !simplifier.seeds.empty())
       value->fail("simplifiers take neither \"keep\" nor \"seeds\" here");
+    if (simplifier.grade && plan.contest != "deform")
+      value->fail("\"grade\" belongs to simplifiers of the contest deform, not of " + plan.contest);
     plan.simplifiers.push_back(std::move(simplifier));
   }
 }
@@ -88,7 +104,8 @@ std::string simplified_id(const Plan& plan, const Case& run_case, const std::str
 }
 
 SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplifier, const Stop& stop,
-                             const fs::path& folder, const ContestSetting& setting) {
+                             const fs::path& folder, const ContestSetting& setting,
+                             const BoundaryProblem* problem) {
   SimplifiedMesh simplified;
   create_folder(folder);
   ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
@@ -96,6 +113,18 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   task.options = resolve_options(*task.method.method, simplifier.set);
   task.stop = stop;
   task.timeout_s = kSimplifierTimeout;
+  if (simplifier.grade) {
+    require(problem != nullptr, "simplify_mesh: graded without a problem");
+    const GradedSizes graded = find_graded_sizes(
+        *simplifier.grade, {whole, *problem, {}}, count_of(stop, whole),
+        {setting.registry, folder / "pilot", setting.threads, setting.stop_flag});
+    simplified.failure = graded.failure;
+    if (!graded.failure.empty()) return simplified;
+    const fs::path sizes = fs::absolute(folder / "sizes.csv");
+    simplify::write_sizes(sizes, graded.sizes);
+    task.options["sizes"] = sizes.string();
+    simplified.grading = graded.facts;
+  }
   bool was_kept = false;
   const ContestantAnswer answer = run_cached(task, was_kept);
   if (answer.outcome != "ok") {

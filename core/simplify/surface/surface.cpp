@@ -45,17 +45,19 @@ struct Run {
   const SurfaceOptions& options;
   SizingField field;
   double volume = 0.0;
+  double room = 0.0;  ///< the volume, where the field wants less over its relative size cubed
   WorkingMesh mesh;
   std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
   GuardedBoundary boundary;
   SurfaceRunReport report;
-  double area = 0.0;
+  double area = 0.0;  ///< graded_area of the input's skin
   ScoreRule scores;
 
   Run(TetMesh&& input, const SurfaceOptions& given)
       : options(given),
-        field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
+        field(given.sizing, input),
         volume(total_volume(input)),
+        room(field.is_empty() ? volume : graded_volume(input, field)),
         mesh(build_working_mesh(std::move(input), field)),
         level(given.sparing ? 0 : kErrorLevels.size() - 1),
         boundary(mesh, kErrorLevels[level] * given.max_surface_error),
@@ -66,21 +68,29 @@ struct Run {
     report.input_contact = boundary.find_contact(mesh);
     for (Index f = 0; f < boundary.slots(); ++f) {
       const Triangle& t = boundary.face(f);
-      const Vec3& p = mesh.points[t[0]];
-      area += 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+      area += graded_area(t);
     }
+  }
+
+  /// Area of a face, over the square of the relative size wanted at its middle.
+  double graded_area(const Triangle& t) const {
+    const Vec3& p = mesh.points[t[0]];
+    const double flat = 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+    if (field.is_empty()) return flat;
+    const double size = field.relative_size((1.0 / 3.0) * (p + mesh.points[t[1]] + mesh.points[t[2]]));
+    return flat / (size * size);
   }
 
   bool has_changed_boundary() const { return report.surface.collapses > 0; }
 
   void aim_at(double tets) {
-    scores = ScoreRule(scale_of_ideal_volume(volume / std::max(1.0, tets)), field);
+    scores = ScoreRule(scale_of_ideal_volume(room / std::max(1.0, tets)), field);
     std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
   }
 
   /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
   std::uint64_t faces_for(double tets) const {
-    const double edge = options.boundary_size * std::cbrt(volume / (kTetShare * tets));
+    const double edge = options.boundary_size * std::cbrt(room / (kTetShare * tets));
     return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
   }
 
@@ -88,7 +98,7 @@ struct Run {
   double tets_for_faces() const {
     const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
     const double inner = edge / options.boundary_size;
-    return volume / (kTetShare * inner * inner * inner);
+    return room / (kTetShare * inner * inner * inner);
   }
 };
 
