@@ -1,14 +1,11 @@
 #include "experiments/contests/simplified_mesh.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/base/error.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/sizing/size_file.h"
 #include "experiments/contestants/answer_cache.h"
 #include "experiments/files/output_file.h"
-#include "experiments/grading/graded_sizes.h"
+#include "experiments/grading/graded_mesh.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/plan_reader/plan_contestant.h"
 
@@ -32,15 +29,6 @@ const SweepAxis* stop_axis(const Plan& plan) {
     if (axis.is_stop()) return &axis;
   }
   return nullptr;
-}
-
-/// The tets that a stop leaves. Throws: InputError for a stop without a count.
-std::uint64_t count_of(const Stop& stop, const TetMesh& whole) {
-  const auto tets = static_cast<double>(whole.tets.size());
-  if (stop.kind == StopKind::kTets) return static_cast<std::uint64_t>(stop.value);
-  if (stop.kind == StopKind::kRatio)
-    return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::floor(tets * (1.0 - stop.value))));
-  throw InputError("grade", 0, "a stop by tets or by ratio", stop_name(stop.kind));
 }
 
 void read_simplifier_list(const YamlFields& fields, Plan& plan, const Registry& registry) {
@@ -81,6 +69,25 @@ void read_simplifier_list(const YamlFields& fields, Plan& plan, const Registry& 
   }
 }
 
+/// Puts the sizes that the problem wants beside the mesh and into the task. Returns why there are none.
+std::string add_sizes(const GradedBody& body, const PlanContestant& simplifier, const Stop& stop,
+                      const fs::path& folder, const ContestSetting& setting, ContestantTask& task,
+                      nlohmann::json& facts) {
+  try {
+    const GradedSizes graded =
+        find_graded_sizes(*simplifier.grade, body, tets_after(stop, body.mesh.tets.size()),
+                          {setting.registry, folder / "pilot", setting.threads, setting.stop_flag});
+    if (!graded.failure.empty()) return simplifier.label + ": " + graded.failure;
+    const fs::path sizes = fs::absolute(folder / "sizes.csv");
+    simplify::write_sizes(sizes, graded.sizes);
+    task.options["sizes"] = sizes.string();
+    facts = graded.facts;
+    return "";
+  } catch (const InputError& error) {  // nothing of a kind that other scenes of the plan have
+    return "grading by " + simplifier.label + ": " + error.what();
+  }
+}
+
 }  // namespace
 
 std::vector<SweepAxis> read_simplifiers(const YamlFields& fields, Plan& plan, const Registry& registry) {
@@ -115,15 +122,8 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   task.timeout_s = kSimplifierTimeout;
   if (simplifier.grade) {
     require(problem != nullptr, "simplify_mesh: graded without a problem");
-    const GradedSizes graded = find_graded_sizes(
-        *simplifier.grade, {whole, *problem, {}}, count_of(stop, whole),
-        {setting.registry, folder / "pilot", setting.threads, setting.stop_flag});
-    simplified.failure = graded.failure;
-    if (!graded.failure.empty()) return simplified;
-    const fs::path sizes = fs::absolute(folder / "sizes.csv");
-    simplify::write_sizes(sizes, graded.sizes);
-    task.options["sizes"] = sizes.string();
-    simplified.grading = graded.facts;
+    simplified.failure = add_sizes({whole, *problem, {}}, simplifier, stop, folder, setting, task, simplified.grading);
+    if (!simplified.failure.empty()) return simplified;
   }
   bool was_kept = false;
   const ContestantAnswer answer = run_cached(task, was_kept);

@@ -11,6 +11,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/scene_writer/placed_text.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -75,24 +76,6 @@ json describe_savings(const FitResult& result) {
   return savings;
 }
 
-json region_json(const Region& region) {
-  const auto list = [](const Vec3& v) { return json{v.x, v.y, v.z}; };
-  switch (region.kind) {
-    case Region::Kind::kSphere:
-      return {{"sphere", {{"center_m", list(region.center)}, {"radius_m", region.radius}}}};
-    case Region::Kind::kHalfSpace:
-      return {{"half_space", {{"normal", list(region.normal)}, {"offset_m", region.offset}}}};
-    case Region::Kind::kBox:
-      break;
-  }
-  return {{"box", {{"low_m", list(region.low)}, {"high_m", list(region.high)}}}};
-}
-
-void put_region(const Region& region, json& entry) {
-  for (const char* key : {"sphere", "half_space", "box"}) entry.erase(key);
-  entry.update(region_json(region));
-}
-
 json model_json(const FitModel& model) {
   const std::size_t dot = model.method.find('.');
   const std::string kind = model.method.substr(0, dot);
@@ -101,33 +84,11 @@ json model_json(const FitModel& model) {
   return out;
 }
 
-/// A mapping whose values stand on a line each; lists of mappings a line an entry. JSON, which YAML reads.
-std::string lines_of(const json& scene) {
-  std::ostringstream text;
-  for (const auto& [key, value] : scene.items()) {
-    if (!value.is_array()) {
-      text << key << ": " << value.dump() << '\n';
-      continue;
-    }
-    text << key << ":\n";
-    for (const json& item : value) text << "  - " << item.dump() << '\n';
-  }
-  return text.str();
-}
-
 /// The scene with the chosen mesh and model. Regions are in metres: they stay where the whole mesh had them.
 std::string fitted_scene(const FitResult& result, const Scene& placed) {
-  json scene = read_yaml(result.scene.file).json();
-  scene["mesh"] = {{"file", "organ.mesh"}, {"unit_m", 1}};
+  json scene = placed_scene(result.scene, placed, "organ.mesh");
   scene["model"] = model_json(result.choice->candidate.model);
-  for (std::size_t k = 0; k < placed.clamps.size(); ++k)
-    put_region(placed.clamps[k].region, scene["clamp"][k]);
-  for (std::size_t k = 0; k < placed.loads.size(); ++k) {
-    json& load = scene["load"][k];
-    if (load.contains("displace")) put_region(placed.loads[k].region, load["displace"]);
-    if (load.contains("force")) put_region(placed.loads[k].region, load["force"]);
-  }
-  return "# Made by palpate fit: " + result.choice->candidate.name() + "\n" + lines_of(scene);
+  return "# Made by palpate fit: " + result.choice->candidate.name() + "\n" + lines_of_scene(scene);
 }
 
 std::string percent_of(const json& share) {

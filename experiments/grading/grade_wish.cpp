@@ -13,7 +13,7 @@ constexpr double kLeastSize = 0.01;
 constexpr double kLongest = 1e3;  // m
 
 const std::vector<std::string>& near_words() {
-  static const std::vector<std::string> words{"pads", "forces", "supports", "probes"};
+  static const std::vector<std::string> words{"loads", "pads", "forces", "supports", "probes"};
   return words;
 }
 

@@ -34,7 +34,7 @@ std::vector<Triangle> faces_of_word(const std::string& word, const BoundaryProbl
   const auto add = [&](const std::vector<Triangle>& more) {
     faces.insert(faces.end(), more.begin(), more.end());
   };
-  const bool pads = word == "pads";
+  const bool pads = word == "pads" || word == "loads";
   if (pads || word == "supports") {
     for (const HeldFaces& held : problem.held) {
       if ((length_sq(held.by_m) > 0.0) == pads) add(held.faces);
@@ -43,7 +43,7 @@ std::vector<Triangle> faces_of_word(const std::string& word, const BoundaryProbl
       if (is_pushed(support) == pads) add(support.patch.faces);
     }
   }
-  if (word == "forces") {
+  if (word == "forces" || word == "loads") {
     for (const Traction& traction : problem.tractions) add(traction.patch.faces);
     for (const NodalForce& force : problem.nodal_forces)
       faces.push_back({force.vertex, force.vertex, force.vertex});
@@ -155,7 +155,10 @@ GradedSizes find_graded_sizes(const GradeWish& wish, const GradedBody& body, std
     const Material& material = body.problem.material;
     const std::vector<double> errors = simplify::estimate_tet_errors(body.mesh, material.lambda_pa(),
                                                                      material.mu_pa(), displacement);
-    const std::vector<double> by_error = simplify::sizes_of_errors(body.mesh, errors, wish.least_size);
+    std::vector<double> even(body.mesh.points.size(), 1.0);
+    const double edge = simplify::fit_sizes(body.mesh, tets, even);  // of a mesh of one size
+    const std::vector<double> by_error =
+        simplify::sizes_of_errors(body.mesh, errors, wish.least_size, edge);
     for (std::size_t v = 0; v < by_error.size(); ++v)
       result.sizes[v] = std::min(result.sizes[v], by_error[v]);
   }

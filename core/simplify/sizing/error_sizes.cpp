@@ -23,6 +23,7 @@ constexpr double kTetVolume = 0.1;
 constexpr double kEasyShare = 0.1;  ///< of the volume: where errors are least
 constexpr double kExponent = -0.2;  ///< of linear elements in three dimensions: -1 / (2 + 3)
 constexpr int kFitSteps = 60;
+constexpr double kMostRounds = 400.0;  ///< of spreading: twenty edges
 
 struct TetPlaces {
   std::array<Vec3, 4> p;
@@ -82,6 +83,35 @@ double linear_energy(const std::array<Stress, 4>& d, double volume, double lambd
   return 0.5 * volume / 20.0 * (own + compliance_product(sum, sum, lambda, mu));
 }
 
+/// Rounds in which each vertex takes the mean of itself and its neighbours, by weight: n of them spread by
+/// about the root of n mean edges.
+void spread_values(const TetMesh& mesh, const std::vector<double>& weight, double spread,
+                   std::vector<double>& value) {
+  const std::vector<Edge> edges = build_edges(mesh);
+  double sum = 0.0;
+  for (const auto& [a, b] : edges) sum += length(mesh.points[b] - mesh.points[a]);
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(1, edges.size()));
+  const double steps = mean > 0.0 ? spread / mean : 0.0;
+  const int rounds = static_cast<int>(std::min(std::floor(steps * steps), kMostRounds));
+  std::vector<double> top(value.size());
+  std::vector<double> bottom(value.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t v = 0; v < value.size(); ++v) {
+      top[v] = weight[v] * value[v];
+      bottom[v] = weight[v];
+    }
+    for (const auto& [a, b] : edges) {
+      top[a] += weight[b] * value[b];
+      bottom[a] += weight[b];
+      top[b] += weight[a] * value[a];
+      bottom[b] += weight[a];
+    }
+    for (std::size_t v = 0; v < value.size(); ++v) {
+      if (bottom[v] > 0.0) value[v] = top[v] / bottom[v];
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<double> estimate_tet_errors(const TetMesh& mesh, double lambda_pa, double mu_pa,
@@ -116,7 +146,9 @@ std::vector<double> estimate_tet_errors(const TetMesh& mesh, double lambda_pa, d
 }
 
 std::vector<double> sizes_of_errors(const TetMesh& mesh, std::span<const double> tet_errors,
-                                    double least_size) {
+                                    double least_size, double spread) {
+  if (!(spread >= 0.0 && std::isfinite(spread)))
+    throw InputError("spread", 0, "a finite length of at least 0", short_number(spread));
   if (!(least_size > 0.0 && least_size <= 1.0))
     throw InputError("least_size", 0, "a number above 0, at most 1", short_number(least_size));
   require(tet_errors.size() == mesh.tets.size(), "sizes_of_errors: one error a tet");
@@ -130,12 +162,15 @@ std::vector<double> sizes_of_errors(const TetMesh& mesh, std::span<const double>
       weight[v] += volume;
     }
   }
+  for (std::size_t v = 0; v < density.size(); ++v) {
+    if (weight[v] > 0.0) density[v] /= weight[v];
+  }
+  spread_values(mesh, weight, spread, density);
   double whole = 0.0;
   std::vector<std::pair<double, double>> sorted;  // density, volume
   sorted.reserve(density.size());
   for (std::size_t v = 0; v < density.size(); ++v) {
     if (!(weight[v] > 0.0)) continue;
-    density[v] /= weight[v];
     whole += weight[v];
     sorted.emplace_back(density[v], weight[v]);
   }

@@ -27,12 +27,15 @@ std::vector<double> estimate_tet_errors(const TetMesh& mesh, double lambda_pa, d
 ///   error density e_T / V_T = c h_T^2, so c = e_T / (V_T h_T^2), h_T = V_T^(1/3);
 ///   least integral of c h^2 with the integral of h^-3 given:  h = (c / c_least)^(-1/5), at most 1
 ///
-/// c is averaged by volume over the tets at a vertex; c_least is the value that a tenth of the volume lies
-/// below, so the sizes there are 1. Nothing is smaller than `least_size`. A field without error has size 1.
+/// c is averaged by volume over the tets at a vertex, then over neighbours until it has spread by about
+/// `spread`: a coarse mesh cannot follow what is narrower than its edges. c_least is the value that a tenth
+/// of the volume lies below, so the sizes there are 1. Nothing is smaller than `least_size`. A field without
+/// error has size 1.
 ///
-/// Requires: positive tets, one error a tet, not negative. Throws: InputError for a least_size outside (0, 1].
+/// Requires: positive tets, one error a tet, not negative. Throws: InputError for a least_size outside (0, 1],
+/// a spread that is negative or not finite.
 std::vector<double> sizes_of_errors(const TetMesh& mesh, std::span<const double> tet_errors,
-                                    double least_size);
+                                    double least_size, double spread);
 
 /// Lowers sizes until no edge's ends differ by more than `growth` a wanted edge length: for an edge of length
 /// l, size_a <= size_b + growth l / far, with `far` the edge length where the size is 1.

@@ -81,6 +81,11 @@ void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& re
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
   plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
+  for (const PlanContestant& contestant : plan.contestants) {
+    if (contestant.grade)
+      fields.need("contestants").fail("\"grade\" of " + contestant.label +
+                                      " needs a scene: it belongs to simplifiers of the contest deform");
+  }
   auto part = std::make_shared<SimplifyPart>();
   if (const auto region = fields.find("region")) part->region = read_kept_regions(*region);
   if (const auto equal_count = fields.find("equal_count")) part->equal_count = equal_count->number(1e-6, 0.1);
