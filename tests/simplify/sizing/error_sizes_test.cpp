@@ -92,7 +92,9 @@ TEST(ErrorSizes, AreTheFifthRootOfTheDensityDownToTheLeast) {
   const std::vector<double> spread = sizes_of_errors(mesh, errors, 0.1, 3.0);
   for (std::size_t v = 0; v < sizes.size(); ++v) {
     const double x = mesh.points[v].x;
-    if (x != 4.0) EXPECT_NEAR(sizes[v], x > 4.0 ? 0.5 : 1.0, 1e-12);
+    if (x != 4.0) {
+      EXPECT_NEAR(sizes[v], x > 4.0 ? 0.5 : 1.0, 1e-12);
+    }
     EXPECT_NEAR(bounded[v], std::max(0.7, sizes[v]), 1e-12);
     EXPECT_GE(spread[v], 0.5 - 1e-12);
     EXPECT_LE(spread[v], 1.0);
