@@ -11,7 +11,8 @@ namespace {
 Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
                            const RunSettings& run) {
   const YamlFields fields = value.fields(
-      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "required"});
+      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "equal_distance",
+       "required"});
   Comparison comparison;
   comparison.of = known_label(fields.need("of"), contestants);
   const YamlValue against = fields.need("against_best_of");
@@ -40,6 +41,7 @@ Comparison read_comparison(const YamlValue& value, const std::vector<PlanContest
   if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
   if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
   if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);
+  if (const auto near = fields.find("equal_distance")) near->boolean();  // the report reads it
   check_required(fields);
   return comparison;
 }
