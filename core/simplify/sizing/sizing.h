@@ -51,6 +51,7 @@ class SizingField {
 
   bool is_empty() const { return regions_.empty() && sizes_ == nullptr; }
   bool keeps_any() const { return !regions_.empty(); }
+  bool has_sizes() const { return sizes_ != nullptr; }
   double near_size() const { return near_size_; }  ///< the least relative size; 1 for an empty field
   double reach() const { return reach_; }          ///< where relative sizes become 1; 0 for an empty field
 

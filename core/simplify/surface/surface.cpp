@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -94,6 +95,13 @@ struct Run {
     return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
   }
 
+  /// Where sizes differ, what is refused in one place must not be made up for in another: no edge that is
+  /// longer than wanted is collapsed while there is a plan. Relative to the wanted size.
+  double longest_for(double tets, double boundary_size) const {
+    if (field.is_empty()) return std::numeric_limits<double>::infinity();
+    return boundary_size * std::cbrt(room / (kTetShare * std::max(1.0, tets)));
+  }
+
   /// The other way round: tets that go with the boundary as it is.
   double tets_for_faces() const {
     const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
@@ -105,8 +113,10 @@ struct Run {
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough.
-void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
+void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
+                      double longest = std::numeric_limits<double>::infinity()) {
   SurfaceCollapseOptions options;
+  options.longest = longest;
   options.face_target = faces;
   options.tet_target = tets;
   for (;; ++run.level) {
@@ -120,8 +130,10 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
   }
 }
 
-void coarsen_inside(Run& run, std::uint64_t tets) {
+void coarsen_inside(Run& run, std::uint64_t tets,
+                    double longest = std::numeric_limits<double>::infinity()) {
   CollapseOptions options;
+  options.longest = longest;
   options.target = tets;
   for (const double least : kLeastScores) {
     if (run.mesh.alive <= tets) return;
@@ -149,8 +161,10 @@ void coarsen_to(Run& run, double target) {
   for (int k = 1; k <= stages; ++k) {
     const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
     run.aim_at(tets);
-    coarsen_boundary(run, run.faces_for(k < stages ? tets : target), static_cast<std::uint64_t>(target));
-    coarsen_inside(run, static_cast<std::uint64_t>(tets));
+    const double faces_of = k < stages ? tets : target;
+    coarsen_boundary(run, run.faces_for(faces_of), static_cast<std::uint64_t>(target),
+                     run.longest_for(faces_of, run.options.boundary_size));
+    coarsen_inside(run, static_cast<std::uint64_t>(tets), run.longest_for(tets, 1.0));
     even_out(run);
   }
 }
