@@ -7,7 +7,7 @@ set -euo pipefail
 root=$(cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/../.." && pwd)
 build=${1:-$root/build/release} out=${2:-.}
 # Contestants and tools whose vendors bring some hundred packages with them; without theirs they are unavailable, and say so.
-optional=(bullet_step fenicsx_deform gmsh_remesh palpate_gmsh palpate_vtk vtk_quadric)
+optional=(bullet_step fenicsx_deform gmsh_remesh madlib_adapt netgen_remesh palpate_gmsh palpate_vtk tetgen_coarsen vtk_quadric)
 
 give_up() {
   printf 'make_deb.sh: %s\n' "$*" >&2

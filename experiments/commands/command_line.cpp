@@ -33,6 +33,7 @@ std::string version_text() {
 void add_commands(CLI::App& app, int& exit_code) {
   add_run_command(app, exit_code);
   add_check_command(app, exit_code);
+  add_grade_command(app, exit_code);
   add_fit_command(app, exit_code);
   add_envelope_command(app, exit_code);
   add_workflow_command(app, exit_code);

@@ -22,6 +22,7 @@ void add_check_command(CLI::App& app, int& exit_code);
 void add_envelope_command(CLI::App& app, int& exit_code);
 void add_fit_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
+void add_grade_command(CLI::App& app, int& exit_code);
 void add_export_command(CLI::App& app, int& exit_code);
 void add_gate_command(CLI::App& app, int& exit_code);
 void add_history_command(CLI::App& app, int& exit_code);

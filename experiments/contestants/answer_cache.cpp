@@ -26,6 +26,12 @@ json key_of(const ContestantTask& task) {
               {"program", hash_contestant(*task.method.contestant)},
               {"mesh", hash_file(task.mesh_in)},
               {"options", task.options}};
+  // A file that an option names counts by what it holds, wherever it lies.
+  for (const OptionSpec& option : task.method.method->options) {
+    if (option.type != OptionType::kFile || !task.options.contains(option.name)) continue;
+    const std::string file = task.options.at(option.name).get<std::string>();
+    if (!file.empty()) key["options"][option.name] = hash_file(file);
+  }
   if (task.problem_in.empty()) {
     key["stop"] = stop_request(task.stop);
   } else {

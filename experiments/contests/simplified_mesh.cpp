@@ -2,8 +2,10 @@
 
 #include "core/base/error.h"
 #include "core/mesh/io/medit.h"
+#include "core/simplify/sizing/size_file.h"
 #include "experiments/contestants/answer_cache.h"
 #include "experiments/files/output_file.h"
+#include "experiments/grading/graded_mesh.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/plan_reader/plan_contestant.h"
 
@@ -61,7 +63,28 @@ void read_simplifier_list(const YamlFields& fields, Plan& plan, const Registry& 
       value->fail("simplifiers stop at a count or a ratio, not at the tets of another");
     if (!simplifier.keep.empty() || !simplifier.seeds.empty())
       value->fail("simplifiers take neither \"keep\" nor \"seeds\" here");
+    if (simplifier.grade && plan.contest != "deform")
+      value->fail("\"grade\" belongs to simplifiers of the contest deform, not of " + plan.contest);
     plan.simplifiers.push_back(std::move(simplifier));
+  }
+}
+
+/// Puts the sizes that the problem wants beside the mesh and into the task. Returns why there are none.
+std::string add_sizes(const GradedBody& body, const PlanContestant& simplifier, const Stop& stop,
+                      const fs::path& folder, const ContestSetting& setting, ContestantTask& task,
+                      nlohmann::json& facts) {
+  try {
+    const GradedSizes graded =
+        find_graded_sizes(*simplifier.grade, body, tets_after(stop, body.mesh.tets.size()),
+                          {setting.registry, folder / "pilot", setting.threads, setting.stop_flag});
+    if (!graded.failure.empty()) return simplifier.label + ": " + graded.failure;
+    const fs::path sizes = fs::absolute(folder / "sizes.csv");
+    simplify::write_sizes(sizes, graded.sizes);
+    task.options["sizes"] = sizes.string();
+    facts = graded.facts;
+    return "";
+  } catch (const InputError& error) {  // nothing of a kind that other scenes of the plan have
+    return "grading by " + simplifier.label + ": " + error.what();
   }
 }
 
@@ -88,7 +111,8 @@ std::string simplified_id(const Plan& plan, const Case& run_case, const std::str
 }
 
 SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplifier, const Stop& stop,
-                             const fs::path& folder, const ContestSetting& setting) {
+                             const fs::path& folder, const ContestSetting& setting,
+                             const BoundaryProblem* problem) {
   SimplifiedMesh simplified;
   create_folder(folder);
   ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
@@ -96,6 +120,11 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   task.options = resolve_options(*task.method.method, simplifier.set);
   task.stop = stop;
   task.timeout_s = kSimplifierTimeout;
+  if (simplifier.grade) {
+    require(problem != nullptr, "simplify_mesh: graded without a problem");
+    simplified.failure = add_sizes({whole, *problem, {}}, simplifier, stop, folder, setting, task, simplified.grading);
+    if (!simplified.failure.empty()) return simplified;
+  }
   bool was_kept = false;
   const ContestantAnswer answer = run_cached(task, was_kept);
   if (answer.outcome != "ok") {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
 #include "experiments/contests/contest.h"
 
@@ -18,13 +19,16 @@ struct SimplifiedMesh {
   TetMesh mesh;         ///< in metres
   nlohmann::json report;
   std::optional<double> kernel_s;
+  nlohmann::json grading;  ///< of a graded one: GradedSizes::facts; else null
 };
 
 /// Simplifies a mesh in metres (which the simplifier sees in millimetres), or takes the answer from the
-/// cache. `folder` takes the mesh that is handed over. A mesh that the judge finds invalid, or that has lost
+/// cache. `folder` takes the mesh that is handed over, and the sizes of a simplifier that is graded by
+/// `problem`, which only such a one needs. A mesh that the judge finds invalid, or that has lost
 /// no tetrahedra where some were to go, is a failure.
 SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplifier, const Stop& stop,
-                             const std::filesystem::path& folder, const ContestSetting& setting);
+                             const std::filesystem::path& folder, const ContestSetting& setting,
+                             const BoundaryProblem* problem = nullptr);
 
 /// Whether a case has a mesh of a simplifier of its plan, and not the one as it is.
 bool is_simplified(const Plan& plan, const Case& run_case);

@@ -12,6 +12,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/scene_writer/placed_text.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -308,7 +309,7 @@ void write_fit(const FitResult& result, const fs::path& folder) {
       write_file_atomically(folder / "frozen.json",
                             reference::read_json_file(result.frozen_file).dump() + "\n");
     write_file_atomically(folder / "scene.yaml", "# Made by palpate fit: " + result.choice->candidate.name() +
-                                                     "\n" + scene_lines(fitted));
+                                                     "\n" + lines_of_scene(fitted));
   }
   write_file_atomically(folder / "fit.md", fit_text(result, fit));
   write_file_atomically(folder / "fit.json", fit.dump(1) + "\n");

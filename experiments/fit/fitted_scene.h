@@ -2,7 +2,6 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "experiments/fit/fit_candidates.h"
 #include "experiments/scene_reader/scene.h"
@@ -12,8 +11,5 @@ namespace palpate::experiments {
 /// The scene with the model and `organ.mesh` (metres) beside it. Regions are in metres: they stay where the
 /// scene's own mesh had them. `placed` is the scene on that (place_scene).
 nlohmann::json build_fitted_scene(const Scene& placed, const FitModel& model);
-
-/// A mapping whose values stand on a line each; lists of mappings a line an entry. JSON, which YAML reads.
-std::string scene_lines(const nlohmann::json& scene);
 
 }  // namespace palpate::experiments

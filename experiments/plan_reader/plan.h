@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "experiments/contestants/contestant.h"
+#include "experiments/grading/grade_wish.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/plan_reader/sweep.h"
 #include "experiments/scene_reader/scene.h"
@@ -55,7 +56,8 @@ struct PlanContestant {
   /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).
   std::map<std::string, std::vector<nlohmann::json>> at;
   std::vector<std::string> tags;  ///< words by which a run may choose its cases
-  bool required = true;           ///< false: its outcome does not decide the exit code
+  std::optional<GradeWish> grade;  ///< a simplifier of the contest deform: sizes by the scene
+  bool required = true;            ///< false: its outcome does not decide the exit code
   std::optional<bool> timed;      ///< in place of the plan's
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.

@@ -108,7 +108,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     return entry;
   }
   const YamlFields fields = value.fields({"method", "label", "tags", "stop", "set", "train", "keep", "seeds",
-                                          "required", "timed", "scenes", "at", "own_limit"});
+                                          "required", "timed", "scenes", "at", "own_limit", "grade"});
   const YamlValue method = fields.need("method");
   Entry entry{{}, value, fields.find("stop"), find_method(method, method.text(), contest, registry)};
   PlanContestant& contestant = entry.contestant;
@@ -140,6 +140,13 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     if (!entry.method.method->keeps)
       keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
     contestant.keep = read_kept_regions(*keep);
+  }
+  if (const auto grade = fields.find("grade")) {
+    if (entry.method.method->find_option("sizes") == nullptr)
+      grade->fail("method " + contestant.method + " takes no sizes: palpate.refined and palpate.surface do");
+    if (contestant.set.count("sizes") > 0)
+      grade->fail("\"grade\" and the option \"sizes\" exclude each other");
+    contestant.grade = read_grade(*grade, registry);
   }
   if (const auto seeds = fields.find("seeds")) {
     if (entry.method.method->find_option("seed") == nullptr) {

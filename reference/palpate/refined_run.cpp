@@ -8,6 +8,7 @@
 #include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
 #include "reference/palpate/objective.h"
+#include "reference/palpate/wanted_sizes.h"
 #include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
@@ -19,9 +20,16 @@ bool take_switch(json& options, const char* key, bool fallback) {
   return take_option<bool>(options, key, &json::is_boolean, "true or false", fallback);
 }
 
-simplify::RefinedOptions read_refined_options(const Request& request) {
-  json left = request.options;
+/// The options, and the file of wanted sizes if there is one.
+struct RefinedRequest {
   simplify::RefinedOptions options;
+  std::filesystem::path sizes;
+};
+
+RefinedRequest read_refined_options(const Request& request) {
+  json left = request.options;
+  RefinedRequest result;
+  simplify::RefinedOptions& options = result.options;
   options.stop = read_stop(request.stop);
   options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", options.effort);
@@ -39,19 +47,22 @@ simplify::RefinedOptions read_refined_options(const Request& request) {
   tools.compound_moves = take_switch(left, "compound_moves", tools.compound_moves);
   tools.edge_splits = take_switch(left, "edge_splits", tools.edge_splits);
   options.sizing = take_sizing_options(request.keep, left);
+  result.sizes = take_sizes_file(left);
   require_all_taken(left);
   simplify::validate_options(options);
-  return options;
+  return result;
 }
 
 }  // namespace
 
 Response run_refined(const Request& request) {
-  const simplify::RefinedOptions options = read_refined_options(request);
+  const RefinedRequest asked = read_refined_options(request);
+  simplify::RefinedOptions options = asked.options;
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
   const Stopwatch watch;
+  options.sizing.sizes = load_sizes(asked.sizes, file.mesh);
   simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
   if (report.stop == "limit") {
     file.mesh = read_medit(request.input).mesh;

@@ -11,6 +11,7 @@
 #include "reference/door/request_options.h"
 #include "reference/palpate/methods.h"
 #include "reference/palpate/objective.h"
+#include "reference/palpate/wanted_sizes.h"
 #include "reference/simplifier_support/fusion_run.h"
 
 namespace palpate::reference {
@@ -18,11 +19,12 @@ namespace {
 
 using nlohmann::json;
 
-/// The options, and how many metres a unit of the mesh is.
+/// The options, how many metres a unit of the mesh is, and the file of wanted sizes.
 struct SurfaceRequest {
   simplify::SurfaceOptions options;
   double max_error_m = 0.0;
   double unit_m = 1.0;
+  std::filesystem::path sizes;  ///< empty: none
 };
 
 SurfaceRequest read_surface_options(const Request& request) {
@@ -47,6 +49,7 @@ SurfaceRequest read_surface_options(const Request& request) {
   result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
                                                         "true or false", result.options.boundary_smoothing);
   result.options.sizing = take_sizing_options(request.keep, left);
+  result.sizes = take_sizes_file(left);
   require_all_taken(left);
   simplify::validate_options(result.options);
   return result;
@@ -62,11 +65,12 @@ std::string contact_note(const Vec3& place) {
 }  // namespace
 
 Response run_surface(const Request& request) {
-  const SurfaceRequest asked = read_surface_options(request);
+  SurfaceRequest asked = read_surface_options(request);
   MeditFile file = read_medit(request.input);
   Response response;
   response.notes = std::move(file.notes);
   const Stopwatch watch;
+  asked.options.sizing.sizes = load_sizes(asked.sizes, file.mesh);
   const simplify::SurfaceRunReport report = simplify::simplify_surface(file.mesh, asked.options);
   response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 # Own methods have cold colours and the plain marks, peers warm colours and the others; told apart by colour-blind eyes too.
 OWN_COLORS = ["#0072B2", "#009E73", "#56B4E9", "#2f4f4f"]
 OWN_MARKS = ["o", "s", "^", "D"]
-PEER_COLORS = ["#7a5195", "#8c6d1f", "#D55E00", "#CC79A7", "#b22222", "#444444", "#E69F00", "#808000"]
-PEER_MARKS = ["v", "P", "X", "p", "<", ">", "h", "*"]
+PEER_COLORS = ["#7a5195", "#8c6d1f", "#D55E00", "#CC79A7", "#b22222", "#444444", "#E69F00", "#808000", "#a0522d", "#c71585"]
+PEER_MARKS = ["v", "P", "X", "p", "<", ">", "h", "*", "d", "8"]
 OWN = "palpate."
 
 

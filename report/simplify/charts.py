@@ -314,6 +314,8 @@ def draw_charts(whole, claim, folder):
             drawn += draw_timing(run, claim, folder)
         if "quality_time" in names:
             drawn += contest_charts.draw_quality_time(run, contest.read_sections(run), read_families(run), folder)
+        if "quality_distance" in names:
+            drawn += contest_charts.draw_quality_distance(run, contest.read_sections(run), read_families(run), folder)
         if "scaling" in names:
             drawn += scaling_charts.draw_scaling(scaling.read_series(run), read_families(run), folder)
         if "cut_away" in names:

@@ -12,7 +12,8 @@ A peer counts if its answer is accepted and its tetrahedra are within the plan's
 count asked for: two answers can lie on either side of that). A peer that does not count is named with the reason, and with the
 measures in which it is better at its count. Up to the share `input_up_to_ratio` of removed tetrahedra the input is a peer too,
 whatever its count; it cannot stand for the others where none of them counts. A measure that `of` or all peers lack cannot be
-decided.
+decided. With `equal_distance: true` a peer counts only where its skin strays no farther from the input's than that of `of`
+(surface_distance_upper); the others are left out with their distance.
 
 The time ratio is the median over rounds of kernel(`time_against`) / kernel(`of`), the two of one round taken together (of a label
 with seeds its median over them), with the interval of that median. If the comparison has a `time_factor`, the whole interval is to
@@ -36,6 +37,7 @@ from shared.tables import align, outcome_text, write_atomically, write_csv
 from simplify.contest import short_sweep
 from simplify.standings import standings_text
 
+DISTANCE = "surface_distance_upper"
 COLUMNS_A_TABLE = 5  # so that a table stays within some 100 columns
 
 
@@ -48,6 +50,7 @@ class Comparison:
     time_factor: object = None
     input_up_to_ratio: float = -1.0
     required: bool = False
+    equal_distance: bool = False
 
     @property
     def timed(self):
@@ -97,7 +100,7 @@ def read_comparisons(plan_data):
         ratio = figure(entry, "input_up_to_ratio")
         found.append(Comparison(entry["of"], list(entry["against_best_of"]), list(entry["measures"]),
                                 str(entry.get("time_against") or ""), figure(entry, "time_factor"),
-                                -1.0 if ratio is None else ratio, entry.get("required") is True))
+                                -1.0 if ratio is None else ratio, entry.get("required") is True, entry.get("equal_distance") is True))
     return found
 
 
@@ -158,9 +161,18 @@ def counted_peers(run, comparison, mesh, sweep, own_tets):
             left_out.append(f"{label} ({outcome_text(group)})")
         elif not is_equal(tets_of(group), own_tets, tolerance_of(run)):
             left_out.append(f"{label} ({tets_of(group):,.0f} tets{better_in(run, comparison, mesh, sweep, group)})")
+        elif comparison.equal_distance and not strays_no_farther(group, find_group(run, mesh, sweep, comparison.of)):
+            distance = value_of(group, DISTANCE)
+            left_out.append(f"{label} ({'no distance' if distance is None else f'strays {distance:.3g}'})")
         else:
             peers.append((label, group))
     return peers, left_out
+
+
+def strays_no_farther(peer, own):
+    """Whether a peer's skin is no farther from the input's than that of `of`, both as measured from above."""
+    theirs, ours = value_of(peer, DISTANCE), value_of(own, DISTANCE) if own else None
+    return theirs is not None and ours is not None and theirs <= ours
 
 
 def input_counts(comparison, sweep):
@@ -324,7 +336,8 @@ def shortfall_lines(row, with_shortfalls):
 
 
 def peers_text(comparison):
-    return ("the best of " if len(comparison.peers) > 1 else "") + ", ".join(comparison.peers)
+    text = ("the best of " if len(comparison.peers) > 1 else "") + ", ".join(comparison.peers)
+    return text + (" that stray no farther" if comparison.equal_distance else "")
 
 
 def summary_line(rows):

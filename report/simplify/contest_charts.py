@@ -1,4 +1,4 @@
-"""Charts of a contest: quality against time."""
+"""Charts of a contest: quality against time, and against the distance that the skin has moved."""
 
 import matplotlib.pyplot as plt
 from matplotlib.patheffects import withStroke
@@ -113,4 +113,51 @@ def draw_quality_time(run, sections, families, folder):
         set_title(fig, f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"))
         lay_out(fig, foot)
         drawn += save(fig, folder, file_name("quality_time", mesh))
+    return drawn
+
+
+def distance_places(section, family, measure):
+    """(label, distance, value, is ranked) of each label of a family that has both, the nearest first."""
+    found = []
+    for label in family.labels:
+        standing = section.find(label)
+        if standing is None or standing.state == NONE:
+            continue
+        distance, value = standing.values.get("surface_distance_upper"), standing.values.get(measure)
+        if distance is not None and value is not None:
+            found.append((label, distance, value, standing.state == RANKED))
+    return sorted(found, key=lambda place: place[1])
+
+
+def draw_quality_distance(run, sections, families, folder):
+    """One figure a mesh: a row for each measure, a column for each point of the sweep; along, how far the skin strays."""
+    drawn = []
+    for mesh in run.meshes():
+        own = [section for section in sections if section.mesh == mesh and any(
+            distance_places(section, family, MEASURES[0][0]) for family in families)]
+        if not own:
+            continue
+        fig, grid = plt.subplots(len(MEASURES), len(own), figsize=(max(5.0, 3.4 * len(own) + 0.5), 2.5 * len(MEASURES) + 1.6),
+                                 sharex="col", squeeze=False)
+        shown = [family for family in families if any(distance_places(section, family, MEASURES[0][0]) for section in own)]
+        for row, (measure, title) in enumerate(MEASURES):
+            for column, section in enumerate(own):
+                ax = grid[row][column]
+                for family in shown:
+                    draw_family(ax, family, distance_places(section, family, measure))
+                value = figure(run.inputs.get(mesh, {}), "judge", measure)
+                if value is not None:
+                    ax.axhline(value, color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
+                ax.grid(axis="both")
+                ax.margins(0.08, 0.12)
+                if row == 0:
+                    ax.set_title(short_sweep(section.sweep) or mesh, loc="left", fontweight="bold")
+                if row == len(MEASURES) - 1:
+                    ax.set_xlabel("distance of the skins (upper bound, the mesh's unit)")
+                if column == 0:
+                    ax.set_ylabel(title)
+        foot = draw_legend(fig, legend_handles(run, shown, own))
+        set_title(fig, f"{mesh}: quality against how far the skin strays")
+        lay_out(fig, foot)
+        drawn += save(fig, folder, file_name("quality_distance", mesh))
     return drawn

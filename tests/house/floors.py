@@ -33,7 +33,7 @@ PLAN = {
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "live": ["body", "interface"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
-    "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "scene_writer",
+    "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "grading", "scene_writer",
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "trials", "fit", "envelope", "campaign",
                     "live", "commands", "commands/live", "commands/campaign", "."],
     "report": ["shared", "*", "."],

@@ -1,4 +1,4 @@
-// The remeshers of CGAL and gmsh as the runner starts them: real processes, small meshes.
+// The remeshers of CGAL, gmsh, TetGen, Netgen and MAdLib as the runner starts them: real processes, small meshes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -229,6 +229,9 @@ const Promise kPromises[] = {
     {"cgal.remesh_free", "edge_length", false, false, {}},
     {"cgal.collapse", "interior_size", false, true, {{"cost", {"garland_heckbert", "test"}}}},
     {"gmsh.remesh", "interior_size", true, false, {}},
+    {"tetgen.coarsen", "size", true, false, {}},
+    {"netgen.remesh", "longest_edge", true, false, {}},
+    {"madlib.adapt", "edge_length", true, false, {}},
 };
 
 std::string promise_name(const testing::TestParamInfo<Promise>& promise) {

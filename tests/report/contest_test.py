@@ -14,6 +14,11 @@ def rounds(line, times=9):
     return [{**line, "repeat": i} for i in range(times)]
 
 
+def strayed(line, distance):
+    """An answer whose skin is so far from the input's."""
+    return {**line, "judge": {**line["judge"], "surface_distance_upper": distance}}
+
+
 class Contest(ReportTest):
     def run_contest(self, lines, plan=None):
         """The rows of contest.csv by label, and what the report prints."""
@@ -309,6 +314,20 @@ class Comparisons(ReportTest):
         rows, _ = self.compare([start, answer("refined", 96), answer("cgal_1", 95, tets=7000)])
         self.assertEqual((rows["percent_above_0_5"]["verdict"], rows["mean_quality"]["verdict"]), ("cannot be decided", "short"))
 
+    def test_at_equal_distance_only_peers_that_stray_no_farther_count(self):
+        entry = {"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["percent_above_0_5"]}
+        lines = [strayed(answer("refined", 90, kernel_s=0.02), 2.0), strayed(answer("cgal_1", 95, kernel_s=0.2), 5.0),
+                 strayed(answer("cgal_2", 80, kernel_s=0.2), 2.0)]
+        far, _ = self.compare(lines, {**synthetic.CONTEST, "comparisons": [entry]})
+        self.assertEqual(far["percent_above_0_5"]["verdict"], "short")
+        near, text = self.compare(lines, {**synthetic.CONTEST, "comparisons": [{**entry, "equal_distance": True}]})
+        self.assertEqual(near["percent_above_0_5"]["verdict"], "met")
+        self.assertIn("cgal_1 (strays 5)", text)
+        self.assertIn("that stray no farther", text)
+        alone, text = self.compare([strayed(answer("refined", 90, kernel_s=0.02), 1.0), *lines[1:]],
+                                   {**synthetic.CONTEST, "comparisons": [{**entry, "equal_distance": True}]})
+        self.assertEqual(alone["percent_above_0_5"]["verdict"], "cannot be decided")
+
     def test_a_measure_where_less_is_better(self):
         plan = {**synthetic.CONTEST, "comparisons": [{"of": "refined", "against_best_of": ["cgal_1", "cgal_2"], "measures": ["kernel_s"]}]}
         lines = [line for label, time in (("refined", 0.3), ("cgal_1", 0.2), ("cgal_2", 0.4))
@@ -367,6 +386,21 @@ class QualityTimeChart(ReportTest):
         self.assertEqual([float(line.get_xdata()[0]) for line in hollow], [5.0])
         curve, = [line for line in ax.get_lines() if len(line.get_xdata()) == 3]
         self.assertEqual(list(curve.get_xdata()), [10.0, 20.0, 40.0])
+
+    def test_the_other_chart_holds_every_answer_that_has_a_distance(self):
+        from unittest import mock
+        from simplify import charts
+        from simplify import contest_charts
+        from shared import records
+        lines = [strayed(answer("s_1", 90, method="palpate.surface"), 0.5), strayed(answer("free", 95, method="cgal.remesh_free"), 4.0),
+                 answer("kept", 80, method="palpate.refined")]
+        synthetic.write_run(self.folder, lines, {**synthetic.CONTEST, "charts": ["quality_distance"]})
+        drawn = {}
+        with mock.patch.object(contest_charts, "save", lambda figure, _, name: drawn.update({name: figure}) or [name]):
+            charts.draw_charts(records.read_run(self.folder), None, self.folder / "charts")
+        ax = drawn["quality_distance_kidney"].axes[0]
+        marks = [line for line in ax.get_lines() if line.get_marker() not in ("None", None) and len(line.get_xdata()) == 1]
+        self.assertEqual(sorted((float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in marks), [(0.5, 90.0), (4.0, 95.0)])
 
     def test_the_same_records_give_the_same_bytes(self):
         synthetic.write_run(self.folder, self.CURVE, synthetic.CONTEST)

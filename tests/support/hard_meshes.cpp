@@ -6,7 +6,9 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/subdivision/bisection.h"
 #include "core/mesh/topology.h"
+#include "core/simplify/sizing/triangle_tree.h"
 
 namespace palpate::testing_support {
 namespace {
@@ -79,10 +81,13 @@ TetMesh make_three_parts(int n, std::uint64_t seed) {
                      translated(make_divided_ring(n, seed + 1), {0, apart, 0}));
 }
 
-TetMesh shaken(TetMesh mesh, double amount, std::uint64_t seed) {
+namespace {
+
+/// Moves these vertices by up to `amount` per axis, less where a tet would not stay positive.
+TetMesh moved(TetMesh mesh, const std::vector<Index>& vertices, double amount, std::uint64_t seed) {
   SplitMix64 random(seed);
   const VertexStars stars = build_vertex_stars(mesh);
-  for (const Index v : inner_vertices(mesh)) {
+  for (const Index v : vertices) {
     const auto one = [&] { return amount * (2.0 * random.uniform() - 1.0); };
     const double x = one();
     const double y = one();
@@ -96,6 +101,31 @@ TetMesh shaken(TetMesh mesh, double amount, std::uint64_t seed) {
     }
   }
   return mesh;
+}
+
+}  // namespace
+
+TetMesh shaken(TetMesh mesh, double amount, std::uint64_t seed) {
+  const std::vector<Index> inner = inner_vertices(mesh);
+  return moved(std::move(mesh), inner, amount, seed);
+}
+
+TetMesh roughened(TetMesh mesh, double amount, std::uint64_t seed) {
+  const std::vector<std::uint8_t> flags = build_boundary_vertex_flags(mesh);
+  std::vector<Index> outer;
+  for (Index v = 0; v < flags.size(); ++v) {
+    if (flags[v] != 0) outer.push_back(v);
+  }
+  return moved(std::move(mesh), outer, amount, seed);
+}
+
+TetMesh with_fine_skin(const TetMesh& mesh, double factor) {
+  const simplify::TriangleTree skin(mesh.points, build_boundary(mesh));
+  const BoundingBox box = bounding_box(mesh.points);
+  const double reach = 0.15 * longest_side(box);
+  const auto size = [&](const Vec3& place) { return 0.3 + skin.distance(place, reach) / reach; };
+  const auto wanted = static_cast<std::size_t>(factor * static_cast<double>(mesh.points.size()));
+  return bisect_edges(mesh, wanted, size).mesh;
 }
 
 TetMesh squashed(TetMesh mesh, double relative, std::uint64_t every, std::uint64_t seed) {
@@ -141,6 +171,12 @@ std::vector<HardMesh> list_hard_meshes(std::uint64_t seed) {
       {"slivers", stretched(cube, 0, 0, -24)},
       {"needles", stretched(cube, -20, -20, 0)},
       {"slivers in a needle", stretched(cube, -30, 0, -12)},
+      {"rough skin", roughened(build_kuhn_cube(6, 0.2, seed), 0.04, seed)},
+      {"fine skin", with_fine_skin(roughened(build_kuhn_cube(5, 0.2, seed), 0.04, seed), 3.0)},
+      {"fine skin, genus 1", with_fine_skin(roughened(make_divided_ring(2, seed), 0.2, seed), 4.0)},
+      {"fine skin, genus 3", with_fine_skin(roughened(make_three_holes(2, seed), 0.2, seed), 3.0)},
+      {"fine skin, cavity", with_fine_skin(roughened(make_divided_hollow(2, seed), 0.2, seed), 3.0)},
+      {"fine skin, flat", stretched(with_fine_skin(roughened(make_three_holes(2, seed), 0.2, seed), 3.0), 0, 0, -6)},
       {"tiny", stretched(cube, -100, -100, -100)},
       {"huge", stretched(cube, 90, 90, 90)},
   };

@@ -31,6 +31,14 @@ TetMesh squashed(TetMesh mesh, double relative, std::uint64_t every, std::uint64
 /// Stretches by powers of two, which rounds nothing: slivers, needles.
 TetMesh stretched(TetMesh mesh, int power_x, int power_y, int power_z);
 
+/// Moves each boundary vertex by up to `amount` per axis; a move is halved until every tet around stays
+/// positive. With less than a quarter of a cell the skin cannot meet itself.
+TetMesh roughened(TetMesh mesh, double amount, std::uint64_t seed);
+
+/// Halves edges at the skin, the longest first, until there are `factor` times as many vertices: a skin that is
+/// finer than the inside, as users' meshes have it, with needles among its faces.
+TetMesh with_fine_skin(const TetMesh& mesh, double factor);
+
 /// A mesh and what is hard about it.
 struct HardMesh {
   std::string name;

@@ -231,20 +231,9 @@ class Run {
 };
 
 /// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the
-/// mesh: the integral of 1 / size^3 over the target.
+/// mesh.
 double ideal_volume(const TetMesh& mesh, const SizingField& field, std::uint64_t target) {
-  double sum = 0.0;
-  for (const Tet& t : mesh.tets) {
-    const std::array<Vec3, 4> p{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]};
-    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
-    if (field.is_empty()) {
-      sum += volume;
-    } else {
-      const double size = field.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3]));
-      sum += volume / (size * size * size);
-    }
-  }
-  return sum / static_cast<double>(std::max<std::uint64_t>(1, target));
+  return graded_volume(mesh, field) / static_cast<double>(std::max<std::uint64_t>(1, target));
 }
 
 }  // namespace
@@ -267,7 +256,7 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   report.vertices_in = mesh.points.size();
   report.tets_in = mesh.tets.size();
   const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
-  const SizingField field = options.sizing.keep.empty() ? SizingField() : SizingField(options.sizing, mesh);
+  const SizingField field(options.sizing, mesh);
   if (mesh.tets.size() > target) {
     const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
     Run run(build_working_mesh(std::move(mesh), field), scores, options, target);

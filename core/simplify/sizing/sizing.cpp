@@ -77,6 +77,8 @@ SizingField::SizingField(const SizingOptions& options, const TetMesh& mesh) {
   check(options.reach >= 0.0 && std::isfinite(options.reach), "reach", "a finite number of at least 0",
         options.reach);
   for (const KeptRegion& region : options.keep) check_region(region);
+  sizes_ = options.sizes;
+  if (sizes_ != nullptr) near_size_ = sizes_->least();
   if (options.keep.empty()) return;
   std::vector<Triangle> boundary;
   for (const KeptRegion& given : options.keep) {
@@ -93,7 +95,8 @@ SizingField::SizingField(const SizingOptions& options, const TetMesh& mesh) {
     }
     regions_.push_back(region);
   }
-  near_size_ = options.near_size;
+  region_size_ = options.near_size;
+  near_size_ = std::min(near_size_, region_size_);
   const BoundingBox box = bounding_box(mesh.points);
   reach_ = options.reach > 0.0 ? options.reach : 0.25 * length(box.high - box.low);
 }
@@ -118,11 +121,12 @@ double SizingField::distance(const Vec3& x) const {
 }
 
 double SizingField::relative_size(const Vec3& x) const {
+  const double wanted = sizes_ != nullptr ? sizes_->at(x) : 1.0;
   double least = reach_;
   for (const Region& region : regions_) least = std::min(least, distance_to(region, x, least));
-  if (!(least < reach_)) return 1.0;
+  if (!(least < reach_)) return wanted;
   const double t = least / reach_;
-  return near_size_ + (1.0 - near_size_) * t * t * (3.0 - 2.0 * t);
+  return std::min(wanted, region_size_ + (1.0 - region_size_) * t * t * (3.0 - 2.0 * t));
 }
 
 bool SizingField::meets(const std::array<Vec3, 4>& tet) const {
@@ -154,8 +158,23 @@ bool GrowthBound::admits(const std::array<Vec3, 4>& tet) const {
   return volume < allowed(field_->relative_size(0.25 * (tet[0] + tet[1] + tet[2] + tet[3])));
 }
 
+double graded_volume(const TetMesh& mesh, const SizingField& field) {
+  double sum = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const std::array<Vec3, 4> p{mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]};
+    const double volume = signed_volume(p[0], p[1], p[2], p[3]);
+    if (field.is_empty()) {
+      sum += volume;
+    } else {
+      const double size = field.relative_size(0.25 * (p[0] + p[1] + p[2] + p[3]));
+      sum += volume / (size * size * size);
+    }
+  }
+  return sum;
+}
+
 std::vector<std::uint8_t> build_kept_tets(const SizingField& field, const TetMesh& mesh) {
-  if (field.is_empty()) return {};
+  if (!field.keeps_any()) return {};
   std::vector<std::uint8_t> kept(mesh.tets.size());
   std::transform(mesh.tets.begin(), mesh.tets.end(), kept.begin(), [&](const Tet& t) {
     return static_cast<std::uint8_t>(

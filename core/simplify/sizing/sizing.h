@@ -1,12 +1,14 @@
-// Regions of a mesh that a scene needs in full, and how far sizes may grow away from them.
+// Regions of a mesh that a scene needs in full, how far sizes may grow away from them, and wanted sizes.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
+#include "core/simplify/sizing/size_grid.h"
 #include "core/simplify/sizing/triangle_tree.h"
 
 namespace palpate::simplify {
@@ -26,12 +28,13 @@ struct KeptRegion {
   double depth = 0.0;
 };
 
-/// What to keep, and how sizes grade from there.
+/// What to keep, how sizes grade from there, and the sizes that are wanted anyway.
 struct SizingOptions {
   std::vector<KeptRegion> keep;
   double near_size = 0.5;  ///< relative size at a region's border, in (0, 1]
   double reach =
       0.0;  ///< distance at which the relative size is 1; 0: a quarter of the bounding box's diagonal
+  std::shared_ptr<const SizeGrid> sizes = nullptr;  ///< wanted everywhere (make_size_grid); null: one size
 };
 
 /// The wanted edge length over that of the far field, and the distance to what is kept.
@@ -46,11 +49,13 @@ class SizingField {
   /// boundary vertex lies in.
   SizingField(const SizingOptions& options, const TetMesh& mesh);
 
-  bool is_empty() const { return regions_.empty(); }
-  double near_size() const { return near_size_; }  ///< 1 for an empty field
+  bool is_empty() const { return regions_.empty() && sizes_ == nullptr; }
+  bool keeps_any() const { return !regions_.empty(); }
+  bool has_sizes() const { return sizes_ != nullptr; }
+  double near_size() const { return near_size_; }  ///< the least relative size; 1 for an empty field
   double reach() const { return reach_; }          ///< where relative sizes become 1; 0 for an empty field
 
-  /// Distance from x to the nearest region; 0 inside. Infinite for an empty field. Lipschitz with constant 1.
+  /// Distance from x to the nearest region; 0 inside. Infinite without regions. Lipschitz with constant 1.
   double distance(const Vec3& x) const;
 
   /// The relative size at x, in (0, 1]: near_size at a region, 1 from `reach` on.
@@ -58,7 +63,8 @@ class SizingField {
   ///   near_size + (1 - near_size) (3 t^2 - 2 t^3),   t = min(1, distance / reach)
   ///
   /// Without a step or a kink at t = 0 and t = 1; between regions there may be a kink where the nearest one
-  /// changes. Lipschitz with the constant 1.5 (1 - near_size) / reach.
+  /// changes. Lipschitz with the constant 1.5 (1 - near_size) / reach. With sizes that are wanted anyway the
+  /// less of both.
   double relative_size(const Vec3& x) const;
 
   /// Does a tet of the mesh meet a region? Without a margin: the least distance over the whole tet, not over
@@ -75,9 +81,14 @@ class SizingField {
 
   std::vector<Region> regions_;
   std::vector<TriangleTree> patches_;
+  std::shared_ptr<const SizeGrid> sizes_;
+  double region_size_ = 1.0;  ///< relative size at a region
   double near_size_ = 1.0;
   double reach_ = 0.0;
 };
+
+/// The integral of 1 / relative size^3 over the mesh: its volume, counted by the room that a tet gets.
+double graded_volume(const TetMesh& mesh, const SizingField& field);
 
 /// Passes with a bound on growth, before the last one without.
 inline constexpr int kGradingPasses = 8;

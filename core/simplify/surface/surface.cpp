@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/base/error.h"
@@ -45,17 +46,19 @@ struct Run {
   const SurfaceOptions& options;
   SizingField field;
   double volume = 0.0;
+  double room = 0.0;  ///< the volume, where the field wants less over its relative size cubed
   WorkingMesh mesh;
   std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
   GuardedBoundary boundary;
   SurfaceRunReport report;
-  double area = 0.0;
+  double area = 0.0;  ///< graded_area of the input's skin
   ScoreRule scores;
 
   Run(TetMesh&& input, const SurfaceOptions& given)
       : options(given),
-        field(given.sizing.keep.empty() ? SizingField() : SizingField(given.sizing, input)),
+        field(given.sizing, input),
         volume(total_volume(input)),
+        room(field.is_empty() ? volume : graded_volume(input, field)),
         mesh(build_working_mesh(std::move(input), field)),
         level(given.sparing ? 0 : kErrorLevels.size() - 1),
         boundary(mesh, kErrorLevels[level] * given.max_surface_error),
@@ -66,37 +69,54 @@ struct Run {
     report.input_contact = boundary.find_contact(mesh);
     for (Index f = 0; f < boundary.slots(); ++f) {
       const Triangle& t = boundary.face(f);
-      const Vec3& p = mesh.points[t[0]];
-      area += 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+      area += graded_area(t);
     }
+  }
+
+  /// Area of a face, over the square of the relative size wanted at its middle.
+  double graded_area(const Triangle& t) const {
+    const Vec3& p = mesh.points[t[0]];
+    const double flat = 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
+    if (field.is_empty()) return flat;
+    const double size = field.relative_size((1.0 / 3.0) * (p + mesh.points[t[1]] + mesh.points[t[2]]));
+    return flat / (size * size);
   }
 
   bool has_changed_boundary() const { return report.surface.collapses > 0; }
 
   void aim_at(double tets) {
-    scores = ScoreRule(scale_of_ideal_volume(volume / std::max(1.0, tets)), field);
+    scores = ScoreRule(scale_of_ideal_volume(room / std::max(1.0, tets)), field);
     std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
   }
 
   /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
   std::uint64_t faces_for(double tets) const {
-    const double edge = options.boundary_size * std::cbrt(volume / (kTetShare * tets));
+    const double edge = options.boundary_size * std::cbrt(room / (kTetShare * tets));
     return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
+  }
+
+  /// Where sizes differ, what is refused in one place must not be made up for in another: no edge that is
+  /// longer than wanted is collapsed while there is a plan. Relative to the wanted size.
+  double longest_for(double tets, double boundary_size) const {
+    if (field.is_empty()) return std::numeric_limits<double>::infinity();
+    return boundary_size * std::cbrt(room / (kTetShare * std::max(1.0, tets)));
   }
 
   /// The other way round: tets that go with the boundary as it is.
   double tets_for_faces() const {
     const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
     const double inner = edge / options.boundary_size;
-    return volume / (kTetShare * inner * inner * inner);
+    return room / (kTetShare * inner * inner * inner);
   }
 };
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough.
-void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
+void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
+                      double longest = std::numeric_limits<double>::infinity()) {
   SurfaceCollapseOptions options;
+  options.longest = longest;
   options.face_target = faces;
   options.tet_target = tets;
   for (;; ++run.level) {
@@ -110,8 +130,10 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets) {
   }
 }
 
-void coarsen_inside(Run& run, std::uint64_t tets) {
+void coarsen_inside(Run& run, std::uint64_t tets,
+                    double longest = std::numeric_limits<double>::infinity()) {
   CollapseOptions options;
+  options.longest = longest;
   options.target = tets;
   for (const double least : kLeastScores) {
     if (run.mesh.alive <= tets) return;
@@ -139,8 +161,10 @@ void coarsen_to(Run& run, double target) {
   for (int k = 1; k <= stages; ++k) {
     const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
     run.aim_at(tets);
-    coarsen_boundary(run, run.faces_for(k < stages ? tets : target), static_cast<std::uint64_t>(target));
-    coarsen_inside(run, static_cast<std::uint64_t>(tets));
+    const double faces_of = k < stages ? tets : target;
+    coarsen_boundary(run, run.faces_for(faces_of), static_cast<std::uint64_t>(target),
+                     run.longest_for(faces_of, run.options.boundary_size));
+    coarsen_inside(run, static_cast<std::uint64_t>(tets), run.longest_for(tets, 1.0));
     even_out(run);
   }
 }

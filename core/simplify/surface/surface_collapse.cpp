@@ -109,7 +109,7 @@ class BoundaryCollapser {
   void empty_heap() {
     while (!is_done()) {
       std::optional<WaitingEdge> edge = edges_.pop();
-      if (!edge) return;
+      if (!edge || edge->key > options_.longest * options_.longest) return;
       if (has_changed_since(*edge) && try_collapse(edge->a, edge->b)) continue;
       edge->refused_at = static_cast<std::uint32_t>(report_.collapses + 1);
       edges_.park(*edge);
@@ -208,7 +208,7 @@ class BoundaryCollapser {
       ++report_.rejected_link;
       return false;
     }
-    star_.start(scores_.at(mesh_.points[survivor]), mesh_.points[survivor]);
+    star_.start(scores_.of_collapse(mesh_, gone, survivor, mesh_.points[survivor]), mesh_.points[survivor]);
     add_star(mesh_, gone, survivor, star_);
     if (survivor_moves) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "core/simplify/surface/guarded_boundary.h"
 #include "core/simplify/tet_operations/score_rule.h"
@@ -15,6 +16,8 @@ struct SurfaceCollapseOptions {
   double least_score = 0.0;       ///< a collapse may leave no tet below this
   std::uint64_t face_target = 0;  ///< stop at the first state with at most so many boundary faces ...
   std::uint64_t tet_target = 0;   ///< ... or tets
+  double longest = std::numeric_limits<double>::infinity();  ///< edges that are longer, over the relative
+                                                             ///< size wanted at their middle, stay
 };
 
 /// What became of the candidates.

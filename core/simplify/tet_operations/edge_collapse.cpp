@@ -43,7 +43,7 @@ class Collapser {
   void empty_heap() {
     while (mesh_.alive > options_.target) {
       const std::optional<WaitingEdge> edge = edges_.pop();
-      if (!edge) return;
+      if (!edge || edge->key > options_.longest * options_.longest) return;
       if (!try_collapse(edge->a, edge->b)) edges_.park(*edge);
     }
   }
@@ -103,7 +103,7 @@ class Collapser {
     Index gone = a;
     Index survivor = b;
     if (!mesh_.is_free(gone)) std::swap(gone, survivor);
-    star_.start(rule_.at(mesh_.points[survivor]), mesh_.points[survivor]);
+    star_.start(rule_.of_collapse(mesh_, gone, survivor, mesh_.points[survivor]), mesh_.points[survivor]);
     add_star(mesh_, gone, survivor, star_);
     if (mesh_.is_free(survivor)) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
@@ -20,6 +21,8 @@ struct CollapseOptions {
   CollapsePlacement placement = CollapsePlacement::kFirst;
   double least_score = 0.0;  ///< a collapse may leave no tet at or below this
   std::uint64_t target = 0;  ///< stop at the first state with at most so many tets
+  double longest = std::numeric_limits<double>::infinity();  ///< edges that are longer, over the relative
+                                                             ///< size wanted at their middle, stay
 };
 
 /// What became of the candidates.

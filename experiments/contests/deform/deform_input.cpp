@@ -183,10 +183,11 @@ DeformReference solve_reference(const DeformInput& input, const ContestSetting& 
 
 SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,
                                const fs::path& folder, const ContestSetting& setting) {
-  SimplifiedMesh made = simplify_mesh(input.own.mesh, simplifier, stop, folder, setting);
+  SimplifiedMesh made = simplify_mesh(input.own.mesh, simplifier, stop, folder, setting, &input.own.problem);
   SimplifiedInput simplified;
   simplified.failure = made.failure;
   simplified.kernel_s = made.kernel_s;
+  simplified.grading = made.grading;
   if (!made.failure.empty()) return simplified;
   simplified.files.mesh = std::move(made.mesh);
   try {

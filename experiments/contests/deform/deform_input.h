@@ -47,6 +47,7 @@ struct SimplifiedInput {
   std::string failure;  ///< why there is none; empty if there is
   ProblemFiles files;
   std::optional<double> kernel_s;  ///< of the simplifier
+  nlohmann::json grading;          ///< where it was graded: what by
 };
 
 /// Makes the mesh, places the scene on it and writes both below `folder`.

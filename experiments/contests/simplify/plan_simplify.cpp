@@ -11,7 +11,8 @@ namespace {
 Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
                            const RunSettings& run) {
   const YamlFields fields = value.fields(
-      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "required"});
+      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "equal_distance",
+       "required"});
   Comparison comparison;
   comparison.of = known_label(fields.need("of"), contestants);
   const YamlValue against = fields.need("against_best_of");
@@ -40,6 +41,7 @@ Comparison read_comparison(const YamlValue& value, const std::vector<PlanContest
   if (time_factor && !time_against) time_factor->fail("\"time_factor\" needs \"time_against\"");
   if (time_factor) comparison.time_factor = time_factor->number(1e-6, 1e6);
   if (const auto ratio = fields.find("input_up_to_ratio")) comparison.input_up_to_ratio = ratio->number(0, 1);
+  if (const auto near = fields.find("equal_distance")) near->boolean();  // the report reads it
   check_required(fields);
   return comparison;
 }
@@ -81,6 +83,11 @@ void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& re
   if (const auto sweep = fields.find("sweep"))
     plan.sweep = read_sweep(*sweep, {"tets_removed_ratio", "fusions", "tets"});
   plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
+  for (const PlanContestant& contestant : plan.contestants) {
+    if (contestant.grade)
+      fields.need("contestants").fail("\"grade\" of " + contestant.label +
+                                      " needs a scene: it belongs to simplifiers of the contest deform");
+  }
   auto part = std::make_shared<SimplifyPart>();
   if (const auto region = fields.find("region")) part->region = read_kept_regions(*region);
   if (const auto equal_count = fields.find("equal_count")) part->equal_count = equal_count->number(1e-6, 0.1);

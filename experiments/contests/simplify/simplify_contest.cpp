@@ -122,7 +122,7 @@ const ContestKind& simplify_contest() {
                                 {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
                                 {"meshes"},
                                 {},
-                                {"histograms", "overview", "timing", "quality_time", "scaling", "cut_away"},
+                                {"histograms", "overview", "timing", "quality_time", "quality_distance", "scaling", "cut_away"},
                                 read_simplify_plan,
                                 cross_cases,
                                 [](const ContestSetting& setting) -> std::unique_ptr<Contest> {

@@ -85,6 +85,11 @@ void expect_sound(const TetMesh& output, const TetMesh& input, bool same_boundar
 
 SizingOptions random_sizing(const TetMesh& mesh, SplitMix64& random) {
   SizingOptions sizing;
+  if (random.below(4) == 0) {
+    std::vector<double> sizes(mesh.points.size());
+    for (double& size : sizes) size = 0.2 + random.uniform();
+    sizing.sizes = make_size_grid(mesh, sizes);
+  }
   if (random.below(3) != 0) return sizing;
   const Vec3 center = mesh.points[random.below(mesh.points.size())];
   const BoundingBox box = bounding_box(mesh.points);

@@ -1,0 +1,75 @@
+#include "experiments/grading/graded_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/error.h"
+#include "core/mesh/io/medit.h"
+#include "core/simplify/sizing/size_file.h"
+#include "experiments/files/output_file.h"
+#include "experiments/files/scratch_folder.h"
+
+namespace palpate::experiments {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kSimplifierUnit_m = 1e-3;  // as in the contests
+constexpr double kGraderTimeout = 3600.0;   // s
+
+TetMesh in_unit(TetMesh mesh, double factor) {
+  for (Vec3& point : mesh.points) point = factor * point;
+  return mesh;
+}
+
+}  // namespace
+
+std::uint64_t tets_after(const Stop& stop, std::uint64_t tets) {
+  if (stop.kind == StopKind::kTets) return static_cast<std::uint64_t>(stop.value);
+  if (stop.kind != StopKind::kRatio)
+    throw InputError("grade", 0, "a stop by tets or by ratio", stop_name(stop.kind));
+  const double left = std::floor(static_cast<double>(tets) * (1.0 - stop.value));
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
+}
+
+GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const MethodEntry& simplifier,
+                            const std::map<std::string, GivenOption>& options, const Stop& stop,
+                            const PilotSetting& setting) {
+  const MethodSpec& method = *simplifier.method;
+  if (method.find_option("sizes") == nullptr)
+    throw InputError("--method", 0, "a method that takes sizes, such as palpate.refined or palpate.surface",
+                     method.name);
+  GradedMesh graded;
+  graded.wanted = find_graded_sizes(wish, body, tets_after(stop, body.mesh.tets.size()), setting);
+  graded.failure = graded.wanted.failure;
+  if (!graded.failure.empty()) return graded;
+  create_folder(setting.folder);
+  const ScratchFolder scratch;
+  ContestantTask task;
+  task.method = simplifier;
+  task.scratch = scratch.path();
+  task.mesh_in = scratch.file("in.mesh");
+  write_medit(task.mesh_in, in_unit(body.mesh, 1.0 / kSimplifierUnit_m));
+  const fs::path sizes = scratch.file("sizes.csv");
+  simplify::write_sizes(sizes, graded.wanted.sizes);
+  task.options = resolve_options(method, options);
+  task.options["sizes"] = sizes.string();
+  if (method.find_option("unit_m") != nullptr && options.count("unit_m") == 0)
+    task.options["unit_m"] = kSimplifierUnit_m;
+  task.stop = stop;
+  task.threads = setting.threads;
+  task.timeout_s = kGraderTimeout;
+  task.stop_flag = setting.stop_flag;
+  const ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(method.name + ": " + answer.message);
+  if (answer.outcome != "ok") {
+    graded.failure = method.name + ": " + answer.outcome + ": " + answer.message;
+    return graded;
+  }
+  graded.report = answer.report;
+  graded.kernel_s = answer.kernel_s;
+  graded.notes = answer.notes;
+  graded.mesh = in_unit(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit_m);
+  return graded;
+}
+
+}  // namespace palpate::experiments
