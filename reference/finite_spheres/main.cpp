@@ -8,7 +8,6 @@
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
 #include "reference/finite_spheres/collocation.h"
-#include "reference/finite_spheres/solution.h"
 #include "reference/finite_spheres/sphere_field.h"
 #include "reference/finite_spheres/sphere_system.h"
 

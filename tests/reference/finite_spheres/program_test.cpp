@@ -12,7 +12,7 @@
 #include "reference/closed_form/known_cases.h"
 #include "reference/closed_form/solutions.h"
 #include "reference/door/deform_problem.h"
-#include "reference/finite_spheres/solution.h"
+#include "reference/finite_spheres/sphere_system.h"
 #include "tests/support/contestant_starter.h"
 
 namespace palpate::reference {
