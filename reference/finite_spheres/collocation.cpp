@@ -99,7 +99,7 @@ bool fit_stencil(const TetMesh& mesh, Index centre, double radius, const std::ve
 struct BoundaryVertex {
   bool is_boundary = false;
   Vec3 area_m2;
-  double size_m2 = 0.0;
+  double volume_m3 = 0.0;  ///< a quarter of its tets'
   double support_n_per_m = 0.0;
   Vec3 force_n;  ///< tractions, forces, and supports that are moved
   std::array<bool, 3> held{};
@@ -117,8 +117,12 @@ std::vector<BoundaryVertex> gather_boundary(const TetMesh& mesh, const BoundaryP
     for (const Index v : f) {
       out[v].is_boundary = true;
       out[v].area_m2 = out[v].area_m2 + third;
-      out[v].size_m2 += length(third);
     }
+  }
+  for (const Tet& t : mesh.tets) {
+    const double quarter =
+        0.25 * signed_volume(mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]], mesh.points[t[3]]);
+    for (const Index v : t) out[v].volume_m3 += quarter;
   }
   const auto each_corner = [&](const FacePatch& patch, const auto& add) {
     for (std::size_t k = 0; k < patch.faces.size(); ++k) {
@@ -188,15 +192,12 @@ class RowBuilder {
     const Material& material = problem_.material;
     std::vector<Mat3> blocks(stencil.neighbours.size());
     for (std::size_t k = 0; k < blocks.size(); ++k) {
-      blocks[k] = at.is_boundary ? traction_block(material, stencil.first[k], at.area_m2)
-                                 : balance_block(material, stencil.second[k]);
+      blocks[k] = (-at.volume_m3) * balance_block(material, stencil.second[k]);
+      if (at.is_boundary) blocks[k] += traction_block(material, stencil.first[k], at.area_m2);
       if (at.is_boundary && stencil.neighbours[k] == v) blocks[k] += at.support_n_per_m * dynamics::kIdentity;
     }
-    Vec3 right = at.force_n;
-    if (!at.is_boundary) {
-      right = (-material.density_kg_m3) * problem_.gravity_m_s2;
-      if (!problem_.body_force_n_m3.empty()) right = right - problem_.body_force_n_m3[v];
-    }
+    Vec3 right = at.force_n + (at.volume_m3 * material.density_kg_m3) * problem_.gravity_m_s2;
+    if (!problem_.body_force_n_m3.empty()) right = right + at.volume_m3 * problem_.body_force_n_m3[v];
     for (std::size_t axis = 0; axis < 3; ++axis) add_row(v, axis, stencil, blocks, right);
   }
 

@@ -44,12 +44,15 @@ struct CollocationResult {
 /// Solves
 ///
 ///   inside          (lambda + mu) grad div u + mu lap u + b = 0
-///   on the boundary sum over the vertex's faces of A / 3 (sigma n + w kappa (u - by) - w t) = F
+///   on the boundary sum over the vertex's faces of A / 3 (sigma n + w kappa (u - by) - w t) - F
+///                   = V ((lambda + mu) grad div u + mu lap u + b)
 ///   held            u = by
 ///
 /// at each moving vertex; those at rest have u = 0. A / 3 is the vertex's part of a face, w the part of the
-/// face that belongs to a region, F a force on the vertex. The matrix is not symmetric; it is factored by
-/// Eigen's sparse LU.
+/// face that belongs to a region, F a force on the vertex, V a quarter of its tets: what the tractions of a
+/// boundary cell leave over, its inside takes up (E. Onate, Comput. Methods Appl. Mech. Engrg. 151 (1998),
+/// 233-265). With V = 0, tractions alone, displacements were off by as much as they are, and more. The matrix
+/// is not symmetric; it is factored by Eigen's sparse LU.
 CollocationResult solve_collocation(const TetMesh& mesh, const BoundaryProblem& problem,
                                     const std::vector<DerivativeStencil>& stencils,
                                     const std::vector<Index>& moving);

@@ -117,7 +117,7 @@ json support_forces(const DeformTask& task, const std::vector<Vec3>& u) {
 
 Response answer_by_collocation(const Request& request) {
   json left = request.options;
-  const double radius = take_number(left, "radius", 1.01, 4.0, 1.2);
+  const double radius = take_number(left, "radius", 1.01, 4.0, 1.5);
   const double local_radius_m = take_number(left, "local_radius_m", 0.0, 1e6, 0.0);
   require_all_taken(left);
   const DeformTask task = read_deform_task(request);

@@ -81,7 +81,8 @@ TEST(SnapshotBasis, SpansItsSnapshotsAndNoMore) {
 }
 
 TEST(SnapshotBasis, ABrokenOneIsRejected) {
-  const SnapshotBasis good = find_snapshot_basis(std::vector{make_random_field(8, 1.0, 1)}, 1, 0.0);
+  const SnapshotBasis good =
+      find_snapshot_basis(std::vector<std::vector<Vec3>>(1, make_random_field(8, 1.0, 1)), 1, 0.0);
   std::vector<std::uint8_t> held(8);
   EXPECT_NO_THROW(require_basis(good, held));
   EXPECT_THROW(require_basis(good, std::vector<std::uint8_t>(7)), InputError);
@@ -94,7 +95,8 @@ TEST(SnapshotBasis, ABrokenOneIsRejected) {
   held[2] = 2;  // y of vertex 2, which the shape moves
   EXPECT_THROW(require_basis(good, held), InputError);
   EXPECT_THROW(find_snapshot_basis({}, 1, 0.0), InputError);
-  EXPECT_THROW(find_snapshot_basis(std::vector{std::vector<Vec3>(4)}, 1, 0.0), InputError);
+  EXPECT_THROW(find_snapshot_basis(std::vector<std::vector<Vec3>>(1, std::vector<Vec3>(4)), 1, 0.0),
+               InputError);
 }
 
 TEST(Cubature, NonnegativeLeastSquaresMeetTheirConditions) {
