@@ -30,7 +30,7 @@ KINDS = [
     ("reduced.modal", "yes", "no", "yes, any step", "new modes each time", "no", "few modes don't see a small pad"),
     ("reduced.pod", "no", "yes, on what it was trained for", "no", "places and supports of the training", "no", "trained in minutes for one holding; a load unlike the training's is off unseen"),
     ("finite_spheres", "yes", "no", "no", "yes", "no vertex needs moving", "dear: hundreds of neighbours"),
-    ("finite_spheres.collocation", "yes", "no", "no", "yes", "no vertex needs moving", "forces don't balance; wrong on organs (docs/finite_spheres.md)"),
+    ("finite_spheres.collocation", "yes", "no", "no", "yes", "no vertex needs moving", "forces balance only by a share; small spheres break down near nu 1/2 (docs/finite_spheres.md)"),
     ("lattices, hexahedral or body-centred", "yes", "no", "yes", "yes", "a cell less", "a skin of steps; the answer depends on how the cells lie (docs/lattices.md)"),
     ("fem.p2_patch, fem.p2_coarse, fem.p1_modes", "yes", "no", "no", "yes", "factors anew", "spaces made for one scene's pads and supports (docs/where_error_lives.md)"),
     ("implicit steps (trapezoidal, bdf2)", "any model", "any model", "any step", "factors anew", "factors anew", "backward Euler damps by itself"),
