@@ -28,10 +28,13 @@ KINDS = [
     ("finite elements, quadratic", "yes", "yes", "small strain", "yes", "factors anew", "seven to eight times the unknowns of linear ones"),
     ("reduced.compliance", "yes", "no", "no inertia", "yes, any", "no", "table of one mesh and one Poisson's ratio; memory grows as the square of the skin"),
     ("reduced.modal", "yes", "no", "yes, any step", "new modes each time", "no", "few modes don't see a small pad"),
+    ("reduced.pod", "no", "yes, on what it was trained for", "no", "places and supports of the training", "no", "trained in minutes for one holding; a load unlike the training's is off unseen"),
     ("finite_spheres", "yes", "no", "no", "yes", "no vertex needs moving", "dear: hundreds of neighbours"),
+    ("finite_spheres.collocation", "yes", "no", "no", "yes", "no vertex needs moving", "forces balance only by a share; small spheres break down near nu 1/2 (docs/finite_spheres.md)"),
     ("lattices, hexahedral or body-centred", "yes", "no", "yes", "yes", "a cell less", "a skin of steps; the answer depends on how the cells lie (docs/lattices.md)"),
     ("fem.p2_patch, fem.p2_coarse, fem.p1_modes", "yes", "no", "no", "yes", "factors anew", "spaces made for one scene's pads and supports (docs/where_error_lives.md)"),
     ("implicit steps (trapezoidal, bdf2)", "any model", "any model", "any step", "factors anew", "factors anew", "backward Euler damps by itself"),
+    ("XPBD with neo-Hookean tetrahedra", "stiff near nu 1/2", "yes, inside out too", "any step", "yes", "yes, a tetrahedron less", "locks once converged; too soft before"),
     ("fixed iterations (projective, xpbd, vbd)", "any model", "any model", "any step", "yes", "projective: factors anew", "what the iterations leave looks like softness or damping"),
 ]
 

@@ -15,6 +15,10 @@ def stress(law, lam, mu, h):
     if law == "neo_hookean":
         inverse_t = np.linalg.inv(f).transpose(0, 2, 1)
         return mu * (f - inverse_t) + lam * np.log(np.linalg.det(f))[:, None, None] * inverse_t
+    if law == "stable_neo_hookean":
+        rows = (np.cross(f[:, 1], f[:, 2]), np.cross(f[:, 2], f[:, 0]), np.cross(f[:, 0], f[:, 1]))
+        cofactors = np.stack(rows, axis=1)
+        return mu * (f - cofactors) + (lam + mu) * (np.linalg.det(f) - 1)[:, None, None] * cofactors
     u, s, vt = np.linalg.svd(f)  # corotated; F = R S
     sign = np.sign(np.linalg.det(u @ vt))
     u[:, :, 2], s[:, 2] = u[:, :, 2] * sign[:, None], s[:, 2] * sign

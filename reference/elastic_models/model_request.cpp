@@ -28,8 +28,8 @@ bool take_bool(json& options, const char* key, bool fallback) {
 }
 
 dynamics::StrainLaw take_law(json& options, dynamics::StrainLaw fallback) {
-  const std::string name =
-      take_option<std::string>(options, "law", &json::is_string, "corotated or neo_hookean", "default");
+  const std::string name = take_option<std::string>(
+      options, "law", &json::is_string, "corotated, neo_hookean or stable_neo_hookean", "default");
   return name == "default" ? fallback : dynamics::parse_strain_law(name);
 }
 

@@ -24,6 +24,11 @@ std::string take_name(json& options, const char* key, const std::string& fallbac
 }
 
 dynamics::ElasticModel build_elastic(const TetMesh& mesh, const Material& material, const BodyModel& wanted) {
+  if (wanted.tets != "none") {
+    dynamics::BlendOptions tets{StrainSize::kLarge, dynamics::parse_strain_law(wanted.tets), 1.0,
+                                dynamics::StrainDomain::kTet, dynamics::StrainDomain::kTet};
+    return dynamics::build_blend_model(mesh, material, tets).model;
+  }
   dynamics::SpringModelOptions options;
   options.volume = dynamics::parse_volume_model(wanted.volume);
   options.strain = StrainSize::kLarge;
@@ -92,6 +97,9 @@ BodyModel take_body_model(json& options) {
   BodyModel out;
   out.springs = take_name(options, "springs", out.springs);
   out.volume = take_name(options, "volume", out.volume);
+  out.tets = take_name(options, "tets", out.tets);
+  if (out.tets != "none" && out.volume != "none")
+    throw InputError("volume", 0, "none beside tets: they have their own", out.volume);
   return out;
 }
 
@@ -104,6 +112,10 @@ BuiltBody build_extreme_body(const StabilityTask& task, const BodyModel& wanted)
         signed_volume(body.points[t[0]], body.points[t[1]], body.points[t[2]], body.points[t[3]]));
     if (!(volumes.back() > 0.0)) throw InputError("mesh", 0, "tets that are not flat", "one without volume");
   }
+  if (wanted.tets != "none" &&
+      (problem.damping == DampingLaw::kAxial || problem.damping == DampingLaw::kIsotropic))
+    throw InputError("damping", 0, "none, stiffness, mass or drag beside tets: there are no springs",
+                     problem.damping == DampingLaw::kAxial ? "axial" : "isotropic");
   BuiltBody out;
   MotionModel& model = out.model;
   model.tets = body.tets;

@@ -13,6 +13,7 @@ namespace palpate::reference {
 struct BodyModel {
   std::string springs = "uniform";
   std::string volume = "none";
+  std::string tets = "none";  ///< the law of linear tetrahedra that take the place of the springs
 };
 
 /// Takes the model's options out of `options`. Throws: InputError for a wrong type.

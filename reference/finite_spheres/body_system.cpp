@@ -4,7 +4,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 #include "reference/finite_spheres/group_stiffness.h"
-#include "reference/finite_spheres/quadratic_field.h"
+#include "reference/finite_spheres/quadrature.h"
 #include "reference/finite_spheres/sphere_system.h"
 
 namespace palpate::reference {

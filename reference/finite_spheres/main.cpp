@@ -1,4 +1,5 @@
-// Adapter of the method of finite spheres.
+// Adapter of the method of finite spheres, in Galerkin form and by point collocation.
+#include <cmath>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
@@ -6,7 +7,7 @@
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/request_options.h"
-#include "reference/finite_spheres/solution.h"
+#include "reference/finite_spheres/collocation.h"
 #include "reference/finite_spheres/sphere_field.h"
 #include "reference/finite_spheres/sphere_system.h"
 
@@ -96,7 +97,62 @@ void report_energies(const DeformTask& task, const Options& options, const Spher
   report["support_forces_n"] = std::move(forces);
 }
 
+/// The force of each support on the body, from the displacement at the vertices of its faces.
+json support_forces(const DeformTask& task, const std::vector<Vec3>& u) {
+  json forces = json::array();
+  for (const ElasticSupport& support : task.problem.supports) {
+    Vec3 sum;
+    for (std::size_t k = 0; k < support.patch.faces.size(); ++k) {
+      const Triangle& f = support.patch.faces[k];
+      const auto& p = task.mesh.points;
+      const double area = 0.5 * length(cross(p[f[1]] - p[f[0]], p[f[2]] - p[f[0]]));
+      for (const Index v : f)
+        sum =
+            sum + (support.patch.weight[k] * support.stiffness_pa_per_m * area / 3.0) * (support.by_m - u[v]);
+    }
+    forces.push_back({sum.x, sum.y, sum.z});
+  }
+  return forces;
+}
+
+Response answer_by_collocation(const Request& request) {
+  json left = request.options;
+  const double radius = take_number(left, "radius", 1.01, 4.0, 1.5);
+  const double local_radius_m = take_number(left, "local_radius_m", 0.0, 1e6, 0.0);
+  require_all_taken(left);
+  const DeformTask task = read_deform_task(request);
+  if (task.problem.strain == StrainSize::kLarge)
+    throw InputError("strain", 0, "small: finite_spheres.collocation is linear", "large");
+  dynamics::require_no_rigid_motion(task.mesh, dynamics::build_loads(task.mesh, task.problem));
+
+  const Stopwatch watch;
+  SphereField field = build_sphere_field(task.mesh, radius, SphereFunctions::kLeastSquares);
+  if (local_radius_m > 0.0) localise(field, loaded_places(task.problem), local_radius_m);
+  const std::vector<DerivativeStencil> stencils = build_stencils(task.mesh, field.spheres);
+  const double assembly_s = watch.seconds();
+  const CollocationResult found = solve_collocation(task.mesh, task.problem, stencils, field.moving);
+  Response response;
+  response.kernel_s = watch.seconds();
+  response.report = {{"method", request.method},
+                     {"outcome", found.converged ? "converged" : "not_converged"},
+                     {"identify_s", 0.0},
+                     {"assembly_s", assembly_s},
+                     {"solve_s", response.kernel_s - assembly_s},
+                     {"residual_relative", found.residual_relative},
+                     {"spheres", field.moving_spheres},
+                     {"unknowns", 3 * field.moving_spheres},
+                     {"matrix_entries", found.entries},
+                     {"factor_entries", found.factor_entries},
+                     {"net_force_share",
+                      std::isfinite(found.net_force_share) ? json(found.net_force_share) : json(nullptr)}};
+  if (!found.converged) return response;
+  response.report["support_forces_n"] = support_forces(task, found.displacement_m);
+  write_displacement(request.output, found.displacement_m);
+  return response;
+}
+
 Response answer(const Request& request) {
+  if (request.method == "finite_spheres.collocation") return answer_by_collocation(request);
   const Options options = take_options(request);
   const DeformTask task = read_deform_task(request);
   if (task.problem.strain == StrainSize::kLarge)

@@ -1,4 +1,4 @@
-#include "reference/finite_spheres/solution.h"
+#include "reference/finite_spheres/sphere_system.h"
 
 #include <algorithm>
 #include <cmath>

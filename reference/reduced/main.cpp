@@ -1,7 +1,8 @@
-// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, and reduced.modal, at rest and in
-// motion.
+// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, reduced.modal, at rest and in
+// motion, and reduced.pod, at rest.
 #include "reference/reduced/compliance_run.h"
 #include "reference/reduced/modal_run.h"
+#include "reference/reduced/pod_run.h"
 #include "reference/reduced/tick_run.h"
 
 int main(int argc, char** argv) {
@@ -9,6 +10,7 @@ int main(int argc, char** argv) {
   return run_adapter(argc, argv, [](const Request& request) {
     if (request.contest == "motion") return run_modal_motion(request);
     if (request.contest == "engine") return run_compliance_ticks(request);
+    if (request.method == "reduced.pod") return run_pod(request);
     return request.method == "reduced.modal" ? run_modal_at_rest(request) : run_compliance(request);
   });
 }

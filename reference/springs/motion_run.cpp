@@ -50,6 +50,13 @@ Options take_options(int threads, json& left) {
   return out;
 }
 
+/// The stable neo-Hookean law makes a body one of large strain, whatever the scene says.
+StrainSize strain_of(const MotionTask& task, const json& options) {
+  const auto law = options.find("law");
+  const char* const stable = dynamics::strain_law_name(dynamics::StrainLaw::kStableNeoHookean);
+  return law != options.end() && *law == stable ? StrainSize::kLarge : task.problem.body.strain;
+}
+
 /// The shortest of the phases' bounds; infinity for the implicit integrators.
 double find_stable_step(const MovingPhases& moving, const dynamics::IntegratorOptions& integrator) {
   double least = std::numeric_limits<double>::infinity();
@@ -145,8 +152,9 @@ Response run_motion_request(const Request& request) {
   const std::string prefix = "moving_";
   if (!request.method.starts_with(prefix))
     throw InputError("method", 0, "moving_springs.NAME or moving_smoothed.NAME", request.method);
-  const MotionTask task = read_motion_task(request);
+  MotionTask task = read_motion_task(request);
   json left = request.options;
+  task.problem.body.strain = strain_of(task, left);
   const ModelRequest wanted =
       take_model_request(request.method.substr(prefix.size()), task.problem.body.strain, left);
   const Options options = take_options(request.threads, left);

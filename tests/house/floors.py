@@ -29,7 +29,7 @@ PLAN = {
     "core/simplify": ["quality", "sizing", "fusion", "tet_operations", "refined", "surface"],
     "core/springs": ["solvers", "network", "lattice", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "integrators", "spring_engine", "tet_engine",
-                      "time_loop", "stability", "reduced", "enriched"],
+                      "time_loop", "stability", "reduced", "enriched", "pod"],
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "live": ["body", "interface"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],

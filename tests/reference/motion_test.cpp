@@ -152,6 +152,23 @@ TEST_F(ExtremeRunTest, ExplicitEulerBeyondItsBoundIsNeverCalledFine) {
   EXPECT_EQ(within.at("runs")[0].at("steps"), 1000);
 }
 
+TEST_F(ExtremeRunTest, TetrahedraInThePlaceOfSprings) {
+  const json body{
+      {"tets", "stable_neo_hookean"}, {"poisson_ratio", 0.45}, {"damping", "stiffness"}, {"steps", 100}};
+  for (const char* method : {"motion.backward_euler", "motion.xpbd", "motion.vbd"}) {
+    const json out = report(method, body);
+    EXPECT_EQ(out.at("springs"), 0);
+    for (const json& run : out.at("runs")) {
+      EXPECT_NE(run.at("outcome"), "diverged") << method;
+      EXPECT_NE(run.at("outcome"), "inverted") << method;
+    }
+  }
+  EXPECT_THROW(report("motion.xpbd", {{"tets", "stable_neo_hookean"}, {"damping", "axial"}}), InputError);
+  EXPECT_THROW(
+      report("motion.xpbd", {{"tets", "stable_neo_hookean"}, {"volume", "tet"}, {"poisson_ratio", 0.4}}),
+      InputError);
+}
+
 TEST_F(ExtremeRunTest, StepsWithoutASolutionAreCounted) {
   const json out = report("motion.prefactored", {{"task", "run"}, {"steps", 10}, {"step_factor", 100.0}});
   EXPECT_EQ(out.at("runs")[0].at("steps_unsolved"), 10);

@@ -217,6 +217,38 @@ TEST_F(Reduced, SaysWhatItCannotDo) {
 }
 
 /// A rod in motion through the door.
+TEST_F(Reduced, PodIsTrainedBesideItsLoadAndMeetsTheFullModel) {
+  problem_.strain = StrainSize::kLarge;
+  problem_.gravity_m_s2 = {};
+  problem_.held.clear();
+  problem_.supports[0].stiffness_pa_per_m = 1e5;
+  problem_.supports[1].by_m = {0.0, 0.05, -0.15};
+  problem_.supports[1].stiffness_pa_per_m = 1e5;
+  const json options = {{"check", true}, {"training", 8}, {"validation", 2}, {"force_tolerance", 1e-3}};
+  const ContestantAnswer answer = ask("reduced.pod", options);
+  const std::vector<Vec3> u = displacement(answer);
+  ASSERT_FALSE(u.empty());
+  EXPECT_EQ(answer.report.at("training_loads"), 8);
+  EXPECT_LE(answer.report.at("force_residual").get<double>(), 1e-3);
+  EXPECT_LT(answer.report.at("domains").get<double>(),
+            0.5 * answer.report.at("domains_of_all").get<double>());
+  // What it says of itself is what the full model says of it.
+  const double off = difference(displacement(ask("smoothed.edge_node", json::object())), u);
+  EXPECT_LT(off, 0.1);
+  EXPECT_LT(answer.report.at("test_error").get<double>(), 0.1);
+  EXPECT_GT(answer.report.at("test_error").get<double>(), 1e-6);  // it never saw this load
+  // The same request, the same answer: the loads are drawn from a seed.
+  EXPECT_EQ(difference(u, displacement(ask("reduced.pod", options))), 0.0);
+
+  EXPECT_EQ(ask("reduced.pod", {{"modes", 0}}).outcome, "bad_input");
+  BoundaryProblem good = problem_;
+  problem_.held = {{{problem_.supports[0].patch.faces[0]}, {true, true, true}, {0.0, 0.01, 0.0}}};
+  EXPECT_THAT(ask("reduced.pod", json::object()).message, HasSubstr("held faces that are moved"));
+  problem_ = good;
+  problem_.strain = StrainSize::kSmall;
+  EXPECT_THAT(ask("reduced.pod", json::object()).message, HasSubstr("small strain"));
+}
+
 class MovingModes : public test::MovingContestant {};
 
 TEST_F(MovingModes, FrequenciesOfARodHeldAtOneEnd) {

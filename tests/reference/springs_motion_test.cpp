@@ -103,6 +103,30 @@ TEST_F(MovingSprings, PhasesEndWhereTheyAreToldTo) {
   }
 }
 
+TEST_F(MovingSprings, NeoHookeanTetrahedraMoveAsLinearOnesWhereStrainsAreSmall) {
+  Rod rod(4);
+  rod.hold_left();
+  MotionLoad pull = rod.sine_force(20.0);
+  pull.profile = {{0.0, 0.05}, {0.0, 1.0}, true};
+  rod.problem.loads = {pull};
+  const json linear{
+      {"domain", "tet"}, {"theta", 1.0}, {"integrator", "backward_euler"}, {"time_step_s", 5e-3}};
+  const std::vector<double> wanted = column(move("moving_smoothed.blend", rod, linear), "probe_1_ux_m");
+  json swept = linear;
+  swept.update(
+      {{"law", "stable_neo_hookean"}, {"integrator", "xpbd"}, {"iterations", 20000}, {"tolerance", 1e-7}});
+  const std::vector<double> found = column(move("moving_smoothed.blend", rod, swept), "probe_1_ux_m");
+  ASSERT_EQ(found.size(), wanted.size());
+  double off = 0.0;
+  double size = 0.0;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    off = std::max(off, std::abs(found[k] - wanted[k]));
+    size = std::max(size, std::abs(wanted[k]));
+  }
+  EXPECT_GT(size, 0.0);
+  EXPECT_LT(off, 0.02 * size);  // strains of a percent
+}
+
 TEST_F(MovingSprings, WhatCannotBeIsRefused) {
   Rod rod(2);
   rod.hold_left();

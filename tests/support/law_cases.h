@@ -10,7 +10,7 @@
 namespace palpate::testing_support {
 
 inline constexpr std::array kLaws{dynamics::StrainLaw::kLinear, dynamics::StrainLaw::kCorotated,
-                                  dynamics::StrainLaw::kNeoHookean};
+                                  dynamics::StrainLaw::kNeoHookean, dynamics::StrainLaw::kStableNeoHookean};
 inline constexpr dynamics::Moduli kModuli{3.0, 2.0};
 
 /// Entries from -size to size.

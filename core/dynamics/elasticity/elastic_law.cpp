@@ -13,7 +13,8 @@
 namespace palpate::dynamics {
 namespace {
 
-constexpr EnumNames<StrainLaw, 3> kLawNames{"law", {"linear", "corotated", "neo_hookean"}};
+constexpr EnumNames<StrainLaw, 4> kLawNames{"law",
+                                            {"linear", "corotated", "neo_hookean", "stable_neo_hookean"}};
 
 /// det(I + h) - 1 without cancellation: tr h + sum of the principal minors + det h.
 double volume_strain(const Mat3& h) {
@@ -125,6 +126,43 @@ Tangent9 neo_hookean_tangent(const Moduli& moduli, const Mat3& h) {
   return out;
 }
 
+/// mu (H + H^T - tr H I - cof H) + (lambda + mu) (J - 1) cof F, cof F = (1 + tr H) I - H^T + cof H.
+Mat3 stable_stress(const Moduli& moduli, const Mat3& h) {
+  const Mat3 minors = cofactors(h);
+  const Mat3 shear = h + transpose(h) - trace(h) * kIdentity - minors;
+  const double pressure = (moduli.lambda_pa + moduli.mu_pa) * volume_strain(h);
+  return moduli.mu_pa * shear + pressure * ((1.0 + trace(h)) * kIdentity - transpose(h) + minors);
+}
+
+/// dP = mu dF + ((lambda + mu) (J - 1) - mu) dcof F + (lambda + mu) (cof F : dF) cof F,
+/// dcof F_ij / dF_kl = e_ikm e_jln F_mn.
+Tangent9 stable_tangent(const Moduli& moduli, const Mat3& h) {
+  const Mat3 f = kIdentity + h;
+  const Mat3 cof = cofactors(f);
+  const double bulk = moduli.lambda_pa + moduli.mu_pa;
+  const double turning = bulk * volume_strain(h) - moduli.mu_pa;
+  Tangent9 out{};
+  for (std::size_t a = 0; a < 9; ++a) {
+    for (std::size_t b = 0; b < 9; ++b) out[9 * a + b] = bulk * cof.m[a] * cof.m[b];
+    out[10 * a] += moduli.mu_pa;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      // The minor of (i, j) is F(i+1, j+1) F(i+2, j+2) - F(i+1, j+2) F(i+2, j+1), indices modulo 3.
+      const std::array<std::size_t, 2> rows{(i + 1) % 3, (i + 2) % 3};
+      const std::array<std::size_t, 2> columns{(j + 1) % 3, (j + 2) % 3};
+      for (std::size_t r = 0; r < 2; ++r) {
+        for (std::size_t c = 0; c < 2; ++c) {
+          const double sign = r == c ? 1.0 : -1.0;
+          out[9 * (3 * i + j) + 3 * rows.at(r) + columns.at(c)] +=
+              turning * sign * f(rows.at(1 - r), columns.at(1 - c));
+        }
+      }
+    }
+  }
+  return out;
+}
+
 Tangent9 linear_tangent(const Moduli& moduli) {
   Tangent9 out{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -226,6 +264,12 @@ double energy_density(StrainLaw law, const Moduli& moduli, const Mat3& h) {
     return 0.5 * moduli.mu_pa * (2.0 * trace(h) + contract(h, h)) - moduli.mu_pa * log_j +
            0.5 * moduli.lambda_pa * log_j * log_j;
   }
+  if (law == StrainLaw::kStableNeoHookean) {
+    const double dilatation = volume_strain(h);
+    // tr H cancels between I1 - 3 and 2 (J - 1).
+    const double shear = contract(h, h) - 2.0 * (trace(cofactors(h)) + determinant(h));
+    return 0.5 * moduli.mu_pa * shear + 0.5 * (moduli.lambda_pa + moduli.mu_pa) * dilatation * dilatation;
+  }
   const Mat3 strain = law == StrainLaw::kLinear ? 0.5 * (h + transpose(h)) : corotate(h).strain;
   const double dilatation = trace(strain);
   return moduli.mu_pa * contract(strain, strain) + 0.5 * moduli.lambda_pa * dilatation * dilatation;
@@ -238,6 +282,7 @@ Mat3 stress(StrainLaw law, const Moduli& moduli, const Mat3& h) {
     const double log_j = std::log1p(volume_strain(h));
     return moduli.mu_pa * (f - g) + (moduli.lambda_pa * log_j) * g;
   }
+  if (law == StrainLaw::kStableNeoHookean) return stable_stress(moduli, h);
   if (law == StrainLaw::kLinear) {
     return moduli.mu_pa * (h + transpose(h)) + (moduli.lambda_pa * trace(h)) * kIdentity;
   }
@@ -253,6 +298,8 @@ Mat3 damping_stress(StrainLaw law, const Moduli& viscous, const Mat3& h, const M
     return stretch.pull_back(viscous_stress(viscous, stretch.of(rate)));
   }
   const Mat3 f = kIdentity + h;
+  if (law == StrainLaw::kStableNeoHookean)
+    return multiply(f, viscous_stress(viscous, symmetric_part(multiply_transposed(f, rate))));
   const Mat3 inverse_transposed = (1.0 / determinant(f)) * cofactors(f);
   const Mat3 d = symmetric_part(multiply(rate, transpose(inverse_transposed)));
   return multiply(viscous_stress(viscous, d), inverse_transposed);
@@ -260,7 +307,7 @@ Mat3 damping_stress(StrainLaw law, const Moduli& viscous, const Mat3& h, const M
 
 Tangent9 damping_tangent(StrainLaw law, const Moduli& viscous, const Mat3& h) {
   if (law == StrainLaw::kLinear) return linear_tangent(viscous);
-  if (law == StrainLaw::kNeoHookean)
+  if (law == StrainLaw::kNeoHookean || law == StrainLaw::kStableNeoHookean)
     return tabulate([&](const Mat3& rate) { return damping_stress(law, viscous, h, rate); });
   const StretchRate stretch(h);
   return tabulate(
@@ -275,6 +322,8 @@ Tangent9 tangent(StrainLaw law, const Moduli& moduli, const Mat3& h) {
       return corotated_tangent(moduli, h);
     case StrainLaw::kNeoHookean:
       return neo_hookean_tangent(moduli, h);
+    case StrainLaw::kStableNeoHookean:
+      return stable_tangent(moduli, h);
   }
   throw ContractError("a strain law without a tangent");
 }

@@ -8,16 +8,22 @@
 
 namespace palpate::dynamics {
 
-/// How a deformation gradient becomes an energy. All three agree to second order in the strain.
+/// How a deformation gradient becomes an energy. All agree to second order in the strain.
 ///
 ///   kLinear      mu eps : eps + lambda/2 (tr eps)^2,            eps = sym(F) - I
 ///   kCorotated   mu |S - I|^2 + lambda/2 (tr S - 3)^2,          F = R S (polar decomposition)
 ///   kNeoHookean  mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2,   I1 = F : F, J = det F
+///   kStableNeoHookean  mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2
 ///
-/// kCorotated and kNeoHookean don't change when F is rotated from the left: a rigid motion gives no force.
-enum class StrainLaw { kLinear, kCorotated, kNeoHookean };
+/// All but kLinear don't change when F is rotated from the left: a rigid motion gives no force. The last has
+/// a finite energy for every F, turned inside out or flat: up to a constant it is mu/2 |F|^2 + (lambda +
+/// mu)/2 (J - 1 - mu / (lambda + mu))^2.
+///
+/// Source of kStableNeoHookean: B. Smith, F. de Goes and T. Kim, ACM Trans. Graph. 37 (2018), without their
+/// barrier; as two constraints: M. Macklin and M. Mueller, MIG 2021.
+enum class StrainLaw { kLinear, kCorotated, kNeoHookean, kStableNeoHookean };
 
-/// "linear", "corotated" or "neo_hookean". Throws: InputError.
+/// "linear", "corotated", "neo_hookean" or "stable_neo_hookean". Throws: InputError.
 StrainLaw parse_strain_law(std::string_view name);
 /// The name that parse_strain_law reads.
 const char* strain_law_name(StrainLaw law);
@@ -50,9 +56,10 @@ Mat3 stress(StrainLaw law, const Moduli& moduli, const Mat3& h);
 ///   kCorotated   d = dU/dt, F = Q U with U positive (Q a rotation, or a mirrored one where det F < 0);
 ///                P = Q (T - [y]x), T = 2 mu d + lambda tr d I, (tr U I - U) y = axial of T U
 ///   kNeoHookean  d = sym(dF/dt F^-1), whose trace is d(ln J)/dt;       P = (2 mu d + lambda tr d I) F^-T
+///   kStableNeoHookean  d = sym(F^T dF/dt), the rate of Green's strain; P = F (2 mu d + lambda tr d I)
 ///
-/// The last two don't change when a spin W F is added to dF/dt, and P F^T is symmetric: a rotation is not
-/// resisted, and no moment is exerted. P : dF/dt >= 0 where no modulus is negative. At F = I all are the
+/// All but the first don't change when a spin W F is added to dF/dt, and P F^T is symmetric: a rotation is
+/// not resisted, and no moment is exerted. P : dF/dt >= 0 where no modulus is negative. At F = I all are the
 /// first.
 /// Requires: a finite energy.
 /// Source:   kCorotated: dU/dt as A. Hoger and D. Carlson, Quart. Appl. Math. 42 (1984), have it.

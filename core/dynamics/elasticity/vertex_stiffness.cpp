@@ -47,6 +47,11 @@ Mat3 vertex_stiffness(StrainLaw law, const Moduli& moduli, const Mat3& h, const 
       const double along = moduli.mu_pa + moduli.lambda_pa - moduli.lambda_pa * std::log(det);
       return (moduli.mu_pa * size_sq) * kIdentity + std::max(along, 0.0) * outer(w, w);
     }
+    case StrainLaw::kStableNeoHookean: {
+      const Vec3 w = cofactors(kIdentity + h) * gradient;
+      return (moduli.mu_pa * size_sq) * kIdentity +
+             std::max(moduli.lambda_pa + moduli.mu_pa, 0.0) * outer(w, w);
+    }
   }
   throw ContractError("vertex_stiffness: unknown law");
 }

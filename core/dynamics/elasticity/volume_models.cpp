@@ -35,7 +35,7 @@ void check_stabilise(const BlendOptions& options) {
 StrainLaw law_of(StrainSize strain, StrainLaw large_law) {
   if (strain == StrainSize::kSmall) return StrainLaw::kLinear;
   if (large_law == StrainLaw::kLinear)
-    throw InputError("law", 0, "corotated or neo_hookean at large strain", "linear");
+    throw InputError("law", 0, "corotated, neo_hookean or stable_neo_hookean at large strain", "linear");
   return large_law;
 }
 

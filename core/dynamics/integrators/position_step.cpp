@@ -1,6 +1,5 @@
 #include "core/dynamics/integrators/position_step.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,47 +7,13 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/dynamics/integrators/neo_hookean_constraints.h"
+#include "core/dynamics/integrators/strain_columns.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/dynamics/motion/vertex_incidence.h"
 
 namespace palpate::dynamics {
 namespace {
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Matrix36 = Eigen::Matrix<double, 3, 6>;
-
-/// Strains xx, yy, zz, 2 yz, 2 xz, 2 xy of the symmetric part of a matrix.
-Vector6 strains_of(const Mat3& a) {
-  Vector6 out;
-  out << a(0, 0), a(1, 1), a(2, 2), a(1, 2) + a(2, 1), a(0, 2) + a(2, 0), a(0, 1) + a(1, 0);
-  return out;
-}
-
-/// The matrix T with T g = sum over the strains of l times their gradient at a vertex with shape gradient g.
-Mat3 stress_of(const Vector6& l) {
-  return {{l[0], l[5], l[4], l[5], l[1], l[3], l[4], l[3], l[2]}};
-}
-
-/// Column a is the gradient of strain a at a vertex with shape gradient g.
-Matrix36 strain_gradients(const Vec3& g) {
-  Matrix36 out;
-  out << g.x, 0.0, 0.0, 0.0, g.z, g.y,  //
-      0.0, g.y, 0.0, g.z, 0.0, g.x,     //
-      0.0, 0.0, g.z, g.y, g.x, 0.0;
-  return out;
-}
-
-/// V (lambda, mu) of the six strains, in J.
-Matrix6 build_stiffness(const Moduli& moduli, double volume_m3) {
-  Matrix6 out = Matrix6::Zero();
-  out.topLeftCorner<3, 3>().setConstant(volume_m3 * moduli.lambda_pa);
-  for (int k = 0; k < 3; ++k) {
-    out(k, k) += 2.0 * volume_m3 * moduli.mu_pa;
-    out(3 + k, 3 + k) = volume_m3 * moduli.mu_pa;
-  }
-  return out;
-}
 
 /// A strain term, and of each of its domains the multipliers and what corrects them.
 struct ConstrainedTerm {
@@ -94,6 +59,10 @@ struct PositionStep::Work {
     const std::size_t n = held->size();
     supports = list_supports(*model);
     for (const StrainTerm& term : model->elastic.strain_terms) {
+      if (term.law == StrainLaw::kStableNeoHookean) {
+        neo_hookean.emplace_back(term);
+        continue;
+      }
       ConstrainedTerm& state = terms.emplace_back();
       state.term = &term;
       for (std::size_t s = 0; s < term.op.domains(); ++s) {
@@ -125,20 +94,8 @@ struct PositionStep::Work {
     }
   }
 
-  /// (1 + factor K G)^-1 of a domain whose strains are taken in the frame `r`.
   Matrix6 correct(const ConstrainedTerm& state, std::size_t s, const Mat3& r, double factor) const {
-    const StrainOperator& op = state.term->op;
-    Matrix6 g = Matrix6::Zero();
-    using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    const Eigen::Map<const Rows3> frame(r.m.data());
-    for (Index k = op.offsets[s]; k < op.offsets[s + 1]; ++k) {
-      const Vec3& w = inverse_mass[op.vertices[k]];
-      const Matrix36 gradients = frame * strain_gradients(op.gradients[k]);
-      g += gradients.transpose() * Eigen::Vector3d(w.x, w.y, w.z).asDiagonal() * gradients;
-    }
-    const Matrix6 system =
-        Matrix6::Identity() + factor * build_stiffness(state.term->moduli, op.volume_m3[s]) * g;
-    return system.partialPivLu().inverse();
+    return strain_correction(state.term->op, s, state.term->moduli, r, inverse_mass, factor);
   }
 
   void start(const MotionState& state, std::span<Vec3> u) {
@@ -158,6 +115,8 @@ struct PositionStep::Work {
     spring_multiplier.assign(model->elastic.springs.springs.size(), 0.0);
     support_multiplier.assign(supports.size(), {});
     for (ConstrainedTerm& term : terms) term.multiplier.assign(term.term->op.domains(), Vector6::Zero());
+    for (NeoHookeanConstraints& each : neo_hookean)
+      each.start(step_s, model->strain_damping_s, state.displacement_m, inverse_mass);
   }
 
   void solve_spring(const MotionState& state, std::span<Vec3> u, std::size_t s) {
@@ -196,7 +155,7 @@ struct PositionStep::Work {
       const Mat3 since = h - displacement_gradient(op, s, state.displacement_m);
       wanted += (step_s * b) * strains_of(multiply_transposed(r, since));
     }
-    const Vector6 off = term.multiplier[s] + build_stiffness(term.term->moduli, op.volume_m3[s]) * wanted;
+    const Vector6 off = term.multiplier[s] + strain_stiffness(term.term->moduli, op.volume_m3[s]) * wanted;
     const Vector6 change =
         -((term.is_mixed[s] != 0 ? correct(term, s, r, step_s * step_s + step_s * b) : term.correction[s]) *
           off);
@@ -242,6 +201,9 @@ struct PositionStep::Work {
       each(terms.size(), [&](std::size_t t) {
         each(terms[t].term->op.domains(), [&](std::size_t s) { solve_domain(state, u, terms[t], s); });
       });
+      each(neo_hookean.size(), [&](std::size_t t) {
+        each(neo_hookean[t].size(), [&](std::size_t s) { neo_hookean[t].solve(s, u); });
+      });
     };
     const auto faces = [&] { each(supports.size(), [&](std::size_t at) { solve_support(u, at); }); };
     if (is_backward) {
@@ -260,6 +222,7 @@ struct PositionStep::Work {
   const std::vector<std::uint8_t>* held;
   std::vector<TimedSupport> supports;
   std::vector<ConstrainedTerm> terms;
+  std::vector<NeoHookeanConstraints> neo_hookean;  ///< terms of that law
   std::vector<double> spring_multiplier;
   std::vector<std::array<Vec3, 3>> support_multiplier;
   double step_s = 0.0;

@@ -18,20 +18,21 @@ namespace palpate::dynamics {
 ///
 ///   of a spring          |d| - L, or e . du of a linearised one; K = k, b K = its damping
 ///   of a domain          the six strains of sym(R^T (F - R)), R the polar rotation (I for the linear law),
-///   solved
-///                        together with K = V (lambda, mu); R is held while the domain is solved
+///                        solved together with K = V (lambda, mu); R is held while the domain is solved;
+///                        of kStableNeoHookean two, of shape and volume (neo_hookean_constraints.h)
 ///   of a support's face  what its three corners move, in the three modes of its mass
 ///
 /// A linear body's sweeps converge to NewtonStep's step of backward Euler. Where the gradients turn while the
 /// multipliers build up, what it converges to is not quite that: the part of the momentum that a correction
-/// gave along an earlier direction stays, and some forces stay out of balance however long it sweeps. One
-/// constraint at a time in the order of the model, every second sweep backwards: it uses one thread.
+/// gave along an earlier direction stays, and some forces stay out of balance however long it sweeps. The
+/// constraints of kStableNeoHookean take it back. One constraint at a time in the order of the model, every
+/// second sweep backwards: it uses one thread.
 ///
 /// Source: M. Macklin, M. Mueller and N. Chentanez, XPBD, MIG 2016; small steps: M. Macklin et al., SCA 2019.
 class PositionStep {
  public:
   /// Throws: InputError for what has no energy of that form: the thesis's volume force, isotropic damping,
-  /// the neo-Hookean law.
+  /// the neo-Hookean law with a logarithm.
   PositionStep(const MotionForces& forces, const StepSolverOptions& options);
   ~PositionStep();
   PositionStep(PositionStep&&) noexcept;

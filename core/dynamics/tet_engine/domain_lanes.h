@@ -118,6 +118,7 @@ PALPATE_LANES_TARGET void add_run(const DomainLaw& law, const DomainRun<typename
         p = corotated_stress<Eight, kDamped>(law, moduli, volume, each);
       if constexpr (kLaw == StrainLaw::kNeoHookean)
         p = neo_hookean_stress<Eight, kDamped>(law, moduli, volume, each);
+      if constexpr (kLaw == StrainLaw::kStableNeoHookean) p = stable_stress<Eight, kDamped>(moduli, each);
       add_stress<Eight, kVertices>(p, values + kGroupDomains, run.at + group * places_a_group, n, force);
     }
   }
@@ -144,6 +145,10 @@ PALPATE_LANES_TARGET void add_forces_in_lanes(const DomainLaw& law,
   if (law.law == StrainLaw::kCorotated) {
     if (is_damped) return add_law<Eight, StrainLaw::kCorotated, true>(law, run, motion, force);
     return add_law<Eight, StrainLaw::kCorotated, false>(law, run, motion, force);
+  }
+  if (law.law == StrainLaw::kStableNeoHookean) {
+    if (is_damped) return add_law<Eight, StrainLaw::kStableNeoHookean, true>(law, run, motion, force);
+    return add_law<Eight, StrainLaw::kStableNeoHookean, false>(law, run, motion, force);
   }
   if (is_damped) return add_law<Eight, StrainLaw::kNeoHookean, true>(law, run, motion, force);
   add_law<Eight, StrainLaw::kNeoHookean, false>(law, run, motion, force);

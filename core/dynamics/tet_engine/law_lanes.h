@@ -346,4 +346,29 @@ PALPATE_LANES Mat3Lanes<Eight> neo_hookean_stress(const DomainLaw& law, const Mo
   return p;
 }
 
+/// P = mu (H + H^T - tr H I - cof H) + (lambda + mu) j cof F, cof F = (1 + tr H) I - H^T + cof H.
+template <typename Eight, bool kDamped>
+PALPATE_LANES Mat3Lanes<Eight> stable_stress(const ModuliLanes<Eight>& moduli, const Pending<Eight>& from) {
+  const Mat3Lanes<Eight>& h = from.h;
+  const Mat3Lanes<Eight> turned = transpose_lanes(h);
+  const Eight pressure = (moduli.lambda + moduli.mu) * from.at.change;
+  Mat3Lanes<Eight> p;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const Eight apart = turned[i] - from.at.cofactors[i];
+    p[i] = moduli.mu * (h[i] + apart) - pressure * apart;
+  }
+  const Eight even = pressure * (Eight::of(1) + from.at.trace) - moduli.mu * from.at.trace;
+  for (std::size_t i = 0; i < 9; i += 4) p[i] = p[i] + even;
+  if constexpr (kDamped) {
+    Mat3Lanes<Eight> f = h;
+    for (std::size_t i = 0; i < 9; i += 4) f[i] = Eight::of(1) + f[i];
+    const ModuliLanes<Eight> viscous{moduli.damping * moduli.lambda, moduli.damping * moduli.mu,
+                                     moduli.damping};
+    const Mat3Lanes<Eight> rate = multiply_lanes(transpose_lanes(f), from.rate);
+    const Mat3Lanes<Eight> more = multiply_lanes(f, linear_stress(viscous, rate));
+    for (std::size_t i = 0; i < 9; ++i) p[i] = p[i] + more[i];
+  }
+  return p;
+}
+
 }  // namespace palpate::dynamics

@@ -17,7 +17,7 @@ namespace {
 
 using namespace testing_support;
 
-constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean};
+constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean};
 constexpr Moduli kViscous{3.0, 2.0};
 
 /// A displacement gradient; of the corotated law every third turns the inside out.

@@ -99,7 +99,7 @@ TEST(ElasticLaw, TangentIsTheDerivativeOfTheStress) {
 TEST(ElasticLaw, AgreesWithLinearElasticityToSecondOrder) {
   SplitMix64 random(7);
   const Mat3 direction = random_matrix(random, 1.0);
-  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean}) {
+  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean}) {
     double before = 0.0;
     for (const double size : {1e-2, 5e-3, 2.5e-3}) {
       const Mat3 h = size * direction;
@@ -118,7 +118,7 @@ TEST(ElasticLaw, AgreesWithLinearElasticityToSecondOrder) {
 
 TEST(ElasticLaw, RotationsChangeNothing) {
   SplitMix64 random(8);
-  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean}) {
+  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean}) {
     for (int k = 0; k < 20; ++k) {
       const Mat3 r = make_rotation({0.6, 0.0, 0.8}, 0.3 * k);
       EXPECT_LT(norm(stress(law, kModuli, r - kIdentity)), 1e-14);
@@ -141,6 +141,13 @@ TEST(ElasticLaw, ClosedForms) {
   const double log_j = 3.0 * std::log(s);
   EXPECT_NEAR(energy_density(StrainLaw::kNeoHookean, kModuli, h),
               1.0 * (3.0 * s * s - 3.0) - 2.0 * log_j + 1.5 * log_j * log_j, 1e-13);
+  const double change = s * s * s - 1.0;
+  EXPECT_NEAR(energy_density(StrainLaw::kStableNeoHookean, kModuli, h),
+              3.0 * s * s - 3.0 - 2.0 * change + 2.5 * change * change, 1e-14);
+  // Inside out by a mirror, J = -1: finite, and the mirrored gradient is pushed back.
+  const Mat3 mirror{{0, 0, 0, 0, 0, 0, 0, 0, -2}};
+  EXPECT_NEAR(energy_density(StrainLaw::kStableNeoHookean, kModuli, mirror), 2.0 * 2.0 + 2.5 * 4.0, 1e-14);
+  EXPECT_LT(stress(StrainLaw::kStableNeoHookean, kModuli, mirror)(2, 2), 0.0);
   EXPECT_TRUE(std::isinf(energy_density(StrainLaw::kNeoHookean, kModuli, (-2.0) * kIdentity)));
 }
 

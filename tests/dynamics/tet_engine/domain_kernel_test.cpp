@@ -198,7 +198,7 @@ TEST(DomainKernel, ALawWithoutStressGivesNoNumberThereAlone) {
 
 TEST(DomainKernel, ARotationIsNotResisted) {
   SplitMix64 random(9);
-  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean}) {
+  for (const StrainLaw law : {StrainLaw::kCorotated, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean}) {
     std::vector<Case> cases;
     for (std::size_t k = 0; k < kGroupDomains; ++k) {
       const Mat3 f = random_rotation(random);

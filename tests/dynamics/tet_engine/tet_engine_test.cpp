@@ -21,7 +21,7 @@ namespace {
 
 using namespace testing_support;
 
-constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean};
+constexpr std::array kTurning{StrainLaw::kCorotated, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean};
 constexpr std::array kKinds{Continuum::kTets, Continuum::kEdgeNode};
 
 /// A body and how it starts.

@@ -137,7 +137,8 @@ const std::vector<ExportCase> kCases{
     {"springs.isotropy_patch", {{"volume", "node_average"}}, {10000.0, 0.45, 1000.0}, "large", 0.0, 2.0},
     {"springs.van_gelder", {{"volume", "thesis"}}, {10000.0, 0.25, 1000.0}, "large", 1e-3, 0.0},
     {"smoothed.edge_node", {}, {10000.0, 0.45, 1000.0}, "small", 1e-3, 0.0},
-    {"smoothed.blend", {}, {10000.0, 0.3, 1000.0}, "large", 0.0, 1.0}};
+    {"smoothed.blend", {}, {10000.0, 0.3, 1000.0}, "large", 0.0, 1.0},
+    {"smoothed.blend", {{"law", "stable_neo_hookean"}}, {10000.0, 0.3, 1000.0}, "large", 0.0, 1.0}};
 
 TEST_F(ExportCommand, AReaderOfAFewLinesMovesTheModelAsOurEngineDoes) {
   for (const ExportCase& each : kCases) {

@@ -12,7 +12,7 @@
 #include "reference/closed_form/known_cases.h"
 #include "reference/closed_form/solutions.h"
 #include "reference/door/deform_problem.h"
-#include "reference/finite_spheres/solution.h"
+#include "reference/finite_spheres/sphere_system.h"
 #include "tests/support/contestant_starter.h"
 
 namespace palpate::reference {
@@ -120,6 +120,22 @@ TEST_F(FiniteSpheres, RefusesWhatItCannotDo) {
   EXPECT_THAT(refused(json::object()), HasSubstr("translation"));
   known.problem.strain = StrainSize::kLarge;
   EXPECT_THAT(refused(json::object()), HasSubstr("small: finite_spheres is linear"));
+}
+
+TEST_F(FiniteSpheres, CollocationAnswersAKnownCaseAndRefusesWhatItCannotDo) {
+  KnownCase known = build_known_case("bar_tension", 3);
+  const auto collocate = [&](const json& options) {
+    return starter_.run("finite_spheres.collocation", known.mesh, problem_to_json(known.problem), options);
+  };
+  const ContestantAnswer answer = collocate(json::object());
+  const std::vector<Vec3> u = displacement(known, answer);
+  ASSERT_EQ(u.size(), known.mesh.points.size());
+  EXPECT_LT(judged(known, u), 1e-8);
+  EXPECT_LT(answer.report.at("residual_relative").get<double>(), 1e-8);
+  EXPECT_EQ(collocate({{"points", 4}}).outcome, "bad_input");  // of the other form
+  EXPECT_EQ(collocate({{"radius", 0.9}}).outcome, "bad_input");
+  known.problem.strain = StrainSize::kLarge;
+  EXPECT_THAT(collocate(json::object()).message, HasSubstr("collocation is linear"));
 }
 
 TEST_F(FiniteSpheres, SaysThatAProblemIsBroken) {

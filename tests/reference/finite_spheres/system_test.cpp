@@ -14,7 +14,6 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "reference/closed_form/known_cases.h"
-#include "reference/finite_spheres/solution.h"
 
 namespace palpate::reference {
 namespace {
