@@ -26,15 +26,22 @@ void require_known(const YamlValue& at, const char* what, const std::string& nam
 }
 
 FitSimplifier read_fit_simplifier(const YamlValue& value, const Registry& registry) {
-  const YamlFields fields = value.fields({"label", "method", "ratios"});
+  const YamlFields fields = value.fields({"label", "method", "ratios", "grade"});
   FitSimplifier simplifier;
   simplifier.label = fields.need("label").identifier();
   const YamlValue method = fields.need("method");
   simplifier.method = method.text();
-  find_method(method, simplifier.method, "simplify", registry);
+  const MethodEntry entry = find_method(method, simplifier.method, "simplify", registry);
   for (const YamlValue& ratio : fields.need("ratios").items())
     simplifier.ratios.push_back(ratio.number(0.0, 0.999));
   if (simplifier.ratios.empty()) fields.need("ratios").fail_expected("at least one share");
+  if (const auto grade = fields.find("grade")) {
+    simplifier.grade = read_grade(*grade, registry);
+    if (entry.method->find_option("sizes") == nullptr)
+      grade->fail("method " + simplifier.method + " has no option \"sizes\": it cannot be graded");
+    if (simplifier.ratios.size() != 1)
+      fields.need("ratios").fail_expected("one share: sizes are for one count");
+  }
   return simplifier;
 }
 

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/contestants/contestant.h"
+#include "experiments/grading/grade_wish.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/trials/fit_stepping.h"
 
@@ -33,7 +35,9 @@ double budget_of(const SceneRequirement& require);
 struct FitSimplifier {
   std::string label;
   std::string method;
-  std::vector<double> ratios;  ///< shares of the tetrahedra to remove
+  std::vector<double> ratios;                     ///< shares of the tetrahedra to remove
+  std::optional<GradeWish> grade;                 ///< how its mesh is graded by the scene
+  nlohmann::json set = nlohmann::json::object();  ///< options; of a graded one the file of its sizes
 };
 
 struct FitModel {

@@ -139,7 +139,8 @@ void add_simplifiers(const FitPlan& plan, const FitCandidates& known, json& out)
   if (used.count(kNoSimplifier) > 0) out["simplify"].push_back(kNoSimplifier);
   for (const FitSimplifier& simplifier : known.simplifiers) {
     if (used.count(simplifier.label) > 0)
-      out["simplify"].push_back({{"method", simplifier.method}, {"label", simplifier.label}});
+      out["simplify"].push_back(
+          {{"method", simplifier.method}, {"label", simplifier.label}, {"set", simplifier.set}});
   }
   if (!ratios.empty()) out["sweep"]["tets_removed_ratio"] = ratios;
 }

@@ -7,6 +7,7 @@
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_freeze.h"
+#include "experiments/fit/fit_grading.h"
 #include "experiments/fit/fitted_scene.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
@@ -75,10 +76,22 @@ class Fit {
     progress_.show("mesh");
     const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
     find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
+    grade_simplifiers(candidates_, result_.scene, mesh, registry_, options_.out / "sizes", options_.stop_flag,
+                      result_.dropped);
+    plan.candidates.erase(
+        std::remove_if(plan.candidates.begin(), plan.candidates.end(),
+                       [&](const FitCandidate& candidate) { return !is_known(candidate.simplifier); }),
+        plan.candidates.end());
     const std::size_t tets = mesh.tets.size();
     plan.levels = tets <= kMostTetsForThirdLevel ? 3 : 2;
     plan.enough = kEnoughShare * require().at_most;
     return plan;
+  }
+
+  bool is_known(const std::string& simplifier) const {
+    const auto& known = candidates_.simplifiers;
+    return simplifier == kNoSimplifier ||
+           std::any_of(known.begin(), known.end(), [&](const auto& one) { return one.label == simplifier; });
   }
 
   std::string dropped_text() const {

@@ -315,5 +315,52 @@ TEST_F(FitCommand, RefusesWhatItCannotFit) {
   EXPECT_THAT(full.error, HasSubstr("a new or an empty folder"));
 }
 
+// Sizes are found on the scene's own loads: on other loads the candidate has the same mesh.
+TEST_F(FitCommand, AGradedMeshIsTheSameOnOtherLoads) {
+  ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\n"
+               "simplifiers:\n"
+               "  - {label: plain, method: palpate.refined, ratios: [0.4]}\n"
+               "  - {label: graded, method: palpate.refined, ratios: [0.4], grade: {near: [supports], "
+               "near_size: 0.3}}\n"
+               "  - {label: padded, method: palpate.refined, ratios: [0.4], grade: {near: [pads]}}\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {first: [], second: []}}]\n");
+  text_.mesh = "{make: bar, vertices: 600, length_m: 0.1}";
+  const test::ProgramResult result =
+      fit("error: {measure: deformation_l2, at_most: 0.6}, time_per_second_s: 1000");
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  const json found = report();
+  ASSERT_EQ(found.at("dropped").size(), 1U) << found.at("dropped");
+  EXPECT_THAT(found.at("dropped").front().get<std::string>(), HasSubstr("padded (graded palpate.refined)"));
+  std::map<std::string, std::set<std::string>> meshes;  // by simplifier
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(folder() / "fit" / "check_0" / "run" / "problems")) {
+    if (entry.path().filename() != "in.mesh") continue;
+    const std::string place = entry.path().string();
+    for (const char* label : {"=graded", "=plain"}) {
+      if (place.find(label) != std::string::npos) meshes[label].insert(test::bytes_of(entry.path()));
+    }
+  }
+  ASSERT_EQ(meshes["=graded"].size(), 1U);
+  ASSERT_EQ(meshes["=plain"].size(), 1U);
+  EXPECT_NE(meshes["=graded"], meshes["=plain"]);
+}
+
+TEST_F(FitCommand, AGradedSimplifierHasOneShareAndTakesSizes) {
+  const auto refused = [&](const std::string& simplifier, const std::string& reason) {
+    folder().add("candidates.yaml",
+                 "schema: palpate/candidates/1\nsimplifiers: [" + simplifier +
+                     "]\nmodels: [{label: edge_node, method: smoothed.edge_node, works: {first: []}}]\n");
+    const test::ProgramResult result = fit("error: {measure: deformation_l2, at_most: 0.6}");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.error, HasSubstr(reason));
+  };
+  refused("{label: a, method: palpate.refined, ratios: [0.4, 0.5], grade: {near: [supports]}}", "one share");
+  refused("{label: a, method: palpate.outcome, ratios: [0.4], grade: {near: [supports]}}",
+          "cannot be graded");
+  refused("{label: a, method: palpate.refined, ratios: [0.4], grade: {near: [fingers]}}", "fingers");
+}
+
 }  // namespace
 }  // namespace palpate::experiments
