@@ -35,7 +35,7 @@ PLAN = {
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
     "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "grading", "scene_writer",
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "fit", "envelope", "campaign",
-                    "live", "commands", "commands/live", "commands/campaign", "."],
+                    "live", "commands", "commands/live", "commands/campaign", "commands/grading", "."],
     "report": ["shared", "*", "."],
     "page": ["view", "*"],
 }

@@ -166,9 +166,9 @@ int grade(const GradeArguments& arguments) {
   write_medit(out / "organ.mesh", graded.mesh);
   write_medit(out / "whole.mesh", whole.mesh);
   simplify::write_sizes(out / "sizes.csv", graded.wanted.sizes);
-  write_file_atomically(out / "scene.yaml", "# Made by palpate grade: " + std::to_string(graded.mesh.tets.size()) +
-                                                " tetrahedra by " + arguments.method + "\n" +
-                                                lines_of_scene(on_graded));
+  write_file_atomically(out / "scene.yaml",
+                        "# Made by palpate grade: " + std::to_string(graded.mesh.tets.size()) +
+                            " tetrahedra by " + arguments.method + "\n" + lines_of_scene(on_graded));
   const bool is_short = report.at("stop") == "limit";
   report["reached"] = !is_short;
   write_file_atomically(out / "grade.json", report.dump(1) + "\n");
@@ -187,9 +187,10 @@ int grade(const GradeArguments& arguments) {
 
 void add_grade_sizes(CLI::App& command, GradeArguments& arguments) {
   command
-      .add_option("--near", arguments.near,
-                  "Where the mesh is to be fine, as often as needed: loads, pads, forces, supports or probes of the\n"
-                  "scene, \"sphere X Y Z R\" or \"half_space NX NY NZ OFFSET\" in metres")
+      .add_option(
+          "--near", arguments.near,
+          "Where the mesh is to be fine, as often as needed: loads, pads, forces, supports or probes of the\n"
+          "scene, \"sphere X Y Z R\" or \"half_space NX NY NZ OFFSET\" in metres")
       ->allow_extra_args(false)
       ->type_name("PLACE");
   command.add_option("--near-size", arguments.wish.near_size, "Edge length there over that far away (0.6)")
@@ -204,9 +205,10 @@ void add_grade_sizes(CLI::App& command, GradeArguments& arguments) {
       ->check(number_from(1e-9, 1e3))
       ->type_name("M");
   command
-      .add_option("--pilot", arguments.pilot,
-                  "Method of the contest deform that solves the scene first: the mesh is to be fine where it is\n"
-                  "in error, as far as neighbouring stresses tell")
+      .add_option(
+          "--pilot", arguments.pilot,
+          "Method of the contest deform that solves the scene first: the mesh is to be fine where it is\n"
+          "in error, as far as neighbouring stresses tell")
       ->type_name("NAME");
   command
       .add_option("--least-size", arguments.wish.least_size,
@@ -253,9 +255,12 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_flag("--json", arguments->as_json, "Print grade.json");
   command->footer(
-      "Writes organ.mesh (metres), scene.yaml on it, for simulate and fit, grade.json, and what it started from\n"
-      "(whole.mesh, sizes.csv). A mesh is only made coarser: --vertices starts with a finer one. A moving scene\n"
-      "is looked at at rest, its loads at their greatest. docs/graded.md has the formulas. Exit codes: 0 done;\n"
+      "Writes organ.mesh (metres), scene.yaml on it, for simulate and fit, grade.json, and what it started "
+      "from\n"
+      "(whole.mesh, sizes.csv). A mesh is only made coarser: --vertices starts with a finer one. A moving "
+      "scene\n"
+      "is looked at at rest, its loads at their greatest. docs/graded.md has the formulas. Exit codes: 0 "
+      "done;\n"
       "1 the count was not reached or the mesh is invalid; 2 bad input; 3 something needed could not run.");
   command->callback([arguments, &exit_code] { exit_code = grade(*arguments); });
 }
