@@ -122,7 +122,8 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   task.timeout_s = kSimplifierTimeout;
   if (simplifier.grade) {
     require(problem != nullptr, "simplify_mesh: graded without a problem");
-    simplified.failure = add_sizes({whole, *problem, {}}, simplifier, stop, folder, setting, task, simplified.grading);
+    simplified.failure =
+        add_sizes({whole, *problem, {}}, simplifier, stop, folder, setting, task, simplified.grading);
     if (!simplified.failure.empty()) return simplified;
   }
   bool was_kept = false;

@@ -29,8 +29,7 @@ void read_pilot(const YamlValue& value, const Registry& registry, GradeWish& wis
   wish.pilot = method.text();
   const MethodEntry entry = find_pilot(wish.pilot, registry, where(method));
   if (const auto set = fields.find("set")) {
-    for (const auto& [name, option] : set->entries())
-      wish.pilot_set[name] = {option.text(), where(option)};
+    for (const auto& [name, option] : set->entries()) wish.pilot_set[name] = {option.text(), where(option)};
     resolve_options(*entry.method, wish.pilot_set);  // throws where a name or a value is wrong
   }
 }
@@ -56,8 +55,8 @@ MethodEntry find_pilot(const std::string& method, const Registry& registry, cons
     throw InputError(where + ": unknown method \"" + method + "\"" +
                      nearest_hint(method, registry.method_names()));
   if (entry->contestant->contest != "deform")
-    throw InputError(where + ": pilot: method " + method + " is in the contest " + entry->contestant->contest +
-                     ", not in deform");
+    throw InputError(where + ": pilot: method " + method + " is in the contest " +
+                     entry->contestant->contest + ", not in deform");
   return *entry;
 }
 

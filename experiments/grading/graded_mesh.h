@@ -9,10 +9,10 @@ namespace palpate::experiments {
 
 /// What came of grading.
 struct GradedMesh {
-  std::string failure;        ///< why there is none; empty if there is
-  TetMesh mesh;               ///< in metres
-  GradedSizes wanted;         ///< at the vertices of the mesh before
-  nlohmann::json report;      ///< the simplifier's
+  std::string failure;    ///< why there is none; empty if there is
+  TetMesh mesh;           ///< in metres
+  GradedSizes wanted;     ///< at the vertices of the mesh before
+  nlohmann::json report;  ///< the simplifier's
   std::optional<double> kernel_s;
   std::vector<std::string> notes;
 };

@@ -26,7 +26,9 @@ using nlohmann::json;
 
 constexpr double kPilotTimeout = 1800.0;  // s
 
-bool is_pushed(const ElasticSupport& support) { return length_sq(support.by_m) > 0.0; }
+bool is_pushed(const ElasticSupport& support) {
+  return length_sq(support.by_m) > 0.0;
+}
 
 /// The faces that a word means; a vertex with a force is a face without area.
 std::vector<Triangle> faces_of_word(const std::string& word, const BoundaryProblem& problem) {
@@ -64,7 +66,8 @@ void add_region(const TetMesh& mesh, const std::string& text, std::vector<double
   const simplify::SizingField field(options, mesh);
   const std::vector<std::uint8_t> met = simplify::build_kept_tets(field, mesh);
   if (std::none_of(met.begin(), met.end(), [](std::uint8_t flag) { return flag != 0; }))
-    throw InputError("near", 0, "a region in metres that meets the body", "\"" + text + "\", which meets no tetrahedron");
+    throw InputError("near", 0, "a region in metres that meets the body",
+                     "\"" + text + "\", which meets no tetrahedron");
   for (std::size_t v = 0; v < nearest.size(); ++v)
     nearest[v] = std::min(nearest[v], field.distance(mesh.points[v]));
 }
@@ -153,12 +156,11 @@ GradedSizes find_graded_sizes(const GradeWish& wish, const GradedBody& body, std
     const std::vector<Vec3> displacement = solve_pilot(wish, body, setting, result);
     if (!result.failure.empty()) return result;
     const Material& material = body.problem.material;
-    const std::vector<double> errors = simplify::estimate_tet_errors(body.mesh, material.lambda_pa(),
-                                                                     material.mu_pa(), displacement);
+    const std::vector<double> errors =
+        simplify::estimate_tet_errors(body.mesh, material.lambda_pa(), material.mu_pa(), displacement);
     std::vector<double> even(body.mesh.points.size(), 1.0);
     const double edge = simplify::fit_sizes(body.mesh, tets, even);  // of a mesh of one size
-    const std::vector<double> by_error =
-        simplify::sizes_of_errors(body.mesh, errors, wish.least_size, edge);
+    const std::vector<double> by_error = simplify::sizes_of_errors(body.mesh, errors, wish.least_size, edge);
     for (std::size_t v = 0; v < by_error.size(); ++v)
       result.sizes[v] = std::min(result.sizes[v], by_error[v]);
   }

@@ -55,10 +55,10 @@ struct PlanContestant {
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).
   std::map<std::string, std::vector<nlohmann::json>> at;
-  std::vector<std::string> tags;  ///< words by which a run may choose its cases
+  std::vector<std::string> tags;   ///< words by which a run may choose its cases
   std::optional<GradeWish> grade;  ///< a simplifier of the contest deform: sizes by the scene
   bool required = true;            ///< false: its outcome does not decide the exit code
-  std::optional<bool> timed;      ///< in place of the plan's
+  std::optional<bool> timed;       ///< in place of the plan's
   /// Contest motion: options that, set over its own, give the motion that its solver would come to if it left
   /// nothing. Empty: it is not held against that.
   std::map<std::string, GivenOption> own_limit;

@@ -101,7 +101,8 @@ TimedMesh fill(const TetMesh& mesh, double size, const FrontSettings& settings) 
   result.kernel_s = watch.seconds();
   if (result.mesh.tets.empty()) throw std::runtime_error("Netgen left no tetrahedron");
   for (std::size_t v = 0; v < skin.points.size(); ++v) {
-    if (!(result.mesh.points[v] == skin.points[v])) throw std::runtime_error("Netgen moved a vertex of the skin");
+    if (!(result.mesh.points[v] == skin.points[v]))
+      throw std::runtime_error("Netgen moved a vertex of the skin");
   }
   return result;
 }

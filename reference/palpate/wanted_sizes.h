@@ -1,4 +1,5 @@
-// The option "sizes" of palpate.refined and palpate.surface: a file with the edge length wanted at each vertex.
+// The option "sizes" of palpate.refined and palpate.surface: a file with the edge length wanted at each
+// vertex.
 #pragma once
 
 #include <filesystem>

@@ -60,7 +60,8 @@ TetMesh take_back(const tetgenio& out) {
     mesh.tets.push_back({static_cast<Index>(tet[1]), static_cast<Index>(tet[0]), static_cast<Index>(tet[2]),
                          static_cast<Index>(tet[3])});
     const Tet& now = mesh.tets.back();
-    if (signed_volume(mesh.points[now[0]], mesh.points[now[1]], mesh.points[now[2]], mesh.points[now[3]]) < 0.0)
+    if (signed_volume(mesh.points[now[0]], mesh.points[now[1]], mesh.points[now[2]], mesh.points[now[3]]) <
+        0.0)
       std::swap(mesh.tets.back()[0], mesh.tets.back()[1]);
   }
   return mesh;

@@ -35,9 +35,9 @@ from shared.measure_text import MET, OPEN, SCATTERS, SHORT, SHOWN, TITLES, amoun
 from shared.records import figure, median, present
 from shared.tables import align, outcome_text, write_atomically, write_csv
 from simplify.contest import short_sweep
+from simplify.equal_distance import stray_text, strays_farther
 from simplify.standings import standings_text
 
-DISTANCE = "surface_distance_upper"
 COLUMNS_A_TABLE = 5  # so that a table stays within some 100 columns
 
 
@@ -161,18 +161,11 @@ def counted_peers(run, comparison, mesh, sweep, own_tets):
             left_out.append(f"{label} ({outcome_text(group)})")
         elif not is_equal(tets_of(group), own_tets, tolerance_of(run)):
             left_out.append(f"{label} ({tets_of(group):,.0f} tets{better_in(run, comparison, mesh, sweep, group)})")
-        elif comparison.equal_distance and not strays_no_farther(group, find_group(run, mesh, sweep, comparison.of)):
-            distance = value_of(group, DISTANCE)
-            left_out.append(f"{label} ({'no distance' if distance is None else f'strays {distance:.3g}'})")
+        elif comparison.equal_distance and strays_farther(group, find_group(run, mesh, sweep, comparison.of)):
+            left_out.append(f"{label} ({stray_text(group)})")
         else:
             peers.append((label, group))
     return peers, left_out
-
-
-def strays_no_farther(peer, own):
-    """Whether a peer's skin is no farther from the input's than that of `of`, both as measured from above."""
-    theirs, ours = value_of(peer, DISTANCE), value_of(own, DISTANCE) if own else None
-    return theirs is not None and ours is not None and theirs <= ours
 
 
 def input_counts(comparison, sweep):

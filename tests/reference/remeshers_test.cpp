@@ -1,4 +1,5 @@
-// The remeshers of CGAL, gmsh, TetGen, Netgen and MAdLib as the runner starts them: real processes, small meshes.
+// The remeshers of CGAL, gmsh, TetGen, Netgen and MAdLib as the runner starts them: real processes, small
+// meshes.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -176,7 +176,8 @@ std::vector<HardMesh> list_hard_meshes(std::uint64_t seed) {
       {"fine skin, genus 1", with_fine_skin(roughened(make_divided_ring(2, seed), 0.2, seed), 4.0)},
       {"fine skin, genus 3", with_fine_skin(roughened(make_three_holes(2, seed), 0.2, seed), 3.0)},
       {"fine skin, cavity", with_fine_skin(roughened(make_divided_hollow(2, seed), 0.2, seed), 3.0)},
-      {"fine skin, flat", stretched(with_fine_skin(roughened(make_three_holes(2, seed), 0.2, seed), 3.0), 0, 0, -6)},
+      {"fine skin, flat",
+       stretched(with_fine_skin(roughened(make_three_holes(2, seed), 0.2, seed), 3.0), 0, 0, -6)},
       {"tiny", stretched(cube, -100, -100, -100)},
       {"huge", stretched(cube, 90, 90, 90)},
   };

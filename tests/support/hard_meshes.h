@@ -35,8 +35,8 @@ TetMesh stretched(TetMesh mesh, int power_x, int power_y, int power_z);
 /// positive. With less than a quarter of a cell the skin cannot meet itself.
 TetMesh roughened(TetMesh mesh, double amount, std::uint64_t seed);
 
-/// Halves edges at the skin, the longest first, until there are `factor` times as many vertices: a skin that is
-/// finer than the inside, as users' meshes have it, with needles among its faces.
+/// Halves edges at the skin, the longest first, until there are `factor` times as many vertices: a skin that
+/// is finer than the inside, as users' meshes have it, with needles among its faces.
 TetMesh with_fine_skin(const TetMesh& mesh, double factor);
 
 /// A mesh and what is hard about it.

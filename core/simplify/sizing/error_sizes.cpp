@@ -137,8 +137,7 @@ std::vector<double> estimate_tet_errors(const TetMesh& mesh, double lambda_pa, d
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     std::array<Stress, 4> difference{};
     for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t k = 0; k < 6; ++k)
-        difference[i][k] = recovered[mesh.tets[t][i]][k] - of_tet[t][k];
+      for (std::size_t k = 0; k < 6; ++k) difference[i][k] = recovered[mesh.tets[t][i]][k] - of_tet[t][k];
     }
     errors[t] = std::max(0.0, linear_energy(difference, volume[t], lambda_pa, mu_pa));
   }
@@ -254,8 +253,8 @@ double fit_sizes(const TetMesh& mesh, std::uint64_t tets, std::vector<double>& s
     return count;
   };
   double low = 0.0;
-  double high = 2.0 * *std::max_element(edge.begin(), edge.end()) /
-                *std::min_element(wanted.begin(), wanted.end());
+  double high =
+      2.0 * *std::max_element(edge.begin(), edge.end()) / *std::min_element(wanted.begin(), wanted.end());
   const auto goal = static_cast<double>(tets);
   while (count_at(high) > goal) high *= 2.0;
   for (int step = 0; step < kFitSteps; ++step) {

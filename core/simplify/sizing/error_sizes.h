@@ -32,8 +32,8 @@ std::vector<double> estimate_tet_errors(const TetMesh& mesh, double lambda_pa, d
 /// of the volume lies below, so the sizes there are 1. Nothing is smaller than `least_size`. A field without
 /// error has size 1.
 ///
-/// Requires: positive tets, one error a tet, not negative. Throws: InputError for a least_size outside (0, 1],
-/// a spread that is negative or not finite.
+/// Requires: positive tets, one error a tet, not negative. Throws: InputError for a least_size outside (0,
+/// 1], a spread that is negative or not finite.
 std::vector<double> sizes_of_errors(const TetMesh& mesh, std::span<const double> tet_errors,
                                     double least_size, double spread);
 
@@ -42,11 +42,11 @@ std::vector<double> sizes_of_errors(const TetMesh& mesh, std::span<const double>
 /// Throws: InputError unless growth and far are above 0.
 void limit_growth(const TetMesh& mesh, double growth, double far, std::vector<double>& sizes);
 
-/// The edge length where the size is 1 of a mesh of so many tets: (graded volume / (0.1 tets))^(1/3), of a mesh
-/// whose tets have 0.1 l^3 (a regular one 0.118). A mesh is only made coarser, so sizes below what `mesh` has
-/// are raised to that, in `sizes` too; the far length then makes the count come out.
-/// Throws: InputError unless there are to be fewer tets than there are, at least 1, and for a size that is not
-/// above 0.
+/// The edge length where the size is 1 of a mesh of so many tets: (graded volume / (0.1 tets))^(1/3), of a
+/// mesh whose tets have 0.1 l^3 (a regular one 0.118). A mesh is only made coarser, so sizes below what
+/// `mesh` has are raised to that, in `sizes` too; the far length then makes the count come out. Throws:
+/// InputError unless there are to be fewer tets than there are, at least 1, and for a size that is not above
+/// 0.
 double fit_sizes(const TetMesh& mesh, std::uint64_t tets, std::vector<double>& sizes);
 
 }  // namespace palpate::simplify

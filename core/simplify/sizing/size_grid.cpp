@@ -24,7 +24,8 @@ std::vector<double> relative_sizes(const TetMesh& mesh, std::span<const double> 
                      std::to_string(sizes.size()));
   for (std::size_t v = 0; v < sizes.size(); ++v) {
     if (!(sizes[v] > 0.0 && std::isfinite(sizes[v])))
-      throw InputError("sizes", 0, "finite numbers above 0", short_number(sizes[v]) + " at vertex " + std::to_string(v));
+      throw InputError("sizes", 0, "finite numbers above 0",
+                       short_number(sizes[v]) + " at vertex " + std::to_string(v));
   }
   if (sizes.empty()) return {};
   const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
@@ -82,7 +83,8 @@ void SizeGrid::fill_tet(const TetMesh& mesh, const Tet& tet, std::span<const dou
       for (std::size_t i = from[0]; i <= to[0]; ++i) {
         float& value = value_[index(i, j, k)];
         if (value > 0.0F) continue;
-        const Vec3 x = low_ + cell_ * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
+        const Vec3 x =
+            low_ + cell_ * Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
         const std::array<double, 4> share{
             signed_volume(x, p[1], p[2], p[3]) / volume, signed_volume(p[0], x, p[2], p[3]) / volume,
             signed_volume(p[0], p[1], x, p[3]) / volume, signed_volume(p[0], p[1], p[2], x) / volume};

@@ -130,8 +130,7 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
   }
 }
 
-void coarsen_inside(Run& run, std::uint64_t tets,
-                    double longest = std::numeric_limits<double>::infinity()) {
+void coarsen_inside(Run& run, std::uint64_t tets, double longest = std::numeric_limits<double>::infinity()) {
   CollapseOptions options;
   options.longest = longest;
   options.target = tets;

@@ -10,9 +10,8 @@ namespace {
 
 Comparison read_comparison(const YamlValue& value, const std::vector<PlanContestant>& contestants,
                            const RunSettings& run) {
-  const YamlFields fields = value.fields(
-      {"of", "against_best_of", "measures", "time_against", "time_factor", "input_up_to_ratio", "equal_distance",
-       "required"});
+  const YamlFields fields = value.fields({"of", "against_best_of", "measures", "time_against", "time_factor",
+                                          "input_up_to_ratio", "equal_distance", "required"});
   Comparison comparison;
   comparison.of = known_label(fields.need("of"), contestants);
   const YamlValue against = fields.need("against_best_of");
@@ -85,8 +84,9 @@ void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& re
   plan.contestants = read_contestants(fields.need("contestants"), "simplify", plan.sweep, registry);
   for (const PlanContestant& contestant : plan.contestants) {
     if (contestant.grade)
-      fields.need("contestants").fail("\"grade\" of " + contestant.label +
-                                      " needs a scene: it belongs to simplifiers of the contest deform");
+      fields.need("contestants")
+          .fail("\"grade\" of " + contestant.label +
+                " needs a scene: it belongs to simplifiers of the contest deform");
   }
   auto part = std::make_shared<SimplifyPart>();
   if (const auto region = fields.find("region")) part->region = read_kept_regions(*region);

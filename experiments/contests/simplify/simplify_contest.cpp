@@ -118,16 +118,17 @@ class SimplifyContest : public Contest {
 }  // namespace
 
 const ContestKind& simplify_contest() {
-  static const ContestKind kind{"simplify",
-                                {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
-                                {"meshes"},
-                                {},
-                                {"histograms", "overview", "timing", "quality_time", "quality_distance", "scaling", "cut_away"},
-                                read_simplify_plan,
-                                cross_cases,
-                                [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
-                                  return std::make_unique<SimplifyContest>(setting);
-                                }};
+  static const ContestKind kind{
+      "simplify",
+      {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
+      {"meshes"},
+      {},
+      {"histograms", "overview", "timing", "quality_time", "quality_distance", "scaling", "cut_away"},
+      read_simplify_plan,
+      cross_cases,
+      [](const ContestSetting& setting) -> std::unique_ptr<Contest> {
+        return std::make_unique<SimplifyContest>(setting);
+      }};
   return kind;
 }
 

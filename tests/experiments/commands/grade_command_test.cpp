@@ -123,7 +123,8 @@ TEST_F(GradeCommand, APilotFindsThePadByItselfAndTheSameCommandGivesTheSameBytes
 TEST_F(GradeCommand, AMovingSceneIsGradedAtRestAndByItsProbes) {
   text_.rest = "";
   text_.analysis =
-      "{dynamic: {integrator: symplectic_euler, time_step_s: 1.0e-5, duration_s: 0.01, probes_m: [[0.05, 0.05, "
+      "{dynamic: {integrator: symplectic_euler, time_step_s: 1.0e-5, duration_s: 0.01, probes_m: [[0.05, "
+      "0.05, "
       "0.1]]}}\nmodel: {smoothed: edge_node}\nstrain: large";
   const ProgramResult result = grade("moving", {"--ratio", "0.6", "--near", "probes", "--radius", "0.02"});
   ASSERT_EQ(result.exit_code, 0) << result.error;

@@ -32,7 +32,9 @@ double volume_of(const TetMesh& mesh, const Tet& t) {
 
 TEST(ErrorSizes, AUniformStrainHasNoError) {
   const TetMesh mesh = build_kuhn_cube(4, 0.2, 5);
-  const auto u = sampled(mesh, [](const Vec3& p) { return Vec3{0.01 * p.x + 0.02 * p.y, 0.03 * p.z, -0.01 * p.x}; });
+  const auto u = sampled(mesh, [](const Vec3& p) {
+    return Vec3{0.01 * p.x + 0.02 * p.y, 0.03 * p.z, -0.01 * p.x};
+  });
   const std::vector<double> errors = estimate_tet_errors(mesh, kLambda, kMu, u);
   const double energy = 0.5 * (kLambda + 2.0 * kMu) * 0.03 * 0.03;
   for (const double e : errors) EXPECT_LE(e, 1e-20 * energy);
@@ -40,9 +42,9 @@ TEST(ErrorSizes, AUniformStrainHasNoError) {
     EXPECT_EQ(size, 1.0);
 }
 
-/// u_x = x^2 / 2 has the strain x; linear functions on cells of length h have a + h / 2 in [a, a + h], and the
-/// mean of two such is x at an inner vertex. The difference is +-h / 2 at the corners of a tet, three and one
-/// or two and two: 1/2 (lambda + 2 mu) V h^2 / 10, or half of that.
+/// u_x = x^2 / 2 has the strain x; linear functions on cells of length h have a + h / 2 in [a, a + h], and
+/// the mean of two such is x at an inner vertex. The difference is +-h / 2 at the corners of a tet, three and
+/// one or two and two: 1/2 (lambda + 2 mu) V h^2 / 10, or half of that.
 TEST(ErrorSizes, AQuadraticFieldHasItsOwnErrorInside) {
   constexpr int kCells = 6;
   const double h = 1.0 / kCells;
@@ -56,8 +58,8 @@ TEST(ErrorSizes, AQuadraticFieldHasItsOwnErrorInside) {
     if (std::any_of(tet.begin(), tet.end(), [&](Index v) { return on_boundary[v] != 0; })) continue;
     double low = 1.0;
     for (const Index v : tet) low = std::min(low, mesh.points[v].x);
-    const auto at_low = std::count_if(tet.begin(), tet.end(),
-                                      [&](Index v) { return mesh.points[v].x < low + 0.5 * h; });
+    const auto at_low =
+        std::count_if(tet.begin(), tet.end(), [&](Index v) { return mesh.points[v].x < low + 0.5 * h; });
     const double share = at_low == 2 ? 0.05 : 0.1;
     const double expected = 0.5 * (kLambda + 2.0 * kMu) * volume_of(mesh, tet) * h * h * share;
     EXPECT_NEAR(errors[t], expected, 1e-9 * expected);
@@ -75,7 +77,8 @@ TEST(ErrorSizes, TheErrorHasTheSameEnergyInAnyFrame) {
   for (Vec3& p : mesh.points) p = turned(p);
   for (Vec3& value : u) value = turned(value);
   const std::vector<double> after = estimate_tet_errors(mesh, kLambda, kMu, u);
-  for (std::size_t t = 0; t < before.size(); ++t) EXPECT_NEAR(after[t], before[t], 1e-10 * (1e-12 + before[t]));
+  for (std::size_t t = 0; t < before.size(); ++t)
+    EXPECT_NEAR(after[t], before[t], 1e-10 * (1e-12 + before[t]));
 }
 
 TEST(ErrorSizes, AreTheFifthRootOfTheDensityDownToTheLeast) {
@@ -143,10 +146,13 @@ TEST(ErrorSizes, RefuseNonsense) {
   const TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> errors(mesh.tets.size(), 1.0);
-  for (const double least : {0.0, -0.5, 1.5, nan}) EXPECT_THROW(sizes_of_errors(mesh, errors, least, 0.0), InputError);
-  for (const double spread : {-1.0, nan}) EXPECT_THROW(sizes_of_errors(mesh, errors, 0.5, spread), InputError);
+  for (const double least : {0.0, -0.5, 1.5, nan})
+    EXPECT_THROW(sizes_of_errors(mesh, errors, least, 0.0), InputError);
+  for (const double spread : {-1.0, nan})
+    EXPECT_THROW(sizes_of_errors(mesh, errors, 0.5, spread), InputError);
   std::vector<double> sizes(mesh.points.size(), 1.0);
-  for (const double growth : {0.0, -1.0, nan}) EXPECT_THROW(limit_growth(mesh, growth, 1.0, sizes), InputError);
+  for (const double growth : {0.0, -1.0, nan})
+    EXPECT_THROW(limit_growth(mesh, growth, 1.0, sizes), InputError);
   EXPECT_THROW(limit_growth(mesh, 0.5, nan, sizes), InputError);
   EXPECT_THROW(fit_sizes(mesh, 0, sizes), InputError);
   EXPECT_THROW(fit_sizes(mesh, mesh.tets.size(), sizes), InputError);

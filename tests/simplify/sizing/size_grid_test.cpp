@@ -20,9 +20,13 @@ constexpr int kCells = 8;
 const TetMesh kCube = build_kuhn_cube(kCells, 0.15, 3);
 
 /// A unit cube's spacing of vertices, times 0.75: the cell of its grid.
-double cell_of_cube() { return 0.75 * std::cbrt(1.0 / static_cast<double>(kCube.points.size())); }
+double cell_of_cube() {
+  return 0.75 * std::cbrt(1.0 / static_cast<double>(kCube.points.size()));
+}
 
-double linear_size(const Vec3& x) { return (1.0 + 2.0 * x.x) / 3.0; }
+double linear_size(const Vec3& x) {
+  return (1.0 + 2.0 * x.x) / 3.0;
+}
 
 std::vector<double> linear_sizes() {
   std::vector<double> sizes;
@@ -55,7 +59,8 @@ TEST(SizeGrid, HasALinearFieldExactlyInsideAndNearlyAtTheSides) {
   EXPECT_LE(worst_difference(grid, 0.0, linear_size), 2.0 / 3.0 * std::sqrt(3.0) * cell_of_cube());
   EXPECT_NEAR(grid.least(), 1.0 / 3.0, 2.0 / 3.0 * cell_of_cube());
   // The check rejects another field.
-  EXPECT_GT(worst_difference(grid, cell_of_cube(), [](const Vec3& x) { return (1.0 + 2.0 * x.y) / 3.0; }), 0.1);
+  EXPECT_GT(worst_difference(grid, cell_of_cube(), [](const Vec3& x) { return (1.0 + 2.0 * x.y) / 3.0; }),
+            0.1);
 }
 
 TEST(SizeGrid, APlaceOutsideHasTheNearestValue) {
@@ -80,8 +85,8 @@ TEST(SizeGrid, EqualSizesAreNoField) {
 TEST(SizeGrid, RoomIsTheIntegralOfTheFieldsThirdPower) {
   SizingOptions options;
   options.sizes = make_size_grid(kCube, linear_sizes());
-  // integral of 27 / (1 + 2 x)^3 from 0 to 1 is 27 / 4 (1 - 1 / 9) = 6. A midpoint's value and the sides leave
-  // 4%: second order in the cells of 1 / 8.
+  // integral of 27 / (1 + 2 x)^3 from 0 to 1 is 27 / 4 (1 - 1 / 9) = 6. A midpoint's value and the sides
+  // leave 4%: second order in the cells of 1 / 8.
   EXPECT_NEAR(graded_volume(kCube, SizingField(options, kCube)), 6.0, 0.04 * 6.0);
   EXPECT_NEAR(graded_volume(kCube, SizingField()), 1.0, 1e-12);
 }
@@ -92,8 +97,8 @@ TEST(SizeGrid, RefusesWhatIsNoSize) {
     sizes[5] = value;
     return sizes;
   };
-  for (const double value : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
-                             std::numeric_limits<double>::infinity(), 1e5})
+  for (const double value :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), 1e5})
     EXPECT_THROW(make_size_grid(kCube, with(value)), InputError) << value;
   std::vector<double> few = linear_sizes();
   few.pop_back();

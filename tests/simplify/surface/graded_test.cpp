@@ -26,7 +26,9 @@ const TetMesh& cube() {
 }
 
 /// Three times as long at x = 1 as at x = 0.
-double wanted_at(double x) { return (1.0 + 2.0 * x) / 3.0; }
+double wanted_at(double x) {
+  return (1.0 + 2.0 * x) / 3.0;
+}
 
 std::shared_ptr<const SizeGrid> linear_grid() {
   std::vector<double> sizes;
@@ -61,7 +63,9 @@ double worst_factor(const std::array<double, kSlabs>& ratios) {
 }
 
 /// Of shape alone: q holds volumes against their mean, which a graded mesh is to depart from.
-double mean_ratio(const TetMesh& mesh) { return judge::measure_quality(mesh).mean_ratio.mean; }
+double mean_ratio(const TetMesh& mesh) {
+  return judge::measure_quality(mesh).mean_ratio.mean;
+}
 
 TetMesh surfaced(const std::shared_ptr<const SizeGrid>& sizes) {
   TetMesh mesh = cube();
@@ -114,7 +118,8 @@ TEST(GradedSizes, RefinedFollowsInsideAndKeepsTheBoundary) {
     return sum[1] / count[1] / (sum[0] / count[0]);
   };
   EXPECT_LT(far_over_near(even), 1.1);
-  EXPECT_GT(far_over_near(graded), 1.4);  // wanted: wanted_at(0.8) / wanted_at(0.2) = 1.86; the skin holds some
+  EXPECT_GT(far_over_near(graded),
+            1.4);  // wanted: wanted_at(0.8) / wanted_at(0.2) = 1.86; the skin holds some
   EXPECT_GE(mean_ratio(graded), mean_ratio(even) - 0.02);
 }
 
