@@ -76,6 +76,7 @@ FitStepping read_fit_stepping(const YamlValue& value) {
   stepping.label = fields.need("label").identifier();
   const YamlValue integrator = fields.need("integrator");
   std::vector<std::string> known;
+  known.reserve(dynamics::kIntegrators.size());
   for (const auto kind : dynamics::kIntegrators) known.emplace_back(dynamics::integrator_name(kind));
   stepping.integrator = integrator.text();
   require_known(integrator, "integrator", stepping.integrator, known);

@@ -78,6 +78,7 @@ class Freezer {
     held.stepping = choice_.stepping;
     held.stepping->error = choice_.stepping->error.value_or(0.0) + *tried.motion_error;
     held.stepping->cost_s = costs;
+    held.stepping->is_auto = false;  // the held body's own bound is longer than what was verified
     choice_ = std::move(held);
     write_file_atomically(task_.folder / "frozen.json",
                           describe_frozen(still, mesh_.points.size(), tried.most_force_n).dump() + "\n");

@@ -37,7 +37,8 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
   tried.stepping = stepping;
   tried.why_not = "its longest step, " + time_text(longest_s) +
                   ", is shorter than the shortest that is tried, " + time_text(shortest_s);
-  for (double step_s = longest_s; step_s >= shortest_s * (1.0 - kRounding); step_s *= 0.5) {
+  double step_s = longest_s;
+  while (step_s >= shortest_s * (1.0 - kRounding)) {
     const SteppedMotion found = run(step_s);
     tried.step_s = step_s;
     tried.error = found.error;
@@ -51,6 +52,7 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
       tried.why_not += ", and takes " + time_text(found.cost_s) + " already, over " + time_text(most_cost_s);
       return tried;
     }
+    step_s *= 0.5;
   }
   return tried;
 }
