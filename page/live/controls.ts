@@ -70,7 +70,7 @@ export class Controls {
     this.select("smoothing", "Strain averaged over", { ...Object.fromEntries(Object.entries(SMOOTHED).map(([key, { title }]) => [key, title])), ...(custom ? { own: "as in the scene" } : {}) },
       start.model === "smoothed" ? (this.namedSmoothing() ?? "own") : "edge_node");
     this.select("volume", "Volume model", VOLUMES, start.volume ?? "none");
-    this.select("law", "Strain", { corotated: "large, corotated", neo_hookean: "large, neo-Hookean", linear: "small, linear" }, start.law);
+    this.select("law", "Strain", { corotated: "large, corotated", neo_hookean: "large, neo-Hookean", stable_neo_hookean: "large, stable neo-Hookean", linear: "small, linear" }, start.law);
     this.select("level", "Mesh", Object.fromEntries(body.levels.map((level, k) => [String(k), levelTitle(level.removed_ratio, level.points.count / 3)])), "0");
     this.group("Time");
     this.select("integrator", "Integrator", INTEGRATORS, start.integrator);

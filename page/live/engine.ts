@@ -83,7 +83,7 @@ export class LiveEngine {
   build(config: LiveConfig): void {
     // Springs alone turn with the body whatever the strain is: the fast engine takes them so.
     const isLarge = config.law !== "linear" || (config.model === "springs" && config.volume === "none") ? 1 : 0;
-    const law = config.law === "neo_hookean" ? "neo_hookean" : "corotated";
+    const law = config.law === "linear" ? "corotated" : config.law;
     if (config.model === "smoothed")
       this.call("live_build_smoothed", config.theta, config.domain, config.rest, isLarge ? 0 : config.stabilise, isLarge, law, config.integrator);
     else this.call("live_build_springs", config.volume, config.theta, config.shear, isLarge, law, config.integrator);

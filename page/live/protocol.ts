@@ -33,7 +33,7 @@ export interface StartModel {
 }
 
 /** Of strain energies; `linear` is that of small strain, with linear springs. */
-export type StrainLaw = "linear" | "corotated" | "neo_hookean";
+export type StrainLaw = "linear" | "corotated" | "neo_hookean" | "stable_neo_hookean";
 
 /** `palpate/live/1`: the body of a page. */
 export interface BodyDescription {

@@ -185,7 +185,7 @@ double entry(const Vec3& a, std::size_t axis) {
 class RowBuilder {
  public:
   RowBuilder(const TetMesh& mesh, const BoundaryProblem& problem, const std::vector<Index>& moving)
-      : mesh_(mesh), problem_(problem), moving_(moving), boundary_(gather_boundary(mesh, problem)) {}
+      : problem_(problem), moving_(moving), boundary_(gather_boundary(mesh, problem)) {}
 
   void add(Index v, const DerivativeStencil& stencil) {
     const BoundaryVertex& at = boundary_[v];
@@ -219,12 +219,11 @@ class RowBuilder {
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const Index place = moving_[stencil.neighbours[k]];
       for (std::size_t j = 0; place != kNoIndex && j < 3; ++j)
-        entries_.emplace_back(row, static_cast<int>(3 * place + j), blocks[k](axis, j) / size);
+        entries_.emplace_back(row, static_cast<int>(3 * std::size_t{place} + j), blocks[k](axis, j) / size);
     }
     right_.push_back(entry(right, axis) / size);
   }
 
-  const TetMesh& mesh_;
   const BoundaryProblem& problem_;
   const std::vector<Index>& moving_;
   std::vector<BoundaryVertex> boundary_;
