@@ -3,6 +3,7 @@
 #include <tetgen.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -11,6 +12,7 @@
 #include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/topology.h"
 #include "reference/door/request_options.h"
 #include "reference/simplifier_support/remesh_run.h"
 
@@ -44,6 +46,15 @@ void hand_over(const TetMesh& mesh, tetgenio& in) {
     const Tet& tet = mesh.tets[t];
     const std::array<Index, 4> turned{tet[1], tet[0], tet[2], tet[3]};
     for (std::size_t i = 0; i < 4; ++i) in.tetrahedronlist[4 * t + i] = static_cast<int>(turned[i]);
+  }
+  // Each face a facet of its own: TetGen flips edges within a flat one, -Y or not.
+  const std::vector<Triangle> boundary = build_boundary(mesh);
+  in.numberoftrifaces = static_cast<int>(boundary.size());
+  in.trifacelist = new int[3 * boundary.size()];
+  in.trifacemarkerlist = new int[boundary.size()];
+  for (std::size_t f = 0; f < boundary.size(); ++f) {
+    for (std::size_t i = 0; i < 3; ++i) in.trifacelist[3 * f + i] = static_cast<int>(boundary[f][i]);
+    in.trifacemarkerlist[f] = static_cast<int>(f) + 1;
   }
 }
 
