@@ -17,11 +17,21 @@ using nlohmann::json;
 constexpr std::size_t kLargestFile = std::size_t{64} << 20U;
 constexpr std::size_t kDepth = 64;
 
-/// The simplifier of that label in the plan of the fit's search.
-FitSimplifier find_simplifier(const json& plan, const std::string& label, const fs::path& file) {
+/// The simplifier of that label in the plan of the fit's search; the sizes of a graded one lie in the fit's
+/// folder, wherever that is now.
+FitSimplifier find_simplifier(const json& plan, const std::string& label, const fs::path& folder,
+                              const fs::path& file) {
   for (const json& entry : plan.at("simplify")) {
-    if (entry.is_object() && entry.value("label", "") == label)
-      return {label, entry.at("method").get<std::string>(), {}};
+    if (!entry.is_object() || entry.value("label", "") != label) continue;
+    FitSimplifier found;
+    found.label = label;
+    found.method = entry.at("method").get<std::string>();
+    found.set = entry.value("set", json::object());
+    if (found.set.contains("sizes")) {
+      const fs::path sizes = found.set.at("sizes").get<std::string>();
+      found.set["sizes"] = fs::absolute(folder / "sizes" / sizes.filename()).string();
+    }
+    return found;
   }
   throw InputError(file.string() + ": simplify: the choice's simplifier \"" + label + "\" is not in it");
 }
@@ -57,7 +67,7 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
       out.choice.ratio = choice.at("tets_removed_ratio").get<double>();
     const json plan = read_yaml(plan_file).json();
     if (out.choice.simplifier != kNoSimplifier)
-      out.simplifiers.simplifiers.push_back(find_simplifier(plan, out.choice.simplifier, plan_file));
+      out.simplifiers.simplifiers.push_back(find_simplifier(plan, out.choice.simplifier, folder, plan_file));
     out.levels = plan.at("reference").at("levels").get<int>();
     out.enough = plan.at("reference").at("enough").get<double>();
   } catch (const json::exception& error) {
