@@ -96,7 +96,9 @@ TEST(NeoHookeanConstraints, OneTetrahedronComesToItsClosedForm) {
     EXPECT_LT(length(end.displacement_m[3] - wanted), 1e-9 * length(wanted)) << force.x << ' ' << force.z;
     // Lame's moduli with lambda in the place of lambda + mu, as is easily taken, are told apart.
     const Vec3 soft{wanted.x, wanted.y, force.z / (per_m * 4000.0)};
-    if (force.z != 0.0) EXPECT_GT(length(end.displacement_m[3] - soft), 0.05 * length(soft));
+    if (force.z != 0.0) {
+      EXPECT_GT(length(end.displacement_m[3] - soft), 0.05 * length(soft));
+    }
   }
 }
 

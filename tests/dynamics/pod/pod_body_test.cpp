@@ -112,7 +112,9 @@ TEST(Cubature, NonnegativeLeastSquaresMeetTheirConditions) {
     const Eigen::VectorXd slope = a.transpose() * (a * found - b);
     for (Eigen::Index i = 0; i < 30; ++i) {
       EXPECT_GE(found[i], 0.0);
-      if (found[i] > 0.0) EXPECT_NEAR(slope[i], 0.0, 1e-10);
+      if (found[i] > 0.0) {
+        EXPECT_NEAR(slope[i], 0.0, 1e-10);
+      }
       EXPECT_GE(slope[i], -1e-10);
     }
   }

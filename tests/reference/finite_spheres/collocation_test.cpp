@@ -15,8 +15,6 @@
 namespace palpate::reference {
 namespace {
 
-using dynamics::Mat3;
-
 constexpr Material kMaterial{1000.0, 0.3, 1000.0};
 
 std::vector<Index> all_of(const TetMesh& mesh) {
