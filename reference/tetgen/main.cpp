@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 
@@ -61,12 +62,12 @@ void hand_over(const TetMesh& mesh, tetgenio& in) {
 TetMesh take_back(const tetgenio& out) {
   TetMesh mesh;
   mesh.points.reserve(static_cast<std::size_t>(out.numberofpoints));
-  for (int v = 0; v < out.numberofpoints; ++v) {
+  for (std::ptrdiff_t v = 0; v < out.numberofpoints; ++v) {
     const REAL* p = out.pointlist + 3 * v;
     mesh.points.push_back({p[0], p[1], p[2]});
   }
   mesh.tets.reserve(static_cast<std::size_t>(out.numberoftetrahedra));
-  for (int t = 0; t < out.numberoftetrahedra; ++t) {
+  for (std::ptrdiff_t t = 0; t < out.numberoftetrahedra; ++t) {
     const int* tet = out.tetrahedronlist + 4 * t;
     mesh.tets.push_back({static_cast<Index>(tet[1]), static_cast<Index>(tet[0]), static_cast<Index>(tet[2]),
                          static_cast<Index>(tet[3])});

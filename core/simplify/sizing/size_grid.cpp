@@ -28,12 +28,13 @@ std::vector<double> relative_sizes(const TetMesh& mesh, std::span<const double> 
                        short_number(sizes[v]) + " at vertex " + std::to_string(v));
   }
   if (sizes.empty()) return {};
-  const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
-  if (*most > kMostRatio * *least)
+  const double least = *std::min_element(sizes.begin(), sizes.end());
+  const double most = *std::max_element(sizes.begin(), sizes.end());
+  if (most > kMostRatio * least)
     throw InputError("sizes", 0, "none more than 1000 times another",
-                     short_number(*least) + " and " + short_number(*most));
+                     short_number(least) + " and " + short_number(most));
   std::vector<double> relative(sizes.size());
-  std::transform(sizes.begin(), sizes.end(), relative.begin(), [&](double s) { return s / *most; });
+  std::transform(sizes.begin(), sizes.end(), relative.begin(), [&](double s) { return s / most; });
   return relative;
 }
 
