@@ -13,7 +13,7 @@ namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kSimplifierUnit_m = 1e-3;  // as in the contests
+constexpr double kSimplifierUnitM = 1e-3;  // as in the contests
 constexpr double kGraderTimeout = 3600.0;   // s
 
 TetMesh in_unit(TetMesh mesh, double factor) {
@@ -48,13 +48,13 @@ GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const
   task.method = simplifier;
   task.scratch = scratch.path();
   task.mesh_in = scratch.file("in.mesh");
-  write_medit(task.mesh_in, in_unit(body.mesh, 1.0 / kSimplifierUnit_m));
+  write_medit(task.mesh_in, in_unit(body.mesh, 1.0 / kSimplifierUnitM));
   const fs::path sizes = scratch.file("sizes.csv");
   simplify::write_sizes(sizes, graded.wanted.sizes);
   task.options = resolve_options(method, options);
   task.options["sizes"] = sizes.string();
   if (method.find_option("unit_m") != nullptr && options.count("unit_m") == 0)
-    task.options["unit_m"] = kSimplifierUnit_m;
+    task.options["unit_m"] = kSimplifierUnitM;
   task.stop = stop;
   task.threads = setting.threads;
   task.timeout_s = kGraderTimeout;
@@ -68,7 +68,7 @@ GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const
   graded.report = answer.report;
   graded.kernel_s = answer.kernel_s;
   graded.notes = answer.notes;
-  graded.mesh = in_unit(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit_m);
+  graded.mesh = in_unit(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnitM);
   return graded;
 }
 
