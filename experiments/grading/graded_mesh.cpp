@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr double kSimplifierUnitM = 1e-3;  // as in the contests
-constexpr double kGraderTimeout = 3600.0;   // s
+constexpr double kGraderTimeout = 3600.0;  // s
 
 TetMesh in_unit(TetMesh mesh, double factor) {
   for (Vec3& point : mesh.points) point = factor * point;

@@ -23,7 +23,7 @@ using test::ProgramResult;
 using test::run_program;
 using testing::HasSubstr;
 
-constexpr double kSide_m = 0.1;
+constexpr double kSideM = 0.1;
 
 /// A cube of 10 cm on an elastic support, pressed by a pad in the middle of its top.
 class GradeCommand : public testing::Test {
@@ -63,7 +63,7 @@ class GradeCommand : public testing::Test {
     for (const auto& [a, b] : build_edges(mesh)) {
       if (skin[a] != 0 && skin[b] != 0) continue;
       const Vec3 middle = 0.5 * (mesh.points[a] + mesh.points[b]);
-      const double distance = length(middle - Vec3{0.5 * kSide_m, 0.5 * kSide_m, kSide_m});
+      const double distance = length(middle - Vec3{0.5 * kSideM, 0.5 * kSideM, kSideM});
       const double edge = length(mesh.points[b] - mesh.points[a]);
       if (distance < 0.03) {
         near += edge;
