@@ -221,6 +221,14 @@ void add_tried(const json& tried, std::ostringstream& text) {
          << seconds_of(point.at("cost_s")) << " | " << point.at("why_not").get<std::string>() << " |\n";
 }
 
+/// Why what comes closest is no choice.
+std::string why_not_taken(const FitPoint& nearest, const SceneRequirement& require) {
+  const std::string why = why_not(nearest, require);
+  return why.empty()
+             ? "it meets all of it on the scene itself, and the time was up before other loads could tell"
+             : why;
+}
+
 }  // namespace
 
 json describe_fit(const FitResult& result) {
@@ -263,7 +271,7 @@ json describe_fit(const FitResult& result) {
     fit["savings"] = describe_savings(result);
   } else if (result.nearest) {
     fit["nearest"] = describe_point(*result.nearest);
-    fit["nearest"]["why_not"] = why_not(*result.nearest, require);
+    fit["nearest"]["why_not"] = why_not_taken(*result.nearest, require);
   }
   return fit;
 }
@@ -283,7 +291,7 @@ std::string fit_text(const FitResult& result, const json& fit) {
     text << "**Nothing that was tried does.**";
     if (result.nearest)
       text << " What comes closest is " << result.nearest->candidate.name() << ": "
-           << why_not(*result.nearest, require) << ".";
+           << fit.at("nearest").at("why_not").get<std::string>() << ".";
     text << '\n';
   }
   if (!result.is_complete) text << "\nThe search was stopped before all was tried.\n";

@@ -147,7 +147,7 @@ const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneReq
     const double over_error = std::max(1.0, point.worst_error() / require.at_most);
     const double over_cost = std::isfinite(budget) ? std::max(1.0, point.cost() / budget) : 1.0;
     const double over = over_error * over_cost;
-    if (over < least) {
+    if (over < least || (over == least && nearest != nullptr && point.cost() < nearest->cost())) {
       least = over;
       nearest = &point;
     }

@@ -46,7 +46,7 @@ std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points
                                              const SceneRequirement& require);
 
 /// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
-/// and over the budget. Null without any figure.
+/// and over the budget; of equals the cheapest. Null without any figure.
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require);
 
 /// The point with that candidate, or null.

@@ -60,7 +60,7 @@ void print_fit(const json& fit, const std::string& folder) {
   }
   const std::string name = point.at("name").get<std::string>();
   if (!is_met) {
-    std::cout << colored("Nothing does.", Color::kRed) << " Closest: " << name << ": "
+    std::cout << colored("Nothing was found that does.", Color::kRed) << " Closest: " << name << ": "
               << point.at("why_not").get<std::string>() << '\n';
     return;
   }

@@ -121,7 +121,7 @@ TEST_F(FitCommand, WhereNothingDoesTheNearestIsNamedAndTheExitCodeIsOne) {
   const test::ProgramResult result =
       fit("error: {measure: deformation_l2, at_most: 0.3}, time_per_second_s: 1.0e-9");
   EXPECT_EQ(result.exit_code, 1) << result.error;
-  EXPECT_THAT(result.out, HasSubstr("Nothing does."));
+  EXPECT_THAT(result.out, HasSubstr("Nothing was found that does."));
   const json found = report();
   EXPECT_TRUE(found.at("choice").is_null());
   EXPECT_THAT(found.at("/nearest/why_not"_json_pointer).get<std::string>(), HasSubstr("takes"));

@@ -108,6 +108,13 @@ TEST_F(FitChoice, WhereNothingDoesTheNearestIsNamed) {
   EXPECT_EQ(find_nearest(read({}), require_), nullptr);
 }
 
+// The time was up after the search: of those that meet all of it on the scene the cheapest is the nearest.
+TEST_F(FitChoice, OfPointsThatAreEquallyNearTheCheapestIsTaken) {
+  const auto points = read({reference_of("scene_0", 0.0), answer("a", "scene_0", 0.01, 0.3),
+                            answer("b", "scene_0", 0.02, 0.1), answer("c", "scene_0", 0.03, 0.2)});
+  EXPECT_EQ(find_nearest(points, require_)->candidate.model.label, "b");
+}
+
 TEST_F(FitChoice, AFailureIsNoPoint) {
   json failed = answer("a", "scene_0", 0.01, 0.1);
   failed["outcome"] = "crashed";

@@ -85,6 +85,7 @@ TEST(Halving, TheFrontierStaysWhatItIs) {
     for (int k = 0; k < 12; ++k) {
       const double mean = 1.0 + 9.0 * random.uniform();
       std::vector<double> times;
+      times.reserve(3);
       for (int repeat = 0; repeat < 3; ++repeat) times.push_back(mean * (0.9 + 0.2 * random.uniform()));
       cases.push_back(case_of(random.uniform(), times));
     }

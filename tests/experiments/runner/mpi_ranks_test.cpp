@@ -65,6 +65,7 @@ TEST_F(MpiRanks, GoToWhatRunsUnderMpirunAloneAndToJobs) {
   const Plan plan = read_plan(path, fixture_.registry());
   const std::vector<Case> cases = build_cases(plan, fixture_.registry());
   std::vector<int> ranks;
+  ranks.reserve(cases.size());
   for (const Case& c : cases)
     ranks.push_back(count_ranks(
         fixture_.registry().find(plan.contestants[c.contestant].method)->method->options, c.options));

@@ -139,7 +139,7 @@ TEST(ErrorSizes, FitsTheFarLengthToTheCount) {
     if (mesh.points[v].x < 0.5) fine[v] = 0.01;
   }
   const double wide = fit_sizes(mesh, 3 * mesh.tets.size() / 4, fine);
-  for (std::size_t v = 0; v < fine.size(); ++v) EXPECT_GT(fine[v] * wide, 0.5 / 8.0);
+  for (const double size : fine) EXPECT_GT(size * wide, 0.5 / 8.0);
 }
 
 TEST(ErrorSizes, RefuseNonsense) {
