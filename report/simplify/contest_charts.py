@@ -26,7 +26,7 @@ def places(section, family, measure):
     return found
 
 
-def draw_family(ax, family, found):
+def draw_family(ax, family, found, stairs=False):
     """A family's points; a curve joins them if one option tells them apart, dotted if some do not count."""
     size, width = (7, 2.0) if family.is_own else (7, 1.4)
     size += 1.5 if family.mark in "PX" else 0
@@ -38,16 +38,22 @@ def draw_family(ax, family, found):
                 markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
                 markeredgecolor="white" if counts else family.color)
     if len(family.labels) > 1:
-        name_points(ax, family, found)
+        name_points(ax, family, found, stairs)
 
 
-def name_points(ax, family, found):
-    """Along a curve numbers above and below in turn; otherwise names, each on the side where the others are not."""
+STAIRS = (6, -6, 15, -15)  # points above a mark, in turn: names of marks that lie close together
+
+
+def name_points(ax, family, found, stairs=False):
+    """Along a curve numbers above and below in turn; otherwise names, each on the side where the others are not, or on stairs."""
     middle = median([x for _, x, _, _ in found])
     for place, (label, x, y, _) in enumerate(found):
         down, left = place % 2 == 1, x < middle
         at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
             (-7 if left else 7, 0), "right" if left else "left", "center")
+        if stairs and not family.option:
+            up = STAIRS[place % len(STAIRS)]
+            at, ha, va = (0, up), "center", "bottom" if up > 0 else "top"
         ax.annotate(short_name(family.names[label]), (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
                     color=family.color, zorder=7, path_effects=[withStroke(linewidth=2, foreground="white")])
 
@@ -144,12 +150,16 @@ def draw_quality_distance(run, sections, families, folder):
             for column, section in enumerate(own):
                 ax = grid[row][column]
                 for family in shown:
-                    draw_family(ax, family, distance_places(section, family, measure))
+                    draw_family(ax, family, distance_places(section, family, measure), stairs=True)
+                most = max((x for family in shown for _, x, _, _ in distance_places(section, family, measure)), default=0.0) or 1.0
+                ax.set_xscale("symlog", linthresh=most / 50)  # skins that stay are at 0, bounds and strays a decade or two apart
+                ax.set_xlim(-most / 100, 2 * most)
+                ax.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
                 value = figure(run.inputs.get(mesh, {}), "judge", measure)
                 if value is not None:
                     ax.axhline(value, color=INK, linewidth=1.0, linestyle=(0, (3, 2)), zorder=1)
                 ax.grid(axis="both")
-                ax.margins(0.08, 0.12)
+                ax.margins(0.08, 0.2)
                 if row == 0:
                     ax.set_title(short_sweep(section.sweep) or mesh, loc="left", fontweight="bold")
                 if row == len(MEASURES) - 1:
