@@ -9,10 +9,18 @@ Exit codes: 0 done; 2 no run, no archive, or something in FOLDER; 3 a file could
 
 import argparse
 import sys
-import traceback
 
 from archive import archive
-from shared.records import BadRun
+from shared.exit_codes import guarded
+
+
+def pack_or_unpack(options):
+    if options.unpack:
+        archive.unpack(options.source, options.folder)
+    else:
+        note = archive.pack(options.source, options.folder)
+        print(f"{note['records']:,} records of {note['plan']}, {note['bytes']:,} bytes")
+    return 0
 
 
 def main(arguments=None):
@@ -21,22 +29,7 @@ def main(arguments=None):
     parser.add_argument("folder", metavar="FOLDER")
     parser.add_argument("--unpack", action="store_true", help="RUN is an archive, FOLDER becomes a run folder")
     options = parser.parse_args(arguments)
-    try:
-        if options.unpack:
-            archive.unpack(options.source, options.folder)
-        else:
-            note = archive.pack(options.source, options.folder)
-            print(f"{note['records']:,} records of {note['plan']}, {note['bytes']:,} bytes")
-        return 0
-    except BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
-        return 3
-    except Exception:  # Python would leave with 1, which stands for something else
-        traceback.print_exc()
-        return 3
+    return guarded(lambda: pack_or_unpack(options), fault="")
 
 
 if __name__ == "__main__":

@@ -10,11 +10,10 @@ fault of its own.
 import argparse
 import pathlib
 import sys
-import traceback
 
 from compare import comparison_page, comparison_text, pairs, sides
 from page import write_page
-from shared import records
+from shared.exit_codes import guarded
 
 
 def compare(options):
@@ -37,17 +36,7 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     if len(options.runs) < 2:
         parser.error("at least two runs are compared")
-    try:
-        return compare(options)
-    except records.BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"report: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
-        return 3
-    except Exception:  # Python would leave with 1, which stands for something else
-        traceback.print_exc()
-        return 3
+    return guarded(lambda: compare(options), fault="report: cannot write ")
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ import argparse
 import gc
 import pathlib
 import sys
-import traceback
 from dataclasses import dataclass
 
 from deform import convergence, cost, deform, deform_page, deform_tables, frontier, targets
@@ -21,6 +20,7 @@ from engine import engine, engine_page
 from motion import motion, motion_page, stages
 from page import write_page
 from shared import equal_count, load, records, tables
+from shared.exit_codes import guarded
 from shared.terminal import say
 from simplify import comparisons, contest, scaling, simplify_page, verdict
 from stability import stability, stability_page
@@ -272,17 +272,7 @@ def main(arguments=None):
     parser.add_argument("-o", "--output", type=pathlib.Path, metavar="FILE", help="the page, instead of RUN_DIR/report.html")
     parser.add_argument("--scripts", metavar="DIR", help="where the build left the page's scripts")
     options = parser.parse_args(arguments)
-    try:
-        return make_report(options)
-    except records.BadRun as error:
-        print(f"report: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"report: cannot write {error.filename}: {error.strerror}", file=sys.stderr)
-        return 3
-    except Exception:  # Python would leave with 1, which stands for something else
-        traceback.print_exc()
-        return 3
+    return guarded(lambda: make_report(options), name="report: ")
 
 
 if __name__ == "__main__":

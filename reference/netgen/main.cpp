@@ -111,10 +111,8 @@ Response answer(const Request& request) {
   if (request.method != "netgen.remesh") throw InputError("method", 0, "netgen.remesh", request.method);
   nlohmann::json left = request.options;
   FrontSettings settings;
-  settings.optimize_steps = take_option<int>(left, "optimize_steps", &nlohmann::json::is_number_integer,
-                                             "a whole number", settings.optimize_steps);
-  if (settings.optimize_steps < 0 || settings.optimize_steps > kMostSteps)
-    throw InputError("optimize_steps", 0, "0 to 20", std::to_string(settings.optimize_steps));
+  settings.optimize_steps =
+      static_cast<int>(take_whole(left, "optimize_steps", 0, kMostSteps, settings.optimize_steps));
   settings.grading = take_number(left, "grading", 0.0, 1.0, settings.grading);
   require_all_taken(left);
   Remesher remesher;

@@ -115,10 +115,8 @@ Response answer(const Request& request) {
   CoarsenSettings settings;
   settings.radius_edge_ratio =
       take_number(left, "radius_edge_ratio", 1.0, kMostRatio, settings.radius_edge_ratio);
-  settings.optimize_level = take_option<int>(left, "optimize_level", &nlohmann::json::is_number_integer,
-                                             "a whole number", settings.optimize_level);
-  if (settings.optimize_level < 0 || settings.optimize_level > kMostLevel)
-    throw InputError("optimize_level", 0, "0 to 10", std::to_string(settings.optimize_level));
+  settings.optimize_level =
+      static_cast<int>(take_whole(left, "optimize_level", 0, kMostLevel, settings.optimize_level));
   require_all_taken(left);
   Remesher remesher;
   remesher.size_name = "size";

@@ -13,17 +13,22 @@ MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_
             ("p1_dihedral_deg", "1st percentile of angles, degrees")]
 
 
-def places(section, family, measure):
-    """(label, milliseconds, value, is ranked) of each label of a family that has both."""
+def places_along(section, family, along, measure):
+    """(label, figure of `along`, value, is ranked) of each label of a family that has both."""
     found = []
     for label in family.labels:
         standing = section.find(label)
         if standing is None or standing.state == NONE:
             continue
-        seconds, value = standing.values.get("kernel_s"), standing.values.get(measure)
-        if seconds and value is not None:
-            found.append((label, 1000 * seconds, value, standing.state == RANKED))
+        x, value = standing.values.get(along), standing.values.get(measure)
+        if x is not None and value is not None:
+            found.append((label, x, value, standing.state == RANKED))
     return found
+
+
+def places(section, family, measure):
+    """As places_along, with milliseconds; on an axis of decades a time of 0 has no place."""
+    return [(label, 1000 * seconds, value, counts) for label, seconds, value, counts in places_along(section, family, "kernel_s", measure) if seconds]
 
 
 def draw_family(ax, family, found, stairs=False):
@@ -123,16 +128,8 @@ def draw_quality_time(run, sections, families, folder):
 
 
 def distance_places(section, family, measure):
-    """(label, distance, value, is ranked) of each label of a family that has both, the nearest first."""
-    found = []
-    for label in family.labels:
-        standing = section.find(label)
-        if standing is None or standing.state == NONE:
-            continue
-        distance, value = standing.values.get("surface_distance_upper"), standing.values.get(measure)
-        if distance is not None and value is not None:
-            found.append((label, distance, value, standing.state == RANKED))
-    return sorted(found, key=lambda place: place[1])
+    """As places_along, with the distance of the skins, the nearest first."""
+    return sorted(places_along(section, family, "surface_distance_upper", measure), key=lambda place: place[1])
 
 
 def draw_quality_distance(run, sections, families, folder):
