@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/dynamics/elasticity/elastic_model.h"
+#include "core/dynamics/position_kernel/position_rows.h"
 
 namespace palpate::dynamics {
 
@@ -19,7 +20,7 @@ struct GradientConstraint {
 /// C_H = det F - 1 - mu / (lambda + mu). Requires: lambda + mu above zero.
 GradientConstraint hydrostatic_constraint(const Moduli& moduli, const Mat3& h);
 
-/// The constraints of one term of the law kStableNeoHookean. Up to a constant
+/// The constraints of domains of one term of the law kStableNeoHookean, one at a time. Up to a constant
 ///
 ///   V W = 1/2 V mu C_D^2 + 1/2 V (lambda + mu) C_H^2,   C_D = |F|,   C_H = J - 1 - mu / (lambda + mu)
 ///
@@ -42,11 +43,12 @@ GradientConstraint hydrostatic_constraint(const Moduli& moduli, const Mat3& h);
 /// 2021.
 class NeoHookeanConstraints {
  public:
-  /// `term` must outlive this. Throws: InputError where mu is negative or lambda + mu not above zero.
-  explicit NeoHookeanConstraints(const StrainTerm& term);
+  /// Of the term's `domains`, in their order. `term` must outlive this. Throws: InputError where mu is
+  /// negative or lambda + mu not above zero.
+  NeoHookeanConstraints(const StrainTerm& term, std::vector<Index> domains);
 
   /// How many domains there are.
-  std::size_t size() const { return term_->op.domains(); }
+  std::size_t size() const { return domains_.size(); }
 
   /// Begins a step of length `step_s` from the displacements `before`: no multiplier, and the damping of
   /// `damping_s` x the moduli with the gradients of now. `inverse_mass` (1/kg along each axis) must outlive
@@ -54,8 +56,8 @@ class NeoHookeanConstraints {
   void start(double step_s, double damping_s, std::span<const Vec3> before,
              std::span<const Vec3> inverse_mass);
 
-  /// Solves domain `s` for its own multipliers and moves its vertices.
-  void solve(std::size_t s, std::span<Vec3> u);
+  /// Solves the domain at place `k` for its own multipliers and moves its vertices.
+  void solve(std::size_t k, PositionRows& rows);
 
  private:
   /// Of one domain and axis. Symmetric, and they commute.
@@ -65,11 +67,12 @@ class NeoHookeanConstraints {
   };
 
   void weigh();
-  Mat3 times(std::size_t s, const Mat3& a, Mat3 Weights::*by) const;
-  void damp(std::size_t s, std::span<Vec3> u);
-  void move(std::size_t s, const Mat3& pull, std::span<Vec3> u) const;
+  Mat3 times(std::size_t k, const Mat3& a, Mat3 Weights::*by) const;
+  void damp(std::size_t k, PositionRows& rows);
+  void move(std::size_t k, const Mat3& pull, PositionRows& rows) const;
 
   const StrainTerm* term_;
+  std::vector<Index> domains_;
   double bulk_pa_;  ///< lambda + mu
   double step_s_ = 0.0;
   double damping_s_ = 0.0;

@@ -5,6 +5,7 @@
 
 #include "core/dynamics/integrators/step_balance.h"
 #include "core/dynamics/motion/motion_forces.h"
+#include "core/dynamics/position_kernel/position_rows.h"
 
 namespace palpate::dynamics {
 
@@ -25,15 +26,20 @@ namespace palpate::dynamics {
 /// A linear body's sweeps converge to NewtonStep's step of backward Euler. Where the gradients turn while the
 /// multipliers build up, what it converges to is not quite that: the part of the momentum that a correction
 /// gave along an earlier direction stays, and some forces stay out of balance however long it sweeps. The
-/// constraints of kStableNeoHookean take it back. One constraint at a time in the order of the model, every
-/// second sweep backwards: it uses one thread.
+/// constraints of kStableNeoHookean take it back.
+///
+/// Springs and domains are coloured in the order of the model, so that those of one colour share no vertex,
+/// and are solved eight at a time, colour after colour (core/dynamics/position_kernel); behind the colours
+/// come, one at a time, those with a vertex that is held along some axes alone, and the supports. Every
+/// second sweep goes backwards. It uses one thread.
 ///
 /// Source: M. Macklin, M. Mueller and N. Chentanez, XPBD, MIG 2016; small steps: M. Macklin et al., SCA 2019.
 class PositionStep {
  public:
   /// Throws: InputError for what has no energy of that form: the thesis's volume force, isotropic damping,
   /// the neo-Hookean law with a logarithm.
-  PositionStep(const MotionForces& forces, const StepSolverOptions& options);
+  PositionStep(const MotionForces& forces, const StepSolverOptions& options,
+               PositionKernel kernel = PositionKernel::kBest);
   ~PositionStep();
   PositionStep(PositionStep&&) noexcept;
   PositionStep& operator=(PositionStep&&) noexcept;

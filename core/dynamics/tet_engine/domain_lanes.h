@@ -12,10 +12,9 @@
 namespace palpate::dynamics {
 
 /// sum over k > 0 of (u_k - u_0) (x) g_k. `kVertices` is their number, or 0 where `count` is not known.
-template <typename Eight, std::size_t kVertices>
-PALPATE_LANES Mat3Lanes<Eight> gradient_lanes(const typename Eight::Number* gradients,
-                                              const std::uint16_t* at, std::size_t count,
-                                              const typename Eight::Number* rows) {
+template <typename Eight, std::size_t kVertices, typename Place>
+PALPATE_LANES Mat3Lanes<Eight> gradient_lanes(const typename Eight::Number* gradients, const Place* at,
+                                              std::size_t count, const typename Eight::Number* rows) {
   const std::size_t n = kVertices != 0 ? kVertices : count;
   const Vec3Lanes<Eight> hub = Eight::load_rows(rows, at);
   const Eight zero = Eight::of(0);

@@ -144,6 +144,26 @@ PALPATE_LANES void find_trace(const Eight& change, TraceRoot<Eight>& root) {
   root.m = ((six * y + (q + q)) + y * q) - (Eight::of(Real(0.25)) * eight_j + (root.a + root.a));
 }
 
+/// D (F - R) / 2 = (m/2 + 3) H + (3 + y)(H^T - cof H) + E + H E + (m/2 - (3 + y) tr H - y) I.
+template <typename Eight>
+PALPATE_LANES Mat3Lanes<Eight> find_apart(const Mat3Lanes<Eight>& h, const Stretched<Eight>& at,
+                                          const TraceRoot<Eight>& root) {
+  using Real = typename Eight::Number;
+  const Eight x = Eight::of(3) + root.y;
+  const Eight half_m = Eight::of(Real(0.5)) * root.m;
+  const Eight own = half_m + Eight::of(3);
+  const Eight even = (half_m - root.y) - x * at.trace;
+  const SymmetricLanes<Eight>& e = at.e;
+  const Mat3Lanes<Eight> full{e.xx, e.xy, e.xz, e.xy, e.yy, e.yz, e.xz, e.yz, e.zz};
+  const Mat3Lanes<Eight> bent = multiply_lanes(h, full);
+  const Mat3Lanes<Eight> turned = transpose_lanes(h);
+  Mat3Lanes<Eight> d;
+  for (std::size_t i = 0; i < 9; ++i)
+    d[i] = (own * h[i] + x * (turned[i] - at.cofactors[i])) + (full[i] + bent[i]);
+  for (std::size_t i = 0; i < 9; i += 4) d[i] = d[i] + even;
+  return d;
+}
+
 /// Whether some domain's root cannot be relied on; with damping a mirrored one neither.
 template <typename Eight, bool kDamped>
 PALPATE_LANES bool is_any_off(const TraceRoot<Eight>& root, const Eight& change) {
@@ -262,23 +282,10 @@ struct Pending {
 template <typename Eight, bool kDamped>
 PALPATE_LANES Mat3Lanes<Eight> corotated_stress(const DomainLaw& law, const ModuliLanes<Eight>& moduli,
                                                 const Eight& volume, const Pending<Eight>& from) {
-  using Real = typename Eight::Number;
   const Mat3Lanes<Eight>& h = from.h;
   const Stretched<Eight>& at = from.at;
   const TraceRoot<Eight>& root = from.root;
-  // D (F - R) / 2 = (m/2 + 3) H + (3 + y)(H^T - cof H) + E + H E + (m/2 - (3 + y) tr H - y) I.
-  const Eight x = Eight::of(3) + root.y;
-  const Eight half_m = Eight::of(Real(0.5)) * root.m;
-  const Eight own = half_m + Eight::of(3);
-  const Eight even = (half_m - root.y) - x * at.trace;
-  const SymmetricLanes<Eight>& e = at.e;
-  const Mat3Lanes<Eight> full{e.xx, e.xy, e.xz, e.xy, e.yy, e.yz, e.xz, e.yz, e.zz};
-  const Mat3Lanes<Eight> bent = multiply_lanes(h, full);
-  const Mat3Lanes<Eight> turned = transpose_lanes(h);
-  Mat3Lanes<Eight> d;
-  for (std::size_t i = 0; i < 9; ++i)
-    d[i] = (own * h[i] + x * (turned[i] - at.cofactors[i])) + (full[i] + bent[i]);
-  for (std::size_t i = 0; i < 9; i += 4) d[i] = d[i] + even;
+  Mat3Lanes<Eight> d = find_apart(h, at, root);
   const Eight pull = moduli.lambda * root.y;
   const Eight shear = ((moduli.mu + moduli.mu) - pull) * root.two_over_d;
   Mat3Lanes<Eight> p;

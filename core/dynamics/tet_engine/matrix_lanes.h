@@ -3,7 +3,8 @@
 //
 // Eight (a type that follows) has: Number; of, load, store; + - * /; any_less(a, b), whether a < b in any
 // lane; load_rows(rows, at), the first three numbers of the rows at eight places; add_rows(rows, at, what),
-// which adds to them, lane after lane.
+// which adds to them, lane after lane. Doubles also have: min, max, sqrt (core/base/lanes.h); load_whole_rows
+// and store_whole_rows, all four numbers of the rows.
 #pragma once
 
 #include <array>
@@ -28,6 +29,13 @@ struct Vec3Lanes {
   Eight x;
   Eight y;
   Eight z;
+};
+
+/// A row of four numbers of each of eight: a vector and one more.
+template <typename Eight>
+struct RowLanes {
+  Vec3Lanes<Eight> xyz;
+  Eight w;
 };
 
 /// A matrix of each of eight domains, by rows.
