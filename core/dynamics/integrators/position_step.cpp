@@ -114,6 +114,7 @@ struct PositionStep::Work {
       : sweeper(forces, given),
         model(&forces.model()),
         held(&forces.held_bits()),
+        most_sweeps(given.iterations),
         with_avx2(kernel == PositionKernel::kBest && has_avx2()) {
     const std::size_t n = held->size();
     supports = list_supports(*model);
@@ -311,6 +312,7 @@ struct PositionStep::Work {
   Sweeper sweeper;
   const MotionModel* model;
   const std::vector<std::uint8_t>* held;
+  std::size_t most_sweeps;
   bool with_avx2;
   std::vector<TimedSupport> supports;
   SpringSweep spring_lanes;
@@ -344,7 +346,7 @@ ImplicitResult PositionStep::find_displacement(MotionForces& forces, const Motio
   work.prepare(step_s);
   return work.sweeper.solve(forces, state, step_s, u, [&](std::size_t sweep) {
     if (sweep == 0) work.start(state, u);
-    work.sweep({sweep == 0, sweep % 2 == 1});
+    work.sweep({sweep == 0, sweep % 2 == 1, sweep + 1 == work.most_sweeps});
     work.finish(u);
   });
 }

@@ -54,6 +54,7 @@ struct SweptRows {
 struct SweepOrder {
   bool is_first = false;  ///< all multipliers count as zero, whatever is stored
   bool is_backward = false;
+  bool is_last = false;  ///< multipliers need not be stored: the step has no further sweep
 };
 
 /// How constraints are solved. All forms take the order of the colours; those in lanes give the same bits.

@@ -30,7 +30,7 @@ PALPATE_LANES RowLanes<Eight> pulled_lanes(const RowLanes<Eight>& to, const Eigh
 
 /// One group.
 template <typename Eight, bool kLinear, bool kDamped>
-PALPATE_LANES void sweep_group(SpringGroup& group, const SweptRows& rows, bool is_first) {
+PALPATE_LANES void sweep_group(SpringGroup& group, const SweptRows& rows, const SweepOrder& order) {
   const Eight one = Eight::of(1.0);
   // Below this a length is zero: no spring is that short.
   const Eight tiny = Eight::of(1e-200);
@@ -61,7 +61,7 @@ PALPATE_LANES void sweep_group(SpringGroup& group, const SweptRows& rows, bool i
   const Vec3Lanes<Eight> pull_b{b.w * n.x, b.w * n.y, b.w * n.z};
   const Vec3Lanes<Eight> pulls{pull_a.x + pull_b.x, pull_a.y + pull_b.y, pull_a.z + pull_b.z};
   const Eight stiffness = Eight::load(group.stiffness.data());
-  const Eight multiplier = is_first ? Eight::of(0.0) : Eight::load(group.multiplier.data());
+  const Eight multiplier = order.is_first ? Eight::of(0.0) : Eight::load(group.multiplier.data());
   Eight off = multiplier + stiffness * elongation;
   Eight resists = stiffness;
   if constexpr (kDamped) {
@@ -73,7 +73,7 @@ PALPATE_LANES void sweep_group(SpringGroup& group, const SweptRows& rows, bool i
   }
   // -dl.
   const Eight back = has_direction * (off / (one + resists * dot_lanes(n, pulls)));
-  (multiplier - back).store(group.multiplier.data());
+  if (!order.is_last) (multiplier - back).store(group.multiplier.data());
   Eight::store_whole_rows(rows.now, at_a, pulled_lanes(a, back, pull_a));
   Eight::store_whole_rows(rows.now, at_b, pulled_lanes(b, Eight::of(0.0) - back, pull_b));
 }
@@ -84,10 +84,9 @@ PALPATE_LANES_TARGET void sweep_kind(const SpringRun& run, const SweptRows& rows
   const std::size_t count = run.groups.size();
   if (order.is_backward) {
     for (std::size_t k = count; k > 0; --k)
-      sweep_group<Eight, kLinear, kDamped>(run.groups[k - 1], rows, order.is_first);
+      sweep_group<Eight, kLinear, kDamped>(run.groups[k - 1], rows, order);
   } else {
-    for (std::size_t k = 0; k < count; ++k)
-      sweep_group<Eight, kLinear, kDamped>(run.groups[k], rows, order.is_first);
+    for (std::size_t k = 0; k < count; ++k) sweep_group<Eight, kLinear, kDamped>(run.groups[k], rows, order);
   }
 }
 

@@ -165,7 +165,7 @@ struct GroupNumbers {
 /// A group of kLinear or kCorotated.
 template <typename Eight, StrainLaw kLaw, std::size_t kVertices>
 PALPATE_LANES void solve_strains(const StrainStep& step, const GroupNumbers& group, const SweptRows& rows,
-                                 bool is_first) {
+                                 const SweepOrder& order) {
   const std::size_t n = group.vertices;
   const Mat3Lanes<Eight> h = gradient_lanes<Eight, kVertices>(group.gradients(), group.at, n, rows.now);
   Mat3Lanes<Eight> strain = h;
@@ -186,7 +186,7 @@ PALPATE_LANES void solve_strains(const StrainStep& step, const GroupNumbers& gro
     const Vec6Lanes<Eight> rate = strain_lanes(since);
     for (std::size_t k = 0; k < 6; ++k) wanted[k] = wanted[k] + Eight::of(step.damping) * rate[k];
   }
-  Vec6Lanes<Eight> multiplier = load_unless<Eight, 6>(is_first, group.kept);
+  Vec6Lanes<Eight> multiplier = load_unless<Eight, 6>(order.is_first, group.kept);
   Vec6Lanes<Eight> off = multiply_lanes(root, wanted);
   for (std::size_t k = 0; k < 6; ++k) off[k] = multiplier[k] + off[k];
   Vec6Lanes<Eight> change;
@@ -197,7 +197,7 @@ PALPATE_LANES void solve_strains(const StrainStep& step, const GroupNumbers& gro
     change[i] = sum;
     multiplier[i] = multiplier[i] + sum;
   }
-  store_each(multiplier, group.kept);
+  if (!order.is_last) store_each(multiplier, group.kept);
   Mat3Lanes<Eight> pull = stress_lanes(multiply_lanes(root, change));
   if constexpr (kLaw == StrainLaw::kCorotated) pull = multiply_lanes(turn, pull);
   move_rows<Eight, kVertices>(pull, group.gradients(), group.at, n, rows.now);
@@ -270,7 +270,7 @@ PALPATE_LANES void solve_factored(const Triangle6Lanes<Eight>& a, Vec6Lanes<Eigh
 /// The damping of a group of kStableNeoHookean: its six strains about the gradient at the start of the step.
 template <typename Eight, std::size_t kVertices>
 PALPATE_LANES void damp_stable(const StrainStep& step, const GroupNumbers& group, const SweptRows& rows,
-                               bool is_first) {
+                               const SweepOrder& order) {
   const std::size_t n = group.vertices;
   double* const multipliers = group.kept + 19 * kGroupDomains;
   double* const frames = multipliers + 6 * kGroupDomains;
@@ -278,13 +278,15 @@ PALPATE_LANES void damp_stable(const StrainStep& step, const GroupNumbers& group
   const RootLanes<Eight> root = root_lanes<Eight>(step, group.values);
   Mat3Lanes<Eight> frame;
   Triangle6Lanes<Eight> factors;
-  if (is_first) {
+  if (order.is_first) {
     frame = add_identity(gradient_lanes<Eight, kVertices>(group.gradients(), group.at, n, rows.before));
     factors = damping_system(multiply_lanes(transpose_lanes(frame), frame),
                              load_symmetric<Eight>(group.weights), root, Eight::of(step.damping));
     factor_lanes(factors);
-    store_each(frame, frames);
-    store_each(factors, factored);
+    if (!order.is_last) {
+      store_each(frame, frames);
+      store_each(factors, factored);
+    }
   } else {
     frame = load_each<Eight, 9>(frames);
     factors = load_each<Eight, 21>(factored);
@@ -292,7 +294,7 @@ PALPATE_LANES void damp_stable(const StrainStep& step, const GroupNumbers& group
   Mat3Lanes<Eight> since =
       add_identity(gradient_lanes<Eight, kVertices>(group.gradients(), group.at, n, rows.now));
   for (std::size_t i = 0; i < 9; ++i) since[i] = since[i] - frame[i];
-  Vec6Lanes<Eight> multiplier = load_unless<Eight, 6>(is_first, multipliers);
+  Vec6Lanes<Eight> multiplier = load_unless<Eight, 6>(order.is_first, multipliers);
   Vec6Lanes<Eight> off = multiply_lanes(root, strain_lanes(multiply_lanes(transpose_lanes(frame), since)));
   for (std::size_t k = 0; k < 6; ++k) off[k] = multiplier[k] + Eight::of(step.damping) * off[k];
   solve_factored(factors, off);
@@ -300,7 +302,7 @@ PALPATE_LANES void damp_stable(const StrainStep& step, const GroupNumbers& group
     multiplier[k] = multiplier[k] - off[k];
     off[k] = Eight::of(0.0) - off[k];
   }
-  store_each(multiplier, multipliers);
+  if (!order.is_last) store_each(multiplier, multipliers);
   const Mat3Lanes<Eight> pull = multiply_lanes(frame, stress_lanes(multiply_lanes(root, off)));
   move_rows<Eight, kVertices>(pull, group.gradients(), group.at, n, rows.now);
 }
@@ -308,8 +310,8 @@ PALPATE_LANES void damp_stable(const StrainStep& step, const GroupNumbers& group
 /// A group of kStableNeoHookean.
 template <typename Eight, std::size_t kVertices>
 PALPATE_LANES void solve_stable(const StrainStep& step, const GroupNumbers& group, const SweptRows& rows,
-                                bool is_first) {
-  if (step.damping != 0.0) damp_stable<Eight, kVertices>(step, group, rows, is_first);
+                                const SweepOrder& order) {
+  if (step.damping != 0.0) damp_stable<Eight, kVertices>(step, group, rows, order);
   const std::size_t n = group.vertices;
   const Mat3Lanes<Eight> h = gradient_lanes<Eight, kVertices>(group.gradients(), group.at, n, rows.now);
   Stretched<Eight> at;
@@ -325,9 +327,9 @@ PALPATE_LANES void solve_stable(const StrainStep& step, const GroupNumbers& grou
   double* const of_shape = group.kept;
   double* const of_pulled = of_shape + 9 * kGroupDomains;
   double* const of_volume = of_pulled + 9 * kGroupDomains;
-  Mat3Lanes<Eight> shape = load_unless<Eight, 9>(is_first, of_shape);
-  const Mat3Lanes<Eight> pulled = load_unless<Eight, 9>(is_first, of_pulled);
-  Eight l = is_first ? Eight::of(0.0) : Eight::load(of_volume);
+  Mat3Lanes<Eight> shape = load_unless<Eight, 9>(order.is_first, of_shape);
+  const Mat3Lanes<Eight> pulled = load_unless<Eight, 9>(order.is_first, of_pulled);
+  Eight l = order.is_first ? Eight::of(0.0) : Eight::load(of_volume);
   Mat3Lanes<Eight> off;
   for (std::size_t i = 0; i < 9; ++i) off[i] = (l * slope[i] - pulled[i]) - (shape[i] + shear * f[i]);
   const Mat3Lanes<Eight> weighed = multiply_lanes(slope, ma);
@@ -336,24 +338,26 @@ PALPATE_LANES void solve_stable(const StrainStep& step, const GroupNumbers& grou
   for (std::size_t i = 0; i < 9; ++i) off[i] = off[i] + change * slope[i];
   const Mat3Lanes<Eight> pull = multiply_lanes(off, m);
   l = l + change;
-  l.store(of_volume);
-  for (std::size_t i = 0; i < 9; ++i) {
-    const Eight by_volume = l * slope[i];
-    shape[i] = shape[i] + (pull[i] - (by_volume - pulled[i]));
-    by_volume.store(of_pulled + kGroupDomains * i);
+  if (!order.is_last) {
+    l.store(of_volume);
+    for (std::size_t i = 0; i < 9; ++i) {
+      const Eight by_volume = l * slope[i];
+      shape[i] = shape[i] + (pull[i] - (by_volume - pulled[i]));
+      by_volume.store(of_pulled + kGroupDomains * i);
+    }
+    store_each(shape, of_shape);
   }
-  store_each(shape, of_shape);
   move_rows<Eight, kVertices>(pull, group.gradients(), group.at, n, rows.now);
 }
 
 /// A group of any law.
 template <typename Eight, StrainLaw kLaw, std::size_t kVertices>
 PALPATE_LANES_TARGET void solve_group(const StrainStep& step, const GroupNumbers& group,
-                                      const SweptRows& rows, bool is_first) {
+                                      const SweptRows& rows, const SweepOrder& order) {
   if constexpr (kLaw == StrainLaw::kStableNeoHookean) {
-    solve_stable<Eight, kVertices>(step, group, rows, is_first);
+    solve_stable<Eight, kVertices>(step, group, rows, order);
   } else {
-    solve_strains<Eight, kLaw, kVertices>(step, group, rows, is_first);
+    solve_strains<Eight, kLaw, kVertices>(step, group, rows, order);
   }
 }
 
@@ -368,9 +372,9 @@ PALPATE_LANES_TARGET void sweep_law(const StrainRun& run, const SweptRows& rows,
                              run.weights + kGroupDomains * count_weights(kLaw) * g,
                              run.kept + kGroupDomains * count_kept(kLaw) * g, from.vertices};
     if (from.vertices == 4) {
-      solve_group<Eight, kLaw, 4>(run.step, group, rows, order.is_first);
+      solve_group<Eight, kLaw, 4>(run.step, group, rows, order);
     } else {
-      solve_group<Eight, kLaw, 0>(run.step, group, rows, order.is_first);
+      solve_group<Eight, kLaw, 0>(run.step, group, rows, order);
     }
   }
 }

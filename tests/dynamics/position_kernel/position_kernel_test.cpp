@@ -103,8 +103,7 @@ TEST(PositionKernel, DomainsInLanesMoveAsOneAtATimeToRounding) {
           EXPECT_TRUE(has_same_bits(move_with(model, PositionKernel::kBest, 3, 8), found));
         }
         // A modulus that is off by a millionth is told apart.
-        model.elastic.strain_terms.front().moduli.mu_pa *= 1.0 + 1e-6;
-        model.elastic.strain_terms.back().moduli.lambda_pa *= 1.0 + 1e-6;
+        for (StrainTerm& term : model.elastic.strain_terms) term.moduli.mu_pa *= 1.0 + 1e-6;
         EXPECT_GT(field_distance(move_with(model, PositionKernel::kPortable, 3, 8), wanted),
                   1e-10 * field_norm(wanted));
       }
@@ -180,7 +179,7 @@ TEST(PositionKernel, PaddingDoesNothing) {
   const auto moved_rows = [&](const auto& sweep) {
     PositionRows after = now;
     for (const bool is_backward : {false, true}) {
-      sweep(SweptRows{after.data(), before.data()}, SweepOrder{!is_backward, is_backward});
+      sweep(SweptRows{after.data(), before.data()}, SweepOrder{!is_backward, is_backward, false});
     }
     std::vector<std::size_t> moved;
     for (std::size_t v = 0; v <= n; ++v) {
