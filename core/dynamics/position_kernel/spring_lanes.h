@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "core/dynamics/position_kernel/spring_sweep.h"
+#include "core/dynamics/position_kernel/spring_kernel.h"
 #include "core/dynamics/tet_engine/matrix_lanes.h"
 
 namespace palpate::dynamics {

@@ -1,13 +1,6 @@
 #include "core/dynamics/position_kernel/spring_sweep.h"
 
-#include "core/dynamics/position_kernel/spring_lanes.h"
-#include "core/dynamics/tet_engine/eight_any.h"
-
 namespace palpate::dynamics {
-
-void sweep_springs(const SpringRun& run, const SweptRows& rows, const SweepOrder& order) {
-  sweep_springs_in_lanes<EightOfAny<double>>(run, rows, order);
-}
 
 SpringSweep::SpringSweep(const ElasticModel& model, std::span<const double> damping_n_s_per_m,
                          std::span<const Index> chosen, std::span<const std::vector<Index>> colours)

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/dynamics/position_kernel/strain_sweep.h"
+#include "core/dynamics/position_kernel/strain_kernel.h"
 #include "core/dynamics/tet_engine/domain_lanes.h"
 
 namespace palpate::dynamics {
@@ -14,14 +14,9 @@ namespace palpate::dynamics {
 template <typename Eight>
 using Vec6Lanes = std::array<Eight, 6>;
 
-/// One triangle of a symmetric 6 x 6 matrix, row after row: entry (i, j <= i) is 21-entry i (i + 1) / 2 + j.
+/// One triangle of a symmetric 6 x 6 matrix, row after row (triangle_at).
 template <typename Eight>
 using Triangle6Lanes = std::array<Eight, 21>;
-
-/// Its place.
-constexpr std::size_t triangle_at(std::size_t i, std::size_t j) {
-  return i >= j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i;
-}
 
 /// The numbers of a group, lane by lane.
 template <typename Eight, std::size_t kCount>

@@ -1,12 +1,11 @@
 #include "core/dynamics/position_kernel/strain_sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/error.h"
 #include "core/dynamics/position_kernel/strain_columns.h"
-#include "core/dynamics/position_kernel/strain_lanes.h"
-#include "core/dynamics/tet_engine/eight_any.h"
 
 namespace palpate::dynamics {
 namespace {
@@ -44,23 +43,9 @@ void write_symmetric(const Mat3& a, LargeVector<double>& to, std::size_t numbers
 
 }  // namespace
 
-void sweep_strains(const StrainRun& run, const SweptRows& rows, const SweepOrder& order) {
-  sweep_strains_in_lanes<EightOfAny<double>>(run, rows, order);
-}
-
 bool can_sweep_in_lanes(const StrainTerm& term) {
   return term.law != StrainLaw::kNeoHookean && term.moduli.mu_pa >= 0.0 &&
          2.0 * term.moduli.mu_pa + 3.0 * term.moduli.lambda_pa >= 0.0;
-}
-
-void mend_rotations(const std::array<bool, kGroupDomains>& is_off, EightRotations& domains) {
-  for (std::size_t lane = 0; lane < kGroupDomains; ++lane) {
-    if (!is_off[lane]) continue;
-    Mat3 f = kIdentity;
-    for (std::size_t i = 0; i < 9; ++i) f.m[i] += domains.h[i][lane];
-    const Mat3 apart = f - nearest_rotation(f);
-    for (std::size_t i = 0; i < 9; ++i) domains.apart[i][lane] = apart.m[i];
-  }
 }
 
 StrainSweep::StrainSweep(const StrainTerm& term, std::size_t vertex_count, std::span<const Index> chosen,

@@ -1,7 +1,7 @@
 // Eight springs at a time with AVX2. Functions carry their instruction set themselves, so that nothing else
 // of the library needs it.
 #include "core/base/error.h"
-#include "core/dynamics/position_kernel/spring_sweep.h"
+#include "core/dynamics/position_kernel/spring_kernel.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 

@@ -1,7 +1,7 @@
 // Eight domains at a time with AVX2. Functions carry their instruction set themselves, so that nothing else
 // of the library needs it.
 #include "core/base/error.h"
-#include "core/dynamics/position_kernel/strain_sweep.h"
+#include "core/dynamics/position_kernel/strain_kernel.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
