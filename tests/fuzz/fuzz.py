@@ -29,7 +29,7 @@ SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.
            "experiments/contests/stability/stability_answer.cpp", "experiments/scene_reader/*.cpp",
            "experiments/spring_training/training_plan.cpp"]
 COMPILER = "clang++-14"
-FLAGS = ["-std=c++20", f"-I{ROOT}", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
+FLAGS = ["-std=c++20", f"-I{ROOT}", "-isystem/usr/include/eigen3", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
          "-fsanitize=fuzzer-no-link,address,undefined", "-fno-sanitize-recover=all"]
 LIBRARIES = ["experiments/libpalpate_experiments.a", "reference/libpalpate_adapter.a", "core/libpalpate_moving.a", "core/libpalpate_elastic.a",
              "reference/closed_form/libpalpate_closed_form.a", "core/libpalpate_core.a"]
