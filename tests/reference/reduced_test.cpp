@@ -268,7 +268,7 @@ class PodFile : public Reduced {
     const ContestantAnswer made = ask("reduced.pod", writing);
     first_ = displacement(made);
     first_report_ = made.report;
-    const auto kept = scratch_ / "kept.pod";
+    std::filesystem::path kept = scratch_ / "kept.pod";
     if (made.outcome == "ok")
       std::filesystem::copy_file(made.report.at("body_file").get<std::string>(), kept);
     return kept;
