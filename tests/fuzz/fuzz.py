@@ -22,16 +22,16 @@ LARGEST_SEED = 16384
 
 # The sources of the readers.
 SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.cpp", "core/mesh/io/off.cpp", "core/mesh/io/word_reader.cpp",
-           "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/cgal/surface_file.cpp", "experiments/text/yaml_value.cpp",
+           "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/reduced/pod_file.cpp", "reference/cgal/surface_file.cpp", "experiments/text/yaml_value.cpp",
            "experiments/contestants/answer_form.cpp", "experiments/contestants/contestant.cpp", "experiments/contestants/stop.cpp",
            "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/fit_candidates.cpp",
            "experiments/plan_reader/*.cpp", "experiments/runner/read_plan.cpp", "experiments/contests/*/plan_*.cpp",
            "experiments/contests/stability/stability_answer.cpp", "experiments/scene_reader/*.cpp",
            "experiments/spring_training/training_plan.cpp"]
 COMPILER = "clang++-14"
-FLAGS = ["-std=c++20", f"-I{ROOT}", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
+FLAGS = ["-std=c++20", f"-I{ROOT}", "-isystem/usr/include/eigen3", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
          "-fsanitize=fuzzer-no-link,address,undefined", "-fno-sanitize-recover=all"]
-LIBRARIES = ["experiments/libpalpate_experiments.a", "reference/libpalpate_adapter.a",
+LIBRARIES = ["experiments/libpalpate_experiments.a", "reference/libpalpate_adapter.a", "core/libpalpate_moving.a", "core/libpalpate_elastic.a",
              "reference/closed_form/libpalpate_closed_form.a", "core/libpalpate_core.a"]
 
 # Files of the repository that a reader takes, beside its own folder in the corpus.
@@ -45,7 +45,7 @@ OWN_FILES = {
 }
 DICTIONARIES = {"medit": "medit.dict", "off": "surface.dict", "stl": "surface.dict", "obj": "surface.dict", "ply": "surface.dict",
                 "off_surface": "surface.dict", "plan": "yaml.dict", "scene": "yaml.dict", "training": "yaml.dict",
-                "candidates": "yaml.dict", "contestant": "yaml.dict"}
+                "candidates": "yaml.dict", "contestant": "yaml.dict", "pod_body": "numbers.dict"}
 
 
 def is_newer(source, target, headers):

@@ -32,6 +32,7 @@
 #include "reference/door/motion_problem.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/stability_problem.h"
+#include "reference/reduced/pod_file.h"
 #ifdef PALPATE_FUZZ_SURFACES
 #include "reference/cgal/surface_tools.h"
 #endif
@@ -69,6 +70,17 @@ void read_and_write(const fs::path& file) {
   }
   write_medit(file, mesh);
   check(read_medit(file).mesh == mesh);
+}
+
+/// A trained body that was read comes back to the bit, and can be asked.
+void read_and_ask(const fs::path& file) {
+  const reference::TrainedPod trained = reference::read_pod(file);
+  reference::write_pod(file, trained);
+  const std::string first = reference::read_text_file(file, std::size_t{1} << 24U);
+  reference::write_pod(file, reference::read_pod(file));
+  check(reference::read_text_file(file, std::size_t{1} << 24U) == first);
+  const dynamics::PodBody body(trained.parts);
+  body.gradient(Eigen::VectorXd::Zero(body.basis().shapes.cols()));
 }
 
 /// A request whose problem is the file.
@@ -113,6 +125,7 @@ constexpr std::array kReaders{
            [](const fs::path& f) { reference::read_moving_task(request_of("engine", f)); }},
     Reader{"stability_problem", "any.json",
            [](const fs::path& f) { reference::read_stability_task(request_of("stability", f)); }},
+    Reader{"pod_body", "any.pod", read_and_ask},
     Reader{"stability_answer", "any.json", [](const fs::path& f) { read_stability_answer(f, small_mesh()); }},
 #ifdef PALPATE_FUZZ_SURFACES
     Reader{"stl", "any.stl", [](const fs::path& f) { reference::read_surface(f); }},

@@ -14,6 +14,7 @@
 #include "reference/door/deform_problem.h"
 #include "reference/door/json_file.h"
 #include "reference/door/motion_problem.h"
+#include "reference/reduced/pod_file.h"
 #include "reference/reduced/table_file.h"
 #include "tests/support/contestant_starter.h"
 #include "tests/support/moving_contestant.h"
@@ -247,6 +248,168 @@ TEST_F(Reduced, PodIsTrainedBesideItsLoadAndMeetsTheFullModel) {
   problem_ = good;
   problem_.strain = StrainSize::kSmall;
   EXPECT_THAT(ask("reduced.pod", json::object()).message, HasSubstr("small strain"));
+}
+
+class PodFile : public Reduced {
+ protected:
+  PodFile() {
+    problem_.strain = StrainSize::kLarge;
+    problem_.gravity_m_s2 = {};
+    problem_.held = {{{problem_.supports[0].patch.faces[0]}, {true, false, false}, {}}};
+    problem_.supports[0].stiffness_pa_per_m = 1e5;
+    problem_.supports[1].by_m = {0.0, 0.05, -0.15};
+    problem_.supports[1].stiffness_pa_per_m = 1e5;
+  }
+
+  /// Trains once and keeps the file.
+  std::filesystem::path train() {
+    json writing = options_;
+    writing["write_body"] = true;
+    const ContestantAnswer made = ask("reduced.pod", writing);
+    first_ = displacement(made);
+    first_report_ = made.report;
+    std::filesystem::path kept = scratch_ / "kept.pod";
+    if (made.outcome == "ok")
+      std::filesystem::copy_file(made.report.at("body_file").get<std::string>(), kept);
+    return kept;
+  }
+
+  ContestantAnswer ask_from(const std::filesystem::path& file, json options) {
+    options["body"] = file.string();
+    return ask("reduced.pod", options);
+  }
+
+  json options_ = {{"training", 4}, {"validation", 2}, {"force_tolerance", 1e-3}};
+  std::vector<Vec3> first_;
+  json first_report_;
+};
+
+TEST_F(PodFile, AnswersToTheBitWhatTheTrainingDid) {
+  const std::filesystem::path file = train();
+  ASSERT_FALSE(first_.empty());
+  EXPECT_EQ(first_report_.at("body_format"), "palpate/pod_body/1");
+  EXPECT_NEAR(first_report_.at("load_share").get<double>(), 1.0, 1e-15);
+  const auto copy = scratch_ / "copy.pod";
+  write_pod(copy, read_pod(file));
+  EXPECT_EQ(read_text_file(file, 1U << 28U), read_text_file(copy, 1U << 28U));
+  const ContestantAnswer again = ask_from(copy, options_);
+  EXPECT_EQ(displacement(again), first_);
+  EXPECT_EQ(again.report.at("identify_s"), 0.0);
+  EXPECT_GT(again.report.at("read_s").get<double>(), 0.0);
+  for (const char* key :
+       {"training_s", "validation_error", "domains", "domains_of_all", "force_residual", "training_loads"})
+    EXPECT_EQ(again.report.at(key), first_report_.at(key)) << key;
+  EXPECT_LT(again.report.at("training_s").get<double>(), first_report_.at("identify_s").get<double>() + 1e-9);
+
+  // Another load at the same places is what the file is for: as near as the validation says of such loads.
+  problem_.supports[1].by_m = {0.0, 0.02, -0.08};
+  for (Traction& traction : problem_.tractions) traction.traction_pa = 0.5 * traction.traction_pa;
+  const ContestantAnswer other = ask_from(file, options_);
+  ASSERT_EQ(other.outcome, "ok") << other.message;
+  EXPECT_NE(displacement(other), first_);
+  EXPECT_LT(other.report.at("load_share").get<double>(), 0.7);
+  EXPECT_LT(difference(displacement(ask("smoothed.edge_node", json::object())), displacement(other)), 0.1);
+}
+
+TEST_F(PodFile, OneOfAnotherTrainingIsRefused) {
+  const std::filesystem::path file = train();
+  ASSERT_FALSE(first_.empty());
+  const auto refused = [&](const char* why) {
+    const ContestantAnswer answer = ask_from(file, options_);
+    EXPECT_EQ(answer.outcome, "bad_input");
+    EXPECT_THAT(answer.message, HasSubstr(why));
+  };
+  const BoundaryProblem good = problem_;
+  problem_.material.poisson_ratio = 0.31;
+  refused("poisson_ratio 0.31");
+  problem_ = good;
+  problem_.material.young_modulus_pa = 2e4;
+  refused("young_modulus_pa 20000");
+  problem_ = good;
+  problem_.supports[0].stiffness_pa_per_m = 2e5;
+  refused("the supports and held faces that the basis was trained on");
+  problem_ = good;
+  problem_.supports[0].patch.faces.pop_back();
+  problem_.supports[0].patch.weight.pop_back();
+  refused("the supports and held faces that the basis was trained on");
+  problem_ = good;
+  problem_.held.clear();
+  refused("the supports and held faces that the basis was trained on");
+  problem_ = good;
+  problem_.tractions[0].patch.faces.pop_back();
+  problem_.tractions[0].patch.weight.pop_back();
+  refused("loads at the places");
+  problem_ = good;
+  problem_.gravity_m_s2 = {0.0, 0.0, -1.0};
+  refused("loads at the places");
+  problem_ = good;
+  mesh_.points[0].x -= 1e-9;
+  refused("another mesh");
+  mesh_.points[0].x += 1e-9;
+  options_["seed"] = 2;
+  refused("seed 2");
+  options_["seed"] = 1;
+  EXPECT_EQ(ask_from(file, options_).outcome, "ok");
+}
+
+TEST_F(PodFile, ABrokenOneIsRefused) {
+  const std::filesystem::path file = train();
+  ASSERT_FALSE(first_.empty());
+  const std::string good = read_text_file(file, 1U << 28U);
+  const auto refused = [&](const std::string& bytes, const char* why) {
+    const auto path = scratch_ / "broken.pod";
+    std::ofstream(path, std::ios::binary) << bytes;
+    try {
+      read_pod(path);
+      ADD_FAILURE() << "read, where " << why << " was wanted";
+    } catch (const InputError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(path.string()));
+      EXPECT_THAT(error.what(), HasSubstr(why));
+    }
+  };
+  const auto with = [&](const std::string& key, const std::string& value) {
+    const std::size_t at = good.find("\n" + key + " ") + 1;
+    return good.substr(0, at) + key + " " + value + good.substr(good.find('\n', at));
+  };
+  const std::size_t numbers = good.find("\nend\n") + 5;
+  const auto with_number = [&](std::size_t at, double value) {
+    std::string bytes = good;
+    bytes.replace(at, sizeof value, reinterpret_cast<const char*>(&value), sizeof value);
+    return bytes;
+  };
+  refused("", "palpate/pod_body/1");
+  refused("palpate/pod_body/2" + good.substr(good.find('\n')), "palpate/pod_body/1");
+  refused(good.substr(0, numbers), "the end of the file");
+  refused(good.substr(0, good.size() - 1), "the end of the file");
+  refused(good + "x", "1 bytes more");
+  refused(with("vertices", "9999999"), "the end of the file");
+  refused(with("shapes", "0"), "shapes");
+  refused(with("poisson_ratio", "nan"), "poisson_ratio");
+  refused(with("model", "springs"), "model edge_node or tets");
+  refused(with_number(numbers, std::nan("")), "finite numbers");
+  refused(with_number(numbers, 0.9), "orthonormal");
+  std::string held = good;
+  held.back() = 8;
+  refused(held, "held axes");
+  EXPECT_NO_THROW(read_pod(file));
+  // Weights, laws and supports that cannot be.
+  TrainedPod trained = read_pod(file);
+  const auto rewritten = [&](const TrainedPod& wrong) {
+    write_pod(scratch_ / "wrong.pod", wrong);
+    return read_text_file(scratch_ / "wrong.pod", 1U << 28U);
+  };
+  TrainedPod wrong = trained;
+  wrong.parts.domains[0].of.weight = -1.0;
+  refused(rewritten(wrong), "weights and volumes of 0 or more");
+  wrong = trained;
+  wrong.parts.domains[0].law = static_cast<dynamics::StrainLaw>(4);
+  refused(rewritten(wrong), "a law from 0 to 3");
+  wrong = trained;
+  wrong.parts.supports[0].face[0] = 1U << 30U;
+  refused(rewritten(wrong), "vertices of the body");
+  wrong = trained;
+  wrong.parts.held.assign(wrong.parts.held.size(), 7);
+  refused(rewritten(wrong), "held vertices where they are");
 }
 
 class MovingModes : public test::MovingContestant {};

@@ -79,6 +79,21 @@ class MethodsPage(ReportTest):
     def test_a_row_that_was_not_accepted_says_why(self):
         self.make(self.runs())
         self.assertEqual(self.row("`slow`")[1:], ["rejected", "", "", "", "not run", "", "", ""])
+        self.assertIn("Not run at 100000 vertices: `slow` (in the plan now, ", self.page.read_text(encoding="utf-8"))
+
+    def test_a_kind_that_the_largest_plan_leaves_out_has_its_reason(self):
+        runs = self.runs()
+        motion = [stepped("methods_tets", 1503, 100, 0.05), stepped("methods_edge_node_bdf2", 1503, 10, 1.0)]
+        runs[1] = self.write("methods_in_motion", motion, "engine")
+        self.make(runs)
+        text = self.page.read_text(encoding="utf-8")
+        self.assertIn("Not run at 100000 vertices: `edge_node_bdf2` (its factors of 300,000 unknowns", text)
+        self.assertNotIn("`tets` (", text)
+
+    def test_the_words_have_every_kind_once(self):
+        self.make(self.runs())
+        for kind in ("reduced.pod", "finite_spheres.collocation", "XPBD with neo-Hookean tetrahedra"):
+            self.assertEqual(len(self.row(kind)), 7)
 
     def test_another_run_is_refused_and_nothing_is_written(self):
         runs = self.runs()

@@ -56,4 +56,33 @@ Mat3 vertex_stiffness(StrainLaw law, const Moduli& moduli, const Mat3& h, const 
   throw ContractError("vertex_stiffness: unknown law");
 }
 
+Mat3 vertex_damping(StrainLaw law, const Moduli& viscous, const Mat3& h, const Mat3& before,
+                    const Vec3& gradient) {
+  const double along = std::max(viscous.mu_pa + viscous.lambda_pa, -viscous.mu_pa);
+  const Mat3 f = kIdentity + h;
+  if (law == StrainLaw::kNeoHookean) {
+    const Vec3 w = (1.0 / determinant(f)) * (cofactors(f) * gradient);
+    return (viscous.mu_pa * length_sq(w)) * kIdentity + along * outer(w, w);
+  }
+  if (law == StrainLaw::kStableNeoHookean) {
+    const Vec3 turned = f * gradient;
+    const Mat3 change = h - before;
+    const double size_sq = length_sq(gradient);
+    const double pull = 2.0 * viscous.mu_pa * dot(turned, change * gradient) +
+                        viscous.lambda_pa * contract(f, change) * size_sq;
+    const double across = viscous.mu_pa * size_sq;
+    Mat3 block = outer(along * turned, turned);
+    for (std::size_t i = 0; i < 3; ++i) {
+      block(i, i) += std::max(pull, 0.0);
+      for (std::size_t j = 0; j <= i; ++j) {
+        const double entry = across * dot(f.row(i), f.row(j));
+        block(i, j) += entry;
+        if (i != j) block(j, i) += entry;
+      }
+    }
+    return block;
+  }
+  return vertex_stiffness(law, viscous, h, gradient);
+}
+
 }  // namespace palpate::dynamics

@@ -16,4 +16,18 @@ namespace palpate::dynamics {
 /// Requires: a finite energy.
 Mat3 vertex_stiffness(StrainLaw law, const Moduli& moduli, const Mat3& h, const Vec3& gradient);
 
+/// The same of a damping stress that is taken at the end of a step from `before` to `h`, times the step's
+/// length, so that with `viscous` in Pa s it is in Pa s/m^2. With T the stress of the law's own rate:
+///
+///   kLinear, kCorotated  vertex_stiffness of the viscous moduli
+///   kNeoHookean          mu |w|^2 I + (mu + lambda) w w^T,   w = F^-T g
+///   kStableNeoHookean    F (mu |g|^2 I + (mu + lambda) g g^T) F^T + max(g . T g, 0) I
+///
+/// The last two grow with F^-1 and with F squared: a stiffness times b / h falls short of them. Of what turns
+/// with F within the step only the last summand is in; what is left out is less than half of what is in where
+/// the body is being stretched, and takes away where it comes back.
+/// Requires: a finite energy.
+Mat3 vertex_damping(StrainLaw law, const Moduli& viscous, const Mat3& h, const Mat3& before,
+                    const Vec3& gradient);
+
 }  // namespace palpate::dynamics

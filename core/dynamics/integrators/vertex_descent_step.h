@@ -14,7 +14,11 @@ namespace palpate::dynamics {
 ///
 ///   u'_v += B_v^-1 f_v,   f_v the forces on v out of balance,
 ///   B_v = m / h^2 + gamma / h + k (n n^T + (1 - L / |d|)+ (I - n n^T)) + c / h n n^T of its springs
-///         + (1 + b / h) V vertex_stiffness of its domains + supports
+///         + V vertex_stiffness + V / h vertex_damping of its domains + supports
+///
+/// A step that goes far, or turns a domain inside out whose law minds it, is halved until the vertex's own
+/// energy is no higher, with what dampers take on the way. So no vertex raises it, and no motion grows of
+/// itself (docs/integrators.md says what is not looked at).
 ///
 /// One vertex at a time in the order of the mesh, so that the result is the same for any number of threads:
 /// it uses one. Starts from u + h v.

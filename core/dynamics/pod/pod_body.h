@@ -25,11 +25,38 @@ struct PodAnswer {
   double residual_relative = 0.0;
 };
 
+/// One domain of a reduced body.
+struct PodDomain {
+  WeighedDomain of;                                   ///< which one of the model, and its weight
+  Eigen::Matrix<double, 9, Eigen::Dynamic> gradient;  ///< D with vec H = D q by rows
+  double volume_m3 = 0.0;                             ///< with its weight
+  StrainLaw law = StrainLaw::kLinear;
+  Moduli moduli;
+};
+
+/// What a reduced body is made of: all that an answer needs, without the model that it was taken from.
+struct PodParts {
+  SnapshotBasis basis;
+  std::vector<PodDomain> domains;
+  std::vector<SupportFace> supports;  ///< how far they are moved is a load
+  std::vector<std::uint8_t> held;     ///< bit i of a vertex: axis i
+};
+
+/// The parts for one holding. Throws: InputError for held components that are moved, or a cubature of another
+/// model.
+PodParts collect_pod_parts(const ElasticModel& model, SnapshotBasis basis, const Cubature& cubature,
+                           const Loads& holding);
+
+/// B^T f of the loads on the body at rest, supports that are moved included.
+Eigen::VectorXd reduce_loads(const SnapshotBasis& basis, const Loads& loads);
+
 /// The energy of u = B q by a cubature, for one holding: the elastic supports and held components that its
 /// snapshots had. A basis knows no other: what moves there may not be in it.
 class PodBody {
  public:
-  /// Throws: as require_basis; InputError for held components that are moved, or a cubature of another model.
+  /// Throws: as require_basis; InputError for a domain or a support that does not fit the basis.
+  explicit PodBody(PodParts parts);
+  /// Of collect_pod_parts. Throws: as that and the one above.
   PodBody(const ElasticModel& model, SnapshotBasis basis, const Cubature& cubature, const Loads& holding);
 
   /// Energy of the domains, in J; infinite where a law has none.
@@ -44,18 +71,13 @@ class PodBody {
   /// other faces or of another stiffness, or other held components. How far supports are moved is a load.
   PodAnswer solve(const Loads& loads, const PodSolveOptions& options) const;
 
-  const SnapshotBasis& basis() const { return basis_; }
-  std::size_t domains() const { return points_.size(); }
+  const PodParts& parts() const { return parts_; }
+  const SnapshotBasis& basis() const { return parts_.basis; }
+  std::size_t domains() const { return parts_.domains.size(); }
   /// What an answer needs, in bytes: basis, domains, supports.
   std::size_t bytes() const;
 
  private:
-  struct Point {
-    Eigen::Matrix<double, 9, Eigen::Dynamic> d;
-    double volume_m3 = 0.0;  ///< with its weight
-    StrainLaw law = StrainLaw::kLinear;
-    Moduli moduli;
-  };
   struct Resultants {
     Eigen::VectorXd force;
     double constant_j = 0.0;
@@ -63,10 +85,7 @@ class PodBody {
 
   Resultants reduce(const Loads& loads) const;
 
-  SnapshotBasis basis_;
-  std::vector<Point> points_;
-  std::vector<SupportFace> supports_;
-  std::vector<std::uint8_t> held_;
+  PodParts parts_;
   Eigen::MatrixXd support_stiffness_;
 };
 

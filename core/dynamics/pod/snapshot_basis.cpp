@@ -51,9 +51,9 @@ double left_out_of(const SnapshotBasis& basis, std::span<const Vec3> u) {
   return size > 0.0 ? (all - basis.shapes * (basis.shapes.transpose() * all)).norm() / size : 0.0;
 }
 
-void require_basis(const SnapshotBasis& basis, std::span<const std::uint8_t> held) {
-  const auto refuse = [](const char* expected, const std::string& found) {
-    throw InputError("basis", 0, expected, found);
+void require_basis(const SnapshotBasis& basis, std::span<const std::uint8_t> held, const std::string& where) {
+  const auto refuse = [&](const char* expected, const std::string& found) {
+    throw InputError(where, 0, expected, found);
   };
   const Eigen::MatrixXd& shapes = basis.shapes;
   if (shapes.rows() != 3 * static_cast<Eigen::Index>(held.size()) || shapes.cols() == 0)

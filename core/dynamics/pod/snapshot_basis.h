@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/base/types.h"
@@ -34,7 +35,9 @@ double left_out_of(const SnapshotBasis& basis, std::span<const Vec3> u);
 
 /// Throws InputError for a basis that does not fit the body: another number of vertices, shapes that are not
 /// orthonormal to 1e-8 or not finite, or one that moves a held component (bit i of `held`: axis i).
-void require_basis(const SnapshotBasis& basis, std::span<const std::uint8_t> held);
+/// `where` names what it came from.
+void require_basis(const SnapshotBasis& basis, std::span<const std::uint8_t> held,
+                   const std::string& where = "basis");
 
 /// B^T u, and B q.
 Eigen::VectorXd coordinates_of(const SnapshotBasis& basis, std::span<const Vec3> u);

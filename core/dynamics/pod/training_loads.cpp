@@ -1,6 +1,7 @@
 #include "core/dynamics/pod/training_loads.h"
 
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "core/base/error.h"
@@ -52,6 +53,35 @@ BoundaryProblem draw_training_load(const BoundaryProblem& problem, SplitMix64& r
   }
   for (NodalForce& force : out.nodal_forces) force.force_n = turn * force.force_n;
   return out;
+}
+
+std::uint64_t hash_load_places(const BoundaryProblem& problem) {
+  std::uint64_t hash = 1469598103934665603ULL;
+  const auto add = [&](std::uint64_t value) {
+    for (unsigned shift = 0; shift < 64; shift += 8)
+      hash = (hash ^ ((value >> shift) & 0xffU)) * 1099511628211ULL;
+  };
+  const auto add_number = [&](double value) {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    add(bits);
+  };
+  add(length_sq(problem.gravity_m_s2) > 0.0 ? 1 : 0);
+  add(problem.supports.size());
+  for (const ElasticSupport& support : problem.supports) add(length_sq(support.by_m) > 0.0 ? 1 : 0);
+  add(problem.tractions.size());
+  for (const Traction& traction : problem.tractions) {
+    add(length_sq(traction.traction_pa) > 0.0 ? 1 : 0);
+    add(traction.pressure_pa != 0.0 ? 1 : 0);
+    add(traction.patch.faces.size());
+    for (const Triangle& face : traction.patch.faces) {
+      for (const Index v : face) add(v);
+    }
+    for (const double weight : traction.patch.weight) add_number(weight);
+  }
+  add(problem.nodal_forces.size());
+  for (const NodalForce& force : problem.nodal_forces) add(force.vertex);
+  return hash;
 }
 
 }  // namespace palpate::dynamics

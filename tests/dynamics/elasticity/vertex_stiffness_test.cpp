@@ -67,6 +67,42 @@ TEST(VertexStiffness, IsSemidefiniteAtAnyStrain) {
   }
 }
 
+TEST(VertexDamping, IsTheDampingTangentsBlockWhereNothingMoves) {
+  SplitMix64 random(5);
+  for (const StrainLaw law : {StrainLaw::kLinear, StrainLaw::kNeoHookean, StrainLaw::kStableNeoHookean}) {
+    SCOPED_TRACE(strain_law_name(law));
+    for (int k = 0; k < 200; ++k) {
+      const Mat3 turn = nearest_rotation(kIdentity + random_matrix(random, 1.5));
+      const Mat3 stretch{{11.0, 0.3, 0.0, 0.3, 0.4, 0.1, 0.0, 0.1, 2.0}};
+      const Mat3 h = multiply(turn, stretch) - kIdentity;
+      const Mat3 row = random_matrix(random, 2.0);
+      const Vec3 g = row.row(0);
+      const Mat3 wanted = contract_tangent(damping_tangent(law, kModuli, h), g);
+      const double size = std::sqrt(contract(wanted, wanted));
+      const Mat3 off = vertex_damping(law, kModuli, h, h, g) - wanted;
+      EXPECT_LT(std::sqrt(contract(off, off)), 1e-12 * size) << k;
+      if (law == StrainLaw::kLinear) continue;
+      const Mat3 block = vertex_stiffness(law, kModuli, h, g);
+      EXPECT_GT(std::sqrt(contract(wanted - block, wanted - block)), 0.1 * size) << "no stiffness times b";
+    }
+  }
+}
+
+TEST(VertexDamping, IsSemidefiniteInAnyMotion) {
+  SplitMix64 random(6);
+  for (const StrainLaw law : kLaws) {
+    SCOPED_TRACE(strain_law_name(law));
+    for (int k = 0; k < 500; ++k) {
+      const Mat3 h = random_matrix(random, 2.0);
+      if (law == StrainLaw::kNeoHookean && !(determinant(kIdentity + h) > 0.01)) continue;
+      const Mat3 before = random_matrix(random, 2.0);
+      const Mat3 row = random_matrix(random, 2.0);
+      const Mat3 block = vertex_damping(law, kModuli, h, before, row.row(0));
+      EXPECT_GE(least_eigenvalue(block), -1e-12 * std::sqrt(contract(block, block))) << k;
+    }
+  }
+}
+
 TEST(VertexStiffness, OneOfAnotherLawIsToldApart) {
   const Mat3 h{{0.1, 0.0, 0.0, 0.0, -0.1, 0.05, 0.0, 0.0, 0.02}};
   const Vec3 g{1.0, 2.0, 3.0};

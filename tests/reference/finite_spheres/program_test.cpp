@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include "core/judge/displacement/displacement.h"
@@ -136,6 +137,41 @@ TEST_F(FiniteSpheres, CollocationAnswersAKnownCaseAndRefusesWhatItCannotDo) {
   EXPECT_EQ(collocate({{"radius", 0.9}}).outcome, "bad_input");
   known.problem.strain = StrainSize::kLarge;
   EXPECT_THAT(collocate(json::object()).message, HasSubstr("collocation is linear"));
+}
+
+TEST_F(FiniteSpheres, CollocationThatLosesItsBalanceIsNotGiven) {
+  // A jittered cube on a bed, pressed by a pad on half of its top; nothing holds it hard.
+  const TetMesh mesh = build_kuhn_cube(6, 0.3, 6);
+  BoundaryProblem problem;
+  problem.material = {1e4, 0.45, 1000.0};
+  problem.supports = {{{}, 1e5, {}}, {{}, 1e6, {0.0, 0.0, -0.01}}};
+  for (const Triangle& face : build_boundary(mesh)) {
+    const Vec3 middle = (1.0 / 3.0) * (mesh.points[face[0]] + mesh.points[face[1]] + mesh.points[face[2]]);
+    const bool is_bed = middle.z < 1e-9;
+    if (!is_bed && !(middle.z > 1.0 - 1e-9 && middle.x < 0.5)) continue;
+    FacePatch& patch = problem.supports[is_bed ? 0 : 1].patch;
+    patch.faces.push_back(face);
+    patch.weight.push_back(1.0);
+  }
+  const auto collocate = [&](double poisson_ratio, double radius) {
+    problem.material.poisson_ratio = poisson_ratio;
+    return starter_.run("finite_spheres.collocation", mesh, problem_to_json(problem), {{"radius", radius}});
+  };
+  const ContestantAnswer lost = collocate(0.49, 1.2);
+  EXPECT_EQ(lost.report.at("outcome"), "not_converged");
+  EXPECT_GT(lost.report.at("net_force_share").get<double>(), 0.3);
+  EXPECT_FALSE(std::filesystem::exists(lost.output));
+  ASSERT_EQ(lost.notes.size(), 1U);
+  EXPECT_THAT(lost.notes[0], HasSubstr("worthless and not given"));
+  const ContestantAnswer doubtful = collocate(0.45, 1.5);
+  EXPECT_EQ(doubtful.report.at("outcome"), "converged");
+  EXPECT_GT(doubtful.report.at("net_force_share").get<double>(), 0.05);
+  ASSERT_EQ(doubtful.notes.size(), 1U);
+  EXPECT_THAT(doubtful.notes[0], HasSubstr("out of balance: the answer may be far off"));
+  const ContestantAnswer good = collocate(0.25, 1.5);
+  EXPECT_EQ(good.report.at("outcome"), "converged");
+  EXPECT_LT(good.report.at("net_force_share").get<double>(), 0.05);
+  EXPECT_TRUE(good.notes.empty());
 }
 
 TEST_F(FiniteSpheres, SaysThatAProblemIsBroken) {
