@@ -3,8 +3,8 @@
 //     node draw_figures.mjs OUT RUN... [--width PIXELS]
 //
 // Of a run of simplifiers: wireframes of each input and its answers (figures 4.4, 4.5). Of a run of the engine: each motion undeformed,
-// pressed, responding, regaining, pressed elsewhere and back (4.6-4.14), and the motion as MP4 where ffmpeg is there (4.15-4.17 are stills of
-// it). A folder below OUT for each body. The same run gives the same pixels on one machine. Exit code 1: a page could not be drawn; 2: wrong
+// pressed, responding, regaining, pressed elsewhere and back (4.6-4.14), three stills (4.15-4.17) and the motion as MP4 where ffmpeg is there.
+// thesis_figures.mjs makes the runs and numbers what is drawn. A folder below OUT for each body. The same run gives the same pixels on one machine. Exit code 1: a page could not be drawn; 2: wrong
 // usage.
 import { spawnSync } from "node:child_process";
 import { existsSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from "node:fs";
@@ -27,6 +27,11 @@ const PHASES = [
   ["4.12_responding_further", 1.86],
   ["4.13_coming_back", 1.94],
   ["4.14_back", 3],
+];
+const STILLS = [
+  ["4.15_still", 0.16],
+  ["4.16_still", 0.34],
+  ["4.17_still", 1.66],
 ];
 const FROM = { toEye: [-0.65, 0.2, -0.4], up: [0, 1, 0] }; // both dents are seen from aside
 const FLAGS = ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", ...(process.getuid?.() === 0 ? ["--no-sandbox"] : [])];
@@ -107,6 +112,8 @@ async function drawMotion(page, group, bodies) {
       for (const [mode, how, colour] of [["surface", "shaded", ""], ["wireframe", "wireframe", ""], ["surface", "displacement", "displacement"]])
         save(group, `${how}_${phase}.png`, await pictureOf(page, { group, titles: [title], mode, colour, time_s, from: FROM }, width));
     }
+    for (const [still, time_s] of STILLS.filter((each) => each[1] <= times_s.at(-1)))
+      save(group, `shaded_${still}.png`, await pictureOf(page, { group, titles: [title], mode: "surface", colour: "", time_s, from: FROM }, width));
     await drawVideo(page, group, title, times_s);
   }
 }

@@ -40,8 +40,10 @@ const FIELD_DEG = 28;
 const ACROSS = 1.15; // how much broader than the field of view is high
 const KEY_TURN = Math.PI / 24;
 // Where pictures take longer than this one after the other, a body that is turned is drawn more coarsely until it stands still.
-const SLOW_MS = 50;
+// A screen of 60 pictures a second has one after 33 or 50 ms.
+const SLOW_MS = 40;
 const STILL_MS = 250;
+const SLICE_MS = 6; // of the time between two pictures, for what pictures need later
 
 /**
  * One view in a container, whose size it takes; the page's style sheet has to give it one (view.css). It draws only when something
@@ -76,6 +78,7 @@ export class OrganView {
   private isCoarse = false;
   private turnedAt = 0; // of the last picture in a row of them; 0: none
   private stillTimer = 0;
+  private idle = 0;
 
   /** Throws: Error, in words for a reader, where the mesh is broken or the browser has no WebGL. */
   constructor(readonly container: HTMLElement, mesh: OrganMesh, options: OrganViewOptions = {}) {
@@ -114,6 +117,11 @@ export class OrganView {
     this.resetCamera();
     this.setMode(this.mode);
     this.resize();
+  }
+
+  /** How many triangles the last picture had: fewer than the skin while it is turned and pictures are slow. */
+  get drawnTriangles(): number {
+    return this.soup.drawnTriangles;
   }
 
   get vertexCount(): number {
@@ -266,6 +274,8 @@ export class OrganView {
     this.waiting = 0;
     this.choosePrecision();
     this.soup.upload();
+    this.soup.draw(this.isCoarse ? "stand-in" : "everything");
+    if (this.isCoarse) this.workOnStandIn();
     this.renderer.setClearColor(this.colours.background, 1);
     this.renderer.render(this.scene, this.camera);
     for (const listener of this.renderListeners) listener();
@@ -296,7 +306,16 @@ export class OrganView {
     this.render();
   }
 
-  // Half the points in each direction, no edges on a surface, and only what looks to the eye.
+  // In small pieces, so that no picture has to wait for it.
+  private workOnStandIn(): void {
+    if (this.idle) return;
+    this.idle = whenIdle(() => {
+      this.idle = 0;
+      if (this.soup.workOnStandIn(performance.now() + SLICE_MS)) this.workOnStandIn();
+    });
+  }
+
+  // Half the points in each direction, no edges on a surface, only what looks to the eye, and of a large skin its stand-in.
   private drawCoarsely(on: boolean): void {
     if (this.isCoarse === on) return;
     this.isCoarse = on;
@@ -338,6 +357,7 @@ export class OrganView {
   dispose(): void {
     if (this.waiting) cancelAnimationFrame(this.waiting);
     clearTimeout(this.stillTimer);
+    stopIdle(this.idle);
     this.resizing.disconnect();
     this.controls.dispose();
     this.soup.dispose();
@@ -400,6 +420,17 @@ function openRenderer(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
   const antialias = !isDrawnBySoftware();
   if (!canvas.getContext("webgl2", { antialias })) throw new Error("this browser has no WebGL 2, so nothing is drawn in 3D");
   return new THREE.WebGLRenderer({ canvas, antialias });
+}
+
+// Safari has no idle time of its own.
+const hasIdle = typeof requestIdleCallback === "function";
+function whenIdle(act: () => void): number {
+  return hasIdle ? requestIdleCallback(act, { timeout: 100 }) : window.setTimeout(act, 20);
+}
+
+function stopIdle(idle: number): void {
+  if (hasIdle) cancelIdleCallback(idle);
+  else clearTimeout(idle);
 }
 
 // Where the processor draws, smooth edges double the time of each picture.

@@ -4,9 +4,12 @@ import * as THREE from "three";
 import type { Scalars } from "./colour_scale";
 import type { CutPlane, Frame } from "./framing";
 import { UNKNOWN } from "./organ_material";
+import { standIn, type SmoothSkin } from "./stand_in";
 import { buildFaces, meshFault, outerFaces, uniqueEdges, vertexNormals, type Faces, type OrganMesh } from "./skin";
 
 const MOST_WIRED_FACES = 150_000;
+const STAND_IN_POINTS = 4000; // some 8,000 triangles, whose chords leave a round body by a fifth of a pixel of 500
+const LEAST_REPLACED = 20_000; // smooth triangles: fewer have no stand-in
 
 export class TriangleSoup {
   readonly geometry = new THREE.BufferGeometry();
@@ -33,6 +36,8 @@ export class TriangleSoup {
   private edgePoints: Uint32Array = new Uint32Array(); // vertex of each point that an edge ends at
   private wires: Uint32Array | null = null;
   private choice = "";
+  private standInWork: Generator<void, Uint32Array, void> | null = null;
+  private standInTriangles = 0; // 0: there is none
   private isAllotted = false;
   private isMoved = true;
   private isRecoloured = true;
@@ -105,7 +110,33 @@ export class TriangleSoup {
     this.isMoved = this.isRecoloured = false;
   }
 
+  /**
+   * Works on the stand-in of what is drawn, which is for a body that is turned where pictures are slow (stand_in.ts), until the clock says
+   * `until_ms`. Whether there is more to do. There is none where triangles are few, or most are flat: a figure of tetrahedra, the faces of a cut.
+   */
+  workOnStandIn(until_ms: number): boolean {
+    while (this.standInWork) {
+      const step = this.standInWork.next();
+      if (step.done) this.keepStandIn(step.value);
+      else if (performance.now() >= until_ms) return true;
+    }
+    return false;
+  }
+
+  /** Draws the stand-in if there is one, or everything. */
+  draw(what: "stand-in" | "everything"): void {
+    const all = this.corners.length;
+    if (what === "stand-in" && this.standInTriangles > 0) this.geometry.setDrawRange(all, 3 * this.standInTriangles);
+    else this.geometry.setDrawRange(0, all);
+  }
+
+  /** How many triangles a picture has now. */
+  get drawnTriangles(): number {
+    return Math.min(this.geometry.drawRange.count, this.corners.length) / 3;
+  }
+
   dispose(): void {
+    this.standInWork = null;
     this.geometry.dispose();
     this.edgeGeometry.dispose();
   }
@@ -129,7 +160,10 @@ export class TriangleSoup {
     const isSplit = this.scalars?.on === "tet";
     const first = new Int32Array(this.positions.length / 3).fill(-1); // the point that smooth triangles share
     const [points, owners, flat] = [[] as number[], [] as number[], [] as number[]];
-    const index = new Uint32Array(this.corners.length);
+    const smooth = isSplit ? 0 : this.isFlat.reduce((sum, each) => sum - each, this.isFlat.length);
+    // What stands in for more than half of all triangles is behind them in the index.
+    const hasStandIn = smooth >= LEAST_REPLACED && 2 * smooth > this.isFlat.length;
+    const index = new Uint32Array(this.corners.length + (hasStandIn ? 3 * Math.floor(this.isFlat.length / 2) : 0));
     this.corners.forEach((vertex, i) => {
       const triangle = Math.floor(i / 3);
       const isOwn = isSplit || this.isFlat[triangle] === 1;
@@ -155,7 +189,36 @@ export class TriangleSoup {
     const size = extentOf(this.rest);
     for (let i = 0; i < rest.length; i++) rest[i] = rest[i]! / size;
     copyVertices(this.points, this.restNormals, this.array("restNormal"));
+    this.standInTriangles = 0;
+    this.standInWork = hasStandIn ? this.makeStandIn(index) : null;
+    this.draw("everything");
     this.isAllotted = this.isMoved = this.isRecoloured = true;
+  }
+
+  // Begins only when somebody asks for its first step.
+  private *makeStandIn(index: Uint32Array): Generator<void, Uint32Array, void> {
+    return yield* standIn(this.smoothSkin(index), STAND_IN_POINTS);
+  }
+
+  // Points that flat triangles share a vertex with stay, so that no gap opens between them.
+  private smoothSkin(index: Uint32Array): SmoothSkin {
+    const ofFlat = new Uint8Array(this.positions.length / 3);
+    this.corners.forEach((vertex, i) => this.isFlat[Math.floor(i / 3)] && (ofFlat[vertex] = 1));
+    const corners = index.subarray(0, this.corners.length).filter((_, i) => !this.isFlat[Math.floor(i / 3)]);
+    return { places: this.array("rest"), normals: this.array("restNormal"), corners, isHeld: Uint8Array.from(this.points, (vertex) => ofFlat[vertex]!) };
+  }
+
+  private keepStandIn(smooth: Uint32Array): void {
+    this.standInWork = null;
+    const index = this.geometry.getIndex()!;
+    const array = index.array as Uint32Array;
+    const all = this.corners.length;
+    const flat = array.subarray(0, all).filter((_, i) => this.isFlat[Math.floor(i / 3)] === 1);
+    if (all + smooth.length + flat.length > array.length) return; // it would save too little
+    array.set(smooth, all);
+    array.set(flat, all + smooth.length);
+    this.standInTriangles = (smooth.length + flat.length) / 3;
+    index.needsUpdate = true;
   }
 
   private allotEdges(edges: Uint32Array): void {

@@ -223,21 +223,26 @@ def problem_folder(case, label):
 
 
 def bodies_of(run):
-    """Of each problem the reference's shape and that of each answer, coloured by their displacement and by how far they are from it."""
+    """
+    Of each problem the reference's shape and that of each answer, coloured by their displacement and by how far they are from it; then the
+    answers on each simplified mesh, which share no vertices with the reference.
+    """
     import numpy as np
     references, count = {}, 0
-    for group in run.groups:
-        if count >= MOST_BODIES or not group.cases() or group.records[0].get("solved_on"):
+    for group in sorted(run.groups, key=lambda each: bool(each.records[0].get("solved_on"))):
+        if count >= MOST_BODIES or not group.cases():
             continue
         record = group.cases()[0]
-        folder = problem_folder(record.get("case"), group.label)
+        solved_on = record.get("solved_on")
+        is_simplified = isinstance(solved_on, dict)
+        folder = f"problems/{solved_on.get('name')}" if is_simplified else problem_folder(record.get("case"), group.label)
         mesh = mesh_beside(run, f"{folder}/in.mesh")
         field = None if mesh is None else displacement_beside(run, record.get("mesh_file"), len(mesh.points))
         if field is None:
             continue
         title = folder.removeprefix("problems/").replace("/", ", ")
         if folder not in references:
-            references[folder] = displacement_beside(run, f"{folder.replace('problems', 'references', 1)}.csv", len(mesh.points))
+            references[folder] = None if is_simplified else displacement_beside(run, f"{folder.replace('problems', 'references', 1)}.csv", len(mesh.points))
             if references[folder] is not None:
                 yield Body("reference", title, mesh, [quality_field(mesh)], displacement=references[folder], unit="m")
         fields = [quality_field(mesh)]

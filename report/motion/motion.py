@@ -50,6 +50,7 @@ class Row:
     note: str
     history: object  # path of its history, or None
     oscillation: dict  # the reference's, that it was held against
+    problem: str = ""  # folder of the simplified problem that it was solved on; empty on the scene's own mesh
     marks: dict = field(default_factory=dict)
 
 
@@ -100,6 +101,12 @@ def mesh_of(record):
     return simplify if share is None else f"{simplify} -{100 * share:g}%"
 
 
+def solved_on(record):
+    """The folder of the simplified problem that it was solved on; empty on the scene's own mesh."""
+    mesh = record.get("solved_on")
+    return f"problems/{mesh['name']}" if isinstance(mesh, dict) and isinstance(mesh.get("name"), str) else ""
+
+
 def label_of(record):
     """The label with the options that the plan sweeps, and with the simplifier of its mesh."""
     sweep = record.get("sweep") if isinstance(record.get("sweep"), dict) else {}
@@ -125,7 +132,7 @@ def read_row(run, group):
     return Row(label_of(record), group.contestant, values, median(present(figure(r, "report", "solve_s") for r in group.accepted())),
                timing["kernel_median_s"] if timing else None, figure(report, "steps"), figure(report, "time_step_s"),
                str(report.get("integrator", "")), figure(report, "residual_worst"), note, history_of(run, record) if group.cases() else None,
-               oscillation if isinstance(oscillation, dict) else {})
+               oscillation if isinstance(oscillation, dict) else {}, solved_on(record))
 
 
 def mark_rows(section):

@@ -144,21 +144,27 @@ def states_beside(run, history):
 
 
 def bodies_of(run, sections):
-    """Each motion whose states were kept and are of the whole mesh, to be played; the body at rest where there is none."""
+    """
+    Each motion whose states were kept and are of its mesh, to be played: first those on the scene's own mesh, or it at rest where there is
+    none, then those on each simplified mesh.
+    """
     for section in sections:
         place = "/".join(["problems", section.scene, *(f"{key}={value}" for key, value in section.sweep)])
-        mesh = mesh_beside(run, f"{place}/in.mesh")
-        if mesh is None:
-            continue
-        quality = quality_field(mesh)
-        played = 0
-        for row in section.rows:
-            states = states_beside(run, row.history)
-            if len(states) > 1 and all(len(field) == 3 * len(mesh.points) for _, field in states):
-                played += 1
-                yield Body(row.label, section.title, mesh, [quality], moves=states, unit="m")
-        if not played:
-            yield Body(section.title, "Bodies at rest", mesh, [quality], unit="m")
+        rows = {folder: [row for row in section.rows if row.problem == folder] for folder in dict.fromkeys(["", *(row.problem for row in section.rows)])}
+        for folder, own in rows.items():
+            mesh = mesh_beside(run, f"{folder or place}/in.mesh")
+            if mesh is None:
+                continue
+            title = section.title + folder.removeprefix(place).replace("/", ", ")
+            quality = quality_field(mesh)
+            played = 0
+            for row in own:
+                states = states_beside(run, row.history)
+                if len(states) > 1 and all(len(field) == 3 * len(mesh.points) for _, field in states):
+                    played += 1
+                    yield Body(row.label, title, mesh, [quality], moves=states, unit="m")
+            if not played and not folder:
+                yield Body(title, "Bodies at rest", mesh, [quality], unit="m")
 
 
 def page_parts(run, sections):

@@ -3,7 +3,8 @@
 
     make_pages.py OUT SCRIPTS [NAME...]
 
-Writes OUT/NAME/report.html with the scripts of the folder SCRIPTS; OUT/bare/report.html without any. The names of meshes and labels of
+Writes OUT/NAME/report.html with the scripts of the folder SCRIPTS; OUT/bare/report.html without any; OUT/thesis/histograms and palpation, the runs of the
+thesis's figures, only where they are named. The names of meshes and labels of
 OUT/simplify are markup, which has to stay text.
 """
 
@@ -108,9 +109,19 @@ def make_motion(folder):
     synthetic.write_run(folder, [motion_test.reference(files[0]), motion_test.moved("b", files[2], test.B), motion_test.moved("a", files[1], test.A)], motion_test.PLAN)
 
 
+def renamed(value, names):
+    """Whatever holds these words as strings or as parts of a path, with others in their place."""
+    if isinstance(value, dict):
+        return {key: renamed(each, names) for key, each in value.items()}
+    if isinstance(value, list):
+        return [renamed(each, names) for each in value]
+    return "/".join(names.get(part, part) for part in value.split("/")) if isinstance(value, str) else value
+
+
 def make_engine(folder, scenes=("soft", "stiff"), times=range(21), sizes=tuple(0.05 * (1 - abs(k - 10) / 10) for k in range(21))):
     points, tets = block((8, 3, 3), 0.1)
-    synthetic.write_run(folder, engine_test.Engine.LINES, engine_test.PLAN)
+    names = dict(zip(("soft", "stiff"), scenes))
+    synthetic.write_run(folder, renamed(engine_test.Engine.LINES, names), renamed(engine_test.PLAN, names))
     columns = ["time_s", "total_j", "largest_displacement_m", "probe_1_ux_m", "probe_1_uy_m", "probe_1_uz_m"]
     for scene in scenes:
         rows = [[float(time), 1e-3 * size, size, 0.0, 0.0, size] for time, size in zip(times, sizes)]
@@ -121,9 +132,19 @@ def make_engine(folder, scenes=("soft", "stiff"), times=range(21), sizes=tuple(0
         synthetic.write_mesh(folder / "problems" / scene / "in.mesh", points, tets)
 
 
-def make_figures(folder):
+def make_palpation(folder):
     """A motion at the times of the thesis's figures: pressed and let go, twice, and back."""
-    make_engine(folder, ("soft",), (0.0, 0.3, 0.32, 0.36, 1.8, 1.82, 1.86, 1.94, 3.0), (0.0, 0.05, 0.04, 0.02, 0.03, 0.025, 0.015, 0.005, 0.0))
+    moments = {0.0: 0.0, 0.16: 0.027, 0.3: 0.05, 0.32: 0.04, 0.34: 0.03, 0.36: 0.02, 1.66: 0.017, 1.8: 0.033, 1.82: 0.025, 1.86: 0.015, 1.94: 0.005, 3.0: 0.0}
+    make_engine(folder, ("better_palpation_springs",), tuple(moments), tuple(moments.values()))
+
+
+def make_histograms(folder):
+    """A body before and after the simplifiers that the thesis's histograms compare."""
+    names = {"hierarchical": "hierarchical_87", "sequential": "sequential_index", "sequential random": "sequential_random"}
+    lines = [{**line, "mesh_file": f"meshes/{line['label']}.mesh"} for line in renamed(synthetic.thesis_records(meshes=("kidney",), seeds=25), names)]
+    for name, cells in (("input", (8, 4, 4)), ("hierarchical_87", (6, 3, 3)), ("sequential_index", (5, 3, 3))):
+        synthetic.write_mesh(folder / "meshes" / f"{name}.mesh", *block(cells))
+    synthetic.write_run(folder, lines, renamed(synthetic.PLAN, names))
 
 
 def make_stability(folder):
@@ -142,16 +163,18 @@ def make_verify(folder):
 
 
 PAGES = {"simplify": make_simplify, "contest": make_contest, "deform": make_deform, "frontier": make_frontier, "motion": make_motion, "engine": make_engine,
-         "stability": make_stability, "verify": make_verify, "bare": make_simplify, "figures": make_figures}
+         "stability": make_stability, "verify": make_verify, "bare": make_simplify}
+RUNS_OF_THESIS = {"thesis/histograms": make_histograms, "thesis/palpation": make_palpation}
+WITH_CHARTS = ("simplify", "bare", "thesis/histograms")
 
 
 def main(arguments):
     out, scripts, *names = arguments
     out, scripts = pathlib.Path(out), pathlib.Path(scripts)
-    for name in names or [each for each in PAGES if each != "figures"]:
+    for name in names or PAGES:
         folder = out / name
-        PAGES[name](folder)
-        code = make_report.main([str(folder), "--scripts", str(scripts if name != "bare" else out / "none"), *(["--no-charts"] if name not in ("simplify", "bare") else [])])
+        {**PAGES, **RUNS_OF_THESIS}[name](folder)
+        code = make_report.main([str(folder), "--scripts", str(scripts if name != "bare" else out / "none"), *(["--no-charts"] if name not in WITH_CHARTS else [])])
         if code not in (0, 1):
             return code
     return 0

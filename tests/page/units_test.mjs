@@ -21,6 +21,7 @@ async function load(name) {
 }
 
 const skin = await load("view/skin");
+const { standIn } = await load("view/stand_in");
 const { pickTriangle } = await load("view/pick");
 const { frameOf } = await load("view/framing");
 const colours = await load("view/colour_scale");
@@ -107,6 +108,65 @@ test("what a cut keeps is enclosed by its own faces", () => {
   }
   const kept = Array.from({ length: tets.length / 4 }, (_, tet) => tet).filter(isKept).length;
   assert.ok(Math.abs(volumeOf(positions, Uint32Array.from(corners)) - kept / (tets.length / 4)) < 1e-6);
+});
+
+/** The stand-in of a surface, and how many pieces its work came in. */
+function standInOf(positions, corners, wanted, held = []) {
+  const normals = new Float32Array(positions.length);
+  skin.vertexNormals(positions, corners, normals);
+  const isHeld = new Uint8Array(positions.length / 3);
+  for (const point of held) isHeld[point] = 1;
+  const work = standIn({ places: positions, normals, corners, isHeld }, wanted);
+  for (let pieces = 1; ; pieces++) {
+    const step = work.next();
+    if (step.done) return { corners: step.value, pieces };
+  }
+}
+
+/** Each edge is as often gone along one way as the other. */
+function isClosed(corners) {
+  const ways = new Map();
+  for (let i = 0; i < corners.length; i += 3)
+    for (let side = 0; side < 3; side++) {
+      const [a, b] = [corners[i + side], corners[i + ((side + 1) % 3)]];
+      const key = `${Math.min(a, b)},${Math.max(a, b)}`;
+      ways.set(key, (ways.get(key) ?? 0) + (a < b ? 1 : -1));
+    }
+  return [...ways.values()].every((sum) => sum === 0);
+}
+
+test("a stand-in is closed, has about the points that were wanted, and comes nearer to the body with their number", () => {
+  const { positions, triangles } = sphere(100);
+  assert.ok(isClosed(triangles) && !isClosed(triangles.subarray(3)));
+  const missing = [500, 2000].map((wanted) => {
+    const { corners, pieces } = standInOf(positions, triangles, wanted);
+    assert.ok(isClosed(corners));
+    const points = new Set(corners).size;
+    assert.ok(points > 0.75 * wanted && points < 1.25 * wanted, `${points} of ${wanted}`);
+    assert.ok(pieces > 20, `${pieces} pieces`);
+    return 1 - volumeOf(positions, corners) / ((4 / 3) * Math.PI);
+  });
+  // Regular triangles between N points of a sphere lie an eighth of their squared edge below it on the mean: 5.4 / N of the volume. These are not regular.
+  assert.ok(missing[0] > 0 && missing[0] < 1.5 * (5.4 / 500), `${missing[0]}`);
+  assert.ok(missing[1] > 0 && missing[1] < 1.5 * (5.4 / 2000), `${missing[1]}`);
+  assert.deepEqual(standInOf(positions, triangles, 500), standInOf(positions, triangles, 500));
+});
+
+test("the two sides of a thin body stay two, and its corners and held points stay", () => {
+  const n = 40;
+  const { positions, tets } = block(n);
+  const faces = skin.buildFaces(tets, positions.length / 3);
+  const triangles = cornersOf(faces, skin.outerFaces(faces, () => true));
+  const flat = positions.map((value, i) => (i % 3 === 2 ? value / 1000 : value)); // a fiftieth of what one point stands for
+  const ends = [...Array(positions.length / 3).keys()].filter((point) => [0, 1, 2].every((axis) => [0, 1].includes(positions[3 * point + axis])));
+  assert.equal(ends.length, 8);
+  const held = [...new Set(triangles)].filter((point) => positions[3 * point] === 0.5 && positions[3 * point + 2] === 0);
+  const { corners } = standInOf(flat, triangles, 900, held);
+  assert.ok(isClosed(corners) && corners.length < triangles.length / 2);
+  assert.ok(volumeOf(flat, corners) > 0.9 * 0.001, `${volumeOf(flat, corners)} of 0.001`);
+  const solid = new Set(standInOf(positions, triangles, 900, held).corners);
+  for (const end of ends) assert.ok(solid.has(end), `corner ${end}`);
+  for (const point of held) assert.ok(solid.has(point) && corners.includes(point), `held ${point}`);
 });
 
 test("normals of a sphere point from its middle, the better the finer it is", () => {

@@ -4,6 +4,8 @@ import unittest
 
 from support import ReportTest
 import synthetic
+from deform import deform_page
+from shared import records
 from synthetic import deformed, reference_record
 
 
@@ -17,6 +19,35 @@ class DeformTest(ReportTest):
 
     def line_of(self, out, label):
         return next(line for line in out.splitlines() if line.split()[:1] == [label])
+
+
+class Bodies(DeformTest):
+    POINTS = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)]
+
+    def write_field(self, name, values):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("vertex,ux_m,uy_m,uz_m\n" + "".join(f"{k},0,0,{value}\n" for k, value in enumerate(values)), encoding="utf-8")
+        return name
+
+    def test_answers_on_a_simplified_mesh_are_shown_on_it_behind_those_on_the_whole_one(self):
+        place = "bar/simplify=refined/tets_removed_ratio=0.5"
+        synthetic.write_mesh(self.folder / "problems" / "bar" / "in.mesh", self.POINTS, [(0, 1, 2, 3), (1, 2, 3, 4)])
+        synthetic.write_mesh(self.folder / "problems" / place / "in.mesh", self.POINTS[:4], [(0, 1, 2, 3)])
+        self.write_field("references/bar.csv", [0, 0, 0, 0, 1e-3])
+        whole = self.write_field("displacements/bar/a.csv", [0, 0, 0, 0, 3e-3])
+        few = self.write_field("displacements/bar/a_few.csv", [0, 0, 0, 1e-3])
+        sweep = {"simplify": "refined", "tets_removed_ratio": 0.5}
+        lines = [reference_record("bar"), deformed("bar", "a", 0.05, sweep=sweep, case="bar/a/simplify=refined/tets_removed_ratio=0.5", mesh_file=few,
+                                                   solved_on={"name": place, "vertices": 4, "tets": 1}),
+                 deformed("bar", "a", 0.02, case="bar/a", mesh_file=whole)]
+        self.run_deform(lines)
+        bodies = list(deform_page.bodies_of(records.read_run(self.folder)))
+        self.assertEqual([(body.group, body.title, len(body.mesh.points)) for body in bodies],
+                         [("bar", "reference", 5), ("bar", "a", 5), ("bar, simplify=refined, tets_removed_ratio=0.5", "a", 4)])
+        self.assertEqual([[field.title for field in body.fields] for body in bodies[1:]], [["error against the reference", "quality"], ["quality"]])
+        self.assertAlmostEqual(bodies[1].fields[0].values.max(), 2.0)  # mm
+        self.assertAlmostEqual(bodies[2].displacement[3][2], 1e-3)
 
 
 class Rows(DeformTest):

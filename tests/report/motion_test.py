@@ -123,6 +123,22 @@ class Motion(ReportTest):
             self.assertEqual(list(found), ["a"], broken)
             self.assertIn("not played: b.states.json", notes, broken)
 
+    def test_motions_on_a_simplified_mesh_are_played_beside_each_other_on_it(self):
+        place = "bar/simplify=refined/tets_removed_ratio=0.5"
+        synthetic.write_mesh(self.folder / "problems" / "bar" / "in.mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1)], [(0, 1, 2, 3), (1, 2, 3, 4)])
+        synthetic.write_mesh(self.folder / "problems" / place / "in.mesh", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)])
+        on = {"sweep": {"simplify": "refined", "tets_removed_ratio": 0.5}, "solved_on": {"name": place, "vertices": 4, "tets": 1}}
+        self.write(*(moved(label, history(self.folder, f"{label}_few.csv", 12.0, 0.5), self.A, case=f"bar/{label}/simplify=refined", **on) for label in "ab"))
+        self.keep_states("a", [(0.0, [0.0] * 15), (1.0, [0.1] * 15)])
+        for label in "ab":
+            self.keep_states(f"{label}_few", [(0.0, [0.0] * 12), (1.0, [0.1] * 12)])
+        run = records.read_run(self.folder)
+        bodies = list(motion_page.bodies_of(run, motion.read_sections(run)))
+        whole = "bar, 1,500 vertices"
+        few = f"{whole}, simplify=refined, tets_removed_ratio=0.5"
+        self.assertEqual([(body.group, body.title, len(body.mesh.points), len(body.moves)) for body in bodies],
+                         [(whole, "a", 5, 2), (few, "a (refined -50%)", 4, 2), (few, "b (refined -50%)", 4, 2)])
+
     def test_without_histories_there_are_still_errors(self):
         synthetic.write_run(self.folder, [reference(None), moved("a", None, self.A)], PLAN)
         code, _, err = self.report()
