@@ -69,6 +69,7 @@ json describe_point(const FitPoint& point) {
            {"memory_bytes", point.memory_bytes}};
   for (const double own_error : point.own_error) out["reference_error"].push_back(finite_or_null(own_error));
   if (point.explicit_step_s) out["explicit_step_s"] = *point.explicit_step_s;
+  if (point.answer_s) out["answer_s"] = *point.answer_s;
   if (point.stepping) out["stepping"] = describe_stepping(*point.stepping);
   for (const SteppingTry& tried : point.steppings) out["steppings"].push_back(describe_stepping(tried));
   return out;

@@ -114,12 +114,13 @@ void keep_error_places(const Scene& scene, json& out) {
   }
 }
 
-json contestant_json(const FitCandidate& candidate, FitWork work, bool is_large) {
+json contestant_json(const FitCandidate& candidate, const FitPlan& plan, bool is_large) {
   const FitModel& model = candidate.model;
   json set = model.set;
   const bool reports_cost = model.method != "reduced.compliance";
-  if (work == FitWork::kFurther && reports_cost && !is_large) set["cost"] = true;
-  if (work == FitWork::kSecond) set["step_cost"] = true;
+  const bool asks_answers = plan.work == FitWork::kFurther || plan.measures_answers;
+  if (asks_answers && reports_cost && !is_large) set["cost"] = true;
+  if (plan.work == FitWork::kSecond) set["step_cost"] = true;
   json entry{{"method", model.method}, {"label", plan_label(candidate)}, {"required", false}};
   if (!set.empty()) entry["set"] = set;
   entry["at"]["simplify"] = candidate.simplifier;
@@ -217,7 +218,7 @@ fs::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates) {
   out["reference"] = {{"method", "fem.p2"}, {"levels", plan.levels}, {"enough", plan.enough}};
   add_simplifiers(plan, candidates, out);
   for (const FitCandidate& candidate : plan.candidates)
-    out["contestants"].push_back(contestant_json(candidate, plan.work, is_large));
+    out["contestants"].push_back(contestant_json(candidate, plan, is_large));
   out["run"] = {{"repeats", plan.repeats},
                 {"warmup", plan.repeats > 1 ? 1 : 0},
                 {"threads", 1},

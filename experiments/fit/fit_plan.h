@@ -46,6 +46,7 @@ struct FitPlan {
   int levels = 3;       ///< of the reference
   double enough = 0.0;  ///< no further level once its own error is this small
   int repeats = 1;
+  bool measures_answers = false;  ///< of kSecond: a back-substitution too, for implicit steps
 };
 
 /// Writes the plan and its scenes (JSON, which is YAML) below its folder; returns the plan's file.

@@ -64,6 +64,7 @@ void add_record(const json& record, const FitPlan& plan, const SceneRequirement&
     point.tets = mesh.at("tets").get<std::size_t>();
     point.memory_bytes = static_cast<std::uint64_t>(number_at(record, "/peak_rss_bytes").value_or(0.0));
     point.explicit_step_s = number_at(record, "/report/explicit_step_s");
+    point.answer_s = number_at(record, "/report/answer_s");
     if (const auto cost = cost_of(record, plan.work); cost && !record.value("warmup", false))
       point.cost_s.push_back(*cost);
   }
@@ -136,6 +137,18 @@ std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points
   std::stable_sort(good.begin(), good.end(),
                    [](const FitPoint* a, const FitPoint* b) { return a->cost() < b->cost(); });
   return good;
+}
+
+std::vector<const FitPoint*> take_finalists(std::vector<const FitPoint*>& good, std::size_t count) {
+  if (good.empty() || count == 0) return {};
+  const auto answer = [](const FitPoint* point) { return point->answer_s.value_or(kNone); };
+  const auto least = std::min_element(
+      good.begin(), good.end(), [&](const FitPoint* a, const FitPoint* b) { return answer(a) < answer(b); });
+  const auto last = good.begin() + static_cast<std::ptrdiff_t>(std::min(count, good.size()));
+  if (least > last - 1 && std::isfinite(answer(*least))) std::rotate(last - 1, least, least + 1);
+  std::vector<const FitPoint*> taken(good.begin(), last);
+  good.erase(good.begin(), last);
+  return taken;
 }
 
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require) {

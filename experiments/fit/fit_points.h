@@ -23,6 +23,7 @@ struct FitPoint {
   std::vector<double> own_error;  ///< of the reference, on the same
   std::vector<double> cost_s;     ///< of the scene itself, one a repeat
   std::optional<double> explicit_step_s;
+  std::optional<double> answer_s;  ///< of a back-substitution, where the plan asks for it
   std::uint64_t memory_bytes = 0;
   std::string failure;                    ///< why it has no figure; empty if it has
   std::vector<SteppingTry> steppings{};   ///< on the scene's own motion
@@ -44,6 +45,11 @@ std::string why_not(const FitPoint& point, const SceneRequirement& require);
 /// Those that do, cheapest first.
 std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points,
                                              const SceneRequirement& require);
+
+/// Takes the next `count` finalists out of `good` (cheapest first): the cheapest, and in the last one's place
+/// the one with the least `answer_s`, unless it is among them. Steps of implicit integrators come to a
+/// back-substitution each, so that one whose explicit steps are dear may still be the cheapest to move.
+std::vector<const FitPoint*> take_finalists(std::vector<const FitPoint*>& good, std::size_t count);
 
 /// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
 /// and over the budget; of equals the cheapest. Null without any figure.

@@ -85,6 +85,7 @@ class Fit {
     const std::size_t tets = mesh.tets.size();
     plan.levels = tets <= kMostTetsForThirdLevel ? 3 : 2;
     plan.enough = kEnoughShare * require().at_most;
+    plan.measures_answers = is_stepped();
     return plan;
   }
 
@@ -120,19 +121,19 @@ class Fit {
     return read_fit_points(read_records(records), plan, require());
   }
 
-  /// The cheapest of the search, some at a time, on more loads; the first round in which one meets the
-  /// tolerance everywhere decides.
+  /// The cheapest of the search, and the cheapest to step implicitly, some at a time, on more loads; the
+  /// first round in which one meets the tolerance everywhere decides.
   void check_finalists(const FitPlan& search) {
     const SceneRequirement& first = is_stepped() ? without_budget() : require();
-    const std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
-    for (std::size_t from = 0, round = 0; from < good.size() && round < kMostRounds;
-         from += kFinalists, ++round) {
+    std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
+    for (std::size_t round = 0; !good.empty() && round < kMostRounds; ++round) {
       if (left_s() <= 0.0) break;
       FitPlan plan = search;
       plan.folder = options_.out / ("check_" + std::to_string(round));
+      plan.measures_answers = false;
       plan.candidates.clear();
-      for (std::size_t k = from; k < std::min(from + kFinalists, good.size()); ++k)
-        plan.candidates.push_back(good[k]->candidate);
+      for (const FitPoint* finalist : take_finalists(good, kFinalists))
+        plan.candidates.push_back(finalist->candidate);
       for (std::size_t k = 1; k <= kOtherLoads; ++k)
         plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
       run_stage(plan, left_s());

@@ -54,6 +54,39 @@ class FitChoice : public testing::Test {
   SceneRequirement require_;
 };
 
+/// Points with these costs, and with these times of a back-substitution (0: none).
+std::vector<FitPoint> points_with(const std::vector<double>& costs, const std::vector<double>& answers) {
+  std::vector<FitPoint> points(costs.size());
+  for (std::size_t k = 0; k < costs.size(); ++k) {
+    points[k].cost_s = {costs[k]};
+    if (answers[k] > 0.0) points[k].answer_s = answers[k];
+  }
+  return points;
+}
+
+/// Costs of what take_finalists takes, round by round until nothing is left.
+std::vector<std::vector<double>> rounds_of(const std::vector<FitPoint>& points, std::size_t count) {
+  std::vector<const FitPoint*> good;
+  for (const FitPoint& point : points) good.push_back(&point);
+  std::vector<std::vector<double>> rounds;
+  while (!good.empty()) {
+    rounds.emplace_back();
+    for (const FitPoint* taken : take_finalists(good, count)) rounds.back().push_back(taken->cost());
+  }
+  return rounds;
+}
+
+TEST(FitFinalists, OneWithADearExplicitStepAndACheapSolveIsAmongThem) {
+  using Rounds = std::vector<std::vector<double>>;
+  EXPECT_EQ(rounds_of(points_with({1, 2, 3, 4, 5, 6}, {9, 8, 7, 6, 5, 4}), 3),
+            (Rounds{{1, 2, 6}, {3, 4, 5}}));
+  EXPECT_EQ(rounds_of(points_with({1, 2, 3, 4, 5}, {1, 8, 7, 6, 5}), 2), (Rounds{{1, 2}, {3, 5}, {4}}));
+  EXPECT_EQ(rounds_of(points_with({1, 2, 3, 4}, {0, 0, 0, 0}), 2), (Rounds{{1, 2}, {3, 4}}));
+  EXPECT_EQ(rounds_of(points_with({1, 2}, {2, 1}), 4), (Rounds{{1, 2}}));
+  std::vector<const FitPoint*> none;
+  EXPECT_TRUE(take_finalists(none, 4).empty());
+}
+
 TEST_F(FitChoice, TheCheapestWithinTheToleranceIsTaken) {
   const auto points = read({reference_of("scene_0", 0.001), answer("a", "scene_0", 0.2, 0.1),
                             answer("b", "scene_0", 0.04, 0.3), answer("c", "scene_0", 0.01, 0.9)});
