@@ -15,6 +15,7 @@
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_request.h"
 #include "reference/elastic_models/stepped_motion.h"
+#include "reference/linear_systems/factor.h"
 
 namespace palpate::reference {
 namespace {
@@ -199,6 +200,7 @@ MotionSetup build_motion(const MovingBody& body, const TetMesh& mesh, int thread
   setup.integrator.substeps = body.stepping.substeps;
   setup.integrator.threads = threads;
   setup.integrator.linear.threads = threads;
+  setup.integrator.linear.factor = choose_factor("auto");
   setup.integrator.speed_limit_m_s = body.stepping.speed_limit_m_s.value_or(0.0);
   const std::vector<LoadPhase> times = find_phases(body.motion);
   for (const LoadPhase& time : times) {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "core/base/stopwatch.h"
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "core/dynamics/linear_algebra/block_matrix.h"
 
 namespace palpate::reference {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 
 namespace palpate::reference {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/dynamics/enriched/principal_fields.h"
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "reference/mixed_order/solid_system.h"
 
 namespace palpate::reference {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "reference/mixed_order/solid_system.h"
 
 namespace palpate::reference {

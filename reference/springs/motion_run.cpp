@@ -15,6 +15,7 @@
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/model_request.h"
 #include "reference/elastic_models/stepped_motion.h"
+#include "reference/linear_systems/factor.h"
 #include "reference/springs/motion_phases.h"
 
 namespace palpate::reference {
@@ -38,6 +39,7 @@ Options take_options(int threads, json& left) {
       left, "integrator", &json::is_string, "the name of an integrator", "symplectic_euler"));
   out.integrator.threads = threads;
   out.integrator.linear.threads = threads;
+  out.integrator.linear.factor = choose_factor("auto");
   out.step = take_step_request(left);
   dynamics::StepSolverOptions& solver = out.integrator.solver;
   solver.iterations = static_cast<std::size_t>(

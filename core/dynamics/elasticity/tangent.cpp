@@ -31,21 +31,26 @@ Mat3 spring_block(const ElasticModel& model, std::span<const Vec3> u, std::size_
   return stiffness * (along + turning * (kIdentity - along));
 }
 
-/// D_b: (dP/dF) contracted with g_b, entry [3 i + j][k].
-std::array<std::array<double, 3>, 9> contract_with(const Tangent9& c, const Vec3& g) {
-  std::array<std::array<double, 3>, 9> out;
-  for (std::size_t ij = 0; ij < 9; ++ij) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double* row = &c[9 * ij + 3 * k];
-      out[ij][k] = row[0] * g.x + row[1] * g.y + row[2] * g.z;
+/// D_b: (dP/dF) contracted with g_b, entry [j][3 i + k].
+using Contracted = std::array<std::array<double, 9>, 3>;
+
+Contracted contract_with(const Tangent9& c, const Vec3& g) {
+  Contracted out;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double* row = &c[9 * (3 * i + j) + 3 * k];
+        out[j][3 * i + k] = row[0] * g.x + row[1] * g.y + row[2] * g.z;
+      }
     }
   }
   return out;
 }
 
-/// Adds the blocks of one domain: for each pair (a, b) of its vertices, V g_a . D_b.
+/// Adds the blocks of one domain, on the diagonal and above it: for each pair a <= b of its vertices (they
+/// rise), V g_a . D_b.
 void add_domain(const StrainOperator& op, std::size_t s, const Tangent9& c, BlockMatrix& matrix,
-                std::vector<std::array<std::array<double, 3>, 9>>& scratch) {
+                std::vector<Contracted>& scratch) {
   const std::span<const Index> vertices = op.vertices_of(s);
   const std::span<const Vec3> gradients = op.gradients_of(s);
   scratch.resize(vertices.size());
@@ -54,14 +59,12 @@ void add_domain(const StrainOperator& op, std::size_t s, const Tangent9& c, Bloc
   for (std::size_t a = 0; a < vertices.size(); ++a) {
     const Vec3& g = gradients[a];
     std::size_t place = matrix.offsets[vertices[a]];
-    for (std::size_t b = 0; b < vertices.size(); ++b) {
+    for (std::size_t b = a; b < vertices.size(); ++b) {
       while (matrix.columns[place] != vertices[b]) ++place;
-      Mat3& block = matrix.blocks[place];
-      for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t k = 0; k < 3; ++k)
-          block(i, k) +=
-              g.x * scratch[b][3 * i][k] + g.y * scratch[b][3 * i + 1][k] + g.z * scratch[b][3 * i + 2][k];
-      }
+      const Contracted& d = scratch[b];
+      std::array<double, 9>& block = matrix.blocks[place].m;
+      for (std::size_t ik = 0; ik < 9; ++ik)  // nine at once: no entry waits for another
+        block[ik] += g.x * d[0][ik] + g.y * d[1][ik] + g.z * d[2][ik];
     }
   }
 }
@@ -83,7 +86,8 @@ BlockMatrix build_tangent_pattern(const ElasticModel& model, std::span<const Tri
 }
 
 void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, TangentKind kind,
-                 BlockMatrix& matrix) {
+                 BlockMatrix& matrix,
+                 const std::function<Tangent9(const StrainTerm& term, const Mat3& h)>& more) {
   require(matrix.rows() == model.rest.size() && displacement.size() == model.rest.size(), "one row a vertex");
   for (std::size_t s = 0; s < model.springs.springs.size(); ++s) {
     const Mat3 block = spring_block(model, displacement, s, kind);
@@ -102,8 +106,13 @@ void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, 
       continue;
     }
     const auto at = [&](std::size_t s) {
-      const Tangent9 exact = tangent(term.law, term.moduli, displacement_gradient(term.op, s, displacement));
-      return kind == TangentKind::kExact ? exact : project_to_semidefinite(exact);
+      const Mat3 h = displacement_gradient(term.op, s, displacement);
+      Tangent9 c = tangent(term.law, term.moduli, h);
+      if (kind == TangentKind::kProjected) c = project_to_semidefinite(c);
+      if (!more) return c;
+      const Tangent9 extra = more(term, h);
+      for (std::size_t k = 0; k < c.size(); ++k) c[k] += extra[k];
+      return c;
     };
     add_domain_tangents(term.op, at, matrix);
   }
@@ -111,8 +120,9 @@ void add_tangent(const ElasticModel& model, std::span<const Vec3> displacement, 
 
 void add_domain_tangents(const StrainOperator& op, const std::function<Tangent9(std::size_t)>& tangent_of,
                          BlockMatrix& matrix) {
-  std::vector<std::array<std::array<double, 3>, 9>> scratch;
+  std::vector<Contracted> scratch;
   for (std::size_t s = 0; s < op.domains(); ++s) add_domain(op, s, tangent_of(s), matrix, scratch);
+  mirror_upper_half(matrix);
 }
 
 }  // namespace palpate::dynamics

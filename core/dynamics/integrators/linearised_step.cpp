@@ -24,7 +24,8 @@ void set_held_velocity(const MotionForces& forces, const MotionState& state, dou
 }  // namespace
 
 LinearisedStep::LinearisedStep(const MotionForces& forces, const LinearOptions& options)
-    : pattern_(build_motion_pattern(forces.model())),
+    : is_linear_(is_linear_body(forces.model())),
+      pattern_(build_motion_pattern(forces.model())),
       constant_(pattern_),
       stiffness_(pattern_),
       system_(pattern_),
@@ -35,13 +36,9 @@ LinearisedStep::LinearisedStep(const MotionForces& forces, const LinearOptions& 
   add_constant_damping(forces.model(), constant_);
 }
 
-ImplicitResult LinearisedStep::find_velocity(MotionForces& forces, const MotionState& state, double step_s,
-                                             std::span<Vec3> velocity) {
+void LinearisedStep::prepare(const MotionForces& forces, const MotionState& state, double step_s) {
   const MotionModel& model = forces.model();
   const double h = step_s;
-  ImplicitResult result;
-  result.zero_length_springs =
-      forces.evaluate(state.displacement_m, state.velocity_m_s, state.time_s + h, force_);
   stiffness_.blocks = pattern_.blocks;
   add_motion_stiffness(model, state.displacement_m, TangentKind::kProjected, stiffness_);
   system_.blocks = constant_.blocks;
@@ -50,6 +47,18 @@ ImplicitResult LinearisedStep::find_velocity(MotionForces& forces, const MotionS
     system_.blocks[k] = h * system_.blocks[k] + (h * h) * stiffness_.blocks[k];
   for (std::size_t v = 0; v < model.mass_kg.size(); ++v)
     add_block(system_, static_cast<Index>(v), static_cast<Index>(v), model.mass_kg[v] * kIdentity);
+  const MatrixUse use = is_linear_ ? MatrixUse::kKept : MatrixUse::kFewTimes;
+  is_definite_ = solver_.prepare(system_, forces.held_bits(), use) == LinearStatus::kSolved;
+  prepared_step_s_ = h;
+}
+
+ImplicitResult LinearisedStep::find_velocity(MotionForces& forces, const MotionState& state, double step_s,
+                                             std::span<Vec3> velocity) {
+  const double h = step_s;
+  ImplicitResult result;
+  result.zero_length_springs =
+      forces.evaluate(state.displacement_m, state.velocity_m_s, state.time_s + h, force_);
+  if (!is_linear_ || prepared_step_s_ != h) prepare(forces, state, h);
 
   multiply(stiffness_, state.velocity_m_s, product_, forces.threads());
   for (std::size_t v = 0; v < force_.size(); ++v) force_[v] = h * (force_[v] - h * product_[v]);
@@ -61,10 +70,9 @@ ImplicitResult LinearisedStep::find_velocity(MotionForces& forces, const MotionS
     multiply(system_, change_, product_, forces.threads());
     for (std::size_t v = 0; v < force_.size(); ++v) force_[v] = force_[v] - product_[v];
   }
-  result.solved = solver_.prepare(system_, forces.held_bits()) == LinearStatus::kSolved;
   const LinearResult solve = solver_.solve(force_, change_);
   result.iterations = solve.iterations;
-  result.solved = result.solved && solve.status == LinearStatus::kSolved;
+  result.solved = is_definite_ && solve.status == LinearStatus::kSolved;
   for (std::size_t v = 0; v < force_.size(); ++v) velocity[v] = velocity[v] + change_[v];
   return result;
 }

@@ -21,6 +21,12 @@ class LinearisedStep {
                                std::span<Vec3> velocity);
 
  private:
+  /// Assembles the system at the state and readies the solver; once for each step's length in a linear body.
+  void prepare(const MotionForces& forces, const MotionState& state, double step_s);
+
+  bool is_linear_;
+  bool is_definite_ = false;
+  double prepared_step_s_ = 0.0;
   BlockMatrix pattern_;   ///< zero
   BlockMatrix constant_;  ///< damping that never changes
   BlockMatrix stiffness_;

@@ -12,13 +12,10 @@ namespace {
 
 constexpr int kMostHalvings = 20;
 
-bool is_linear_body(const MotionModel& model) {
-  const ElasticModel& elastic = model.elastic;
-  const bool has_linear_springs = elastic.springs.springs.empty() || elastic.springs_are_linear;
-  return has_linear_springs && !elastic.volume_force &&
-         std::all_of(elastic.strain_terms.begin(), elastic.strain_terms.end(),
-                     [](const StrainTerm& term) { return term.law == StrainLaw::kLinear; });
-}
+/// A linear system inside of Newton's method is solved to a share of what its step still has to lose, but
+/// never worse than this: Newton's own convergence is quadratic.
+constexpr double kLoosest = 1e-4;
+constexpr double kShareOfTarget = 0.1;
 
 }  // namespace
 
@@ -29,15 +26,14 @@ struct NewtonStep::Work {
         options(given),
         goal(forces, given),
         is_linear(is_linear_body(forces.model())),
-        pattern(build_motion_pattern(forces.model())),
-        constant_damping(pattern),
-        stiffness(pattern),
-        matrix(pattern),
+        constant_damping(build_motion_pattern(forces.model())),
+        matrix(constant_damping),
+        tightest(linear.tolerance),
         solver(linear) {
     add_constant_damping(forces.model(), constant_damping);
     const std::size_t n = forces.held_bits().size();
-    for (std::vector<Vec3>* field :
-         {&u, &velocity, &imbalance, &tried, &change, &from_u, &from_v, &acceleration, &before_u, &before_v})
+    for (std::vector<Vec3>* field : {&u, &velocity, &imbalance, &tried, &change, &product, &from_u, &from_v,
+                                     &acceleration, &before_u, &before_v})
       field->resize(n);
   }
 
@@ -100,16 +96,14 @@ struct NewtonStep::Work {
 
   bool assemble(const MotionForces& forces, TangentKind kind) {
     const MotionModel& model = forces.model();
-    stiffness.blocks = pattern.blocks;
-    add_motion_stiffness(model, u, kind, stiffness);
-    matrix.blocks = constant_damping.blocks;
-    add_changing_damping(model, u, matrix);
     for (std::size_t k = 0; k < matrix.blocks.size(); ++k)
-      matrix.blocks[k] = rate * matrix.blocks[k] + stiffness.blocks[k];
+      matrix.blocks[k] = rate * constant_damping.blocks[k];
+    add_motion_tangent(model, u, kind, rate, matrix);
     for (std::size_t v = 0; v < u.size(); ++v)
       add_block(matrix, static_cast<Index>(v), static_cast<Index>(v),
                 (rate * rate * model.mass_kg[v]) * kIdentity);
-    return solver.prepare(matrix, forces.held_bits()) == LinearStatus::kSolved;
+    const MatrixUse use = is_linear ? MatrixUse::kKept : MatrixUse::kFewTimes;
+    return solver.prepare(matrix, forces.held_bits(), use) == LinearStatus::kSolved;
   }
 
   /// The matrix at `u`, unless the body is linear and the one that there is will do.
@@ -133,11 +127,23 @@ struct NewtonStep::Work {
     return std::nullopt;
   }
 
+  /// The same for a linear body, by its matrix: a full step, or none.
+  std::optional<double> take_linear(const MotionForces& forces, double residual) {
+    multiply(matrix, change, product, forces.threads());
+    clear_held(forces.held_bits(), product);
+    add_scaled(imbalance, -1.0, product);
+    const double found = norm_of(imbalance);
+    if (!(found < residual)) return std::nullopt;
+    add_scaled(u, 1.0, change);
+    return found;
+  }
+
   /// The better of the two guesses is left in `u`; returns the residuals of the inertial one and of `u`.
   std::pair<double, double> guess(MotionForces& forces, const MotionState& state, double h) {
     const double time_s = state.time_s + h;
     double warm = 0.0;
-    if (has_acceleration) {
+    const bool is_warm = has_acceleration && !is_linear;  // a linear body is solved at once from anywhere
+    if (is_warm) {
       for (std::size_t v = 0; v < u.size(); ++v)
         tried[v] = state.displacement_m[v] + h * state.velocity_m_s[v] + (0.5 * h * h) * acceleration[v];
       warm = find_residual(forces, time_s, tried);
@@ -145,7 +151,7 @@ struct NewtonStep::Work {
     }
     for (std::size_t v = 0; v < u.size(); ++v) u[v] = state.displacement_m[v] + h * state.velocity_m_s[v];
     const double inertial = find_residual(forces, time_s, u);
-    if (!has_acceleration || !(warm < inertial)) return {inertial, inertial};
+    if (!is_warm || !(warm < inertial)) return {inertial, inertial};
     u.swap(tried);
     change.swap(imbalance);
     return {inertial, warm};
@@ -164,9 +170,12 @@ struct NewtonStep::Work {
     bool is_broken = false;
     while (!result.solved && result.iterations < options.iterations) {
       prepare(forces);
+      solver.set_tolerance(std::clamp(kShareOfTarget * goal.target(first, u, h) / residual, tightest,
+                                      std::max(tightest, kLoosest)));
       is_broken = solver.solve(imbalance, change).status != LinearStatus::kSolved;
       ++result.iterations;
-      const std::optional<double> found = is_broken ? std::nullopt : search(forces, time_s, residual);
+      std::optional<double> found;
+      if (!is_broken) found = is_linear ? take_linear(forces, residual) : search(forces, time_s, residual);
       if (!found) {
         // Nothing is lower: rounding, or a place without a way down.
         residual = find_residual(forces, time_s, u);
@@ -201,10 +210,9 @@ struct NewtonStep::Work {
   StepSolverOptions options;
   StepGoal goal;
   bool is_linear;
-  BlockMatrix pattern;  ///< zero
   BlockMatrix constant_damping;
-  BlockMatrix stiffness;
   BlockMatrix matrix;
+  double tightest;  ///< of the linear systems' tolerances
   LinearSolver solver;
   double rate = 0.0;
   double prepared_rate = 0.0;
@@ -215,6 +223,7 @@ struct NewtonStep::Work {
   std::vector<Vec3> imbalance;  ///< at the place that was looked at last
   std::vector<Vec3> tried;
   std::vector<Vec3> change;
+  std::vector<Vec3> product;
   std::vector<Vec3> from_u;
   std::vector<Vec3> from_v;
   std::vector<Vec3> acceleration;  ///< at the end of the last step

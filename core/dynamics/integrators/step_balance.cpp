@@ -61,7 +61,11 @@ StepGoal::StepGoal(const MotionForces& forces, const StepSolverOptions& options)
 }
 
 bool StepGoal::is_met(double residual, double first, std::span<const Vec3> u, double step_s) const {
-  return residual == 0.0 || (rounding_ && residual <= tolerance_ * first + rounding_->of(u, step_s));
+  return residual == 0.0 || (rounding_ && residual <= target(first, u, step_s));
+}
+
+double StepGoal::target(double first, std::span<const Vec3> u, double step_s) const {
+  return rounding_ ? tolerance_ * first + rounding_->of(u, step_s) : 0.0;
 }
 
 Sweeper::Sweeper(const MotionForces& forces, const StepSolverOptions& options)

@@ -65,6 +65,9 @@ class StepGoal {
   /// tolerance only a residual of zero will do.
   bool is_met(double residual, double first, std::span<const Vec3> u, double step_s) const;
 
+  /// The residual that is_met asks for, in N; 0 without a tolerance.
+  double target(double first, std::span<const Vec3> u, double step_s) const;
+
  private:
   double tolerance_;
   std::optional<RoundingFloor> rounding_;

@@ -67,6 +67,15 @@ void add_block(BlockMatrix& matrix, Index row, Index column, const Mat3& block) 
   matrix.blocks[static_cast<std::size_t>(place - matrix.columns.begin())] += block;
 }
 
+void mirror_upper_half(BlockMatrix& matrix) {
+  // Rows in order meet the entries below the diagonal of every other row in order.
+  std::vector<std::size_t> next(matrix.offsets.begin(), matrix.offsets.end() - 1);
+  for (std::size_t v = 0; v < matrix.rows(); ++v) {
+    for (std::size_t k = next[v] + 1; k < matrix.offsets[v + 1]; ++k)
+      matrix.blocks[next[matrix.columns[k]]++] = transpose(matrix.blocks[k]);
+  }
+}
+
 void multiply(const BlockMatrix& matrix, std::span<const Vec3> x, std::span<Vec3> y, int threads) {
   require(x.size() == matrix.rows() && y.size() == matrix.rows(), "one entry a row");
   for_ranges(matrix.rows(), threads, [&](std::size_t first, std::size_t last, std::size_t) {

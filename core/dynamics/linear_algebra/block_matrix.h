@@ -32,6 +32,9 @@ BlockMatrix build_block_matrix(std::size_t rows, std::span<const VertexGroups> g
 /// Adds `block` at (row, column). Throws: ContractError if the pattern lacks it.
 void add_block(BlockMatrix& matrix, Index row, Index column, const Mat3& block);
 
+/// Makes the blocks below the diagonal the transposes of those above it.
+void mirror_upper_half(BlockMatrix& matrix);
+
 /// y = A x. Any number of threads gives the same.
 void multiply(const BlockMatrix& matrix, std::span<const Vec3> x, std::span<Vec3> y, int threads = 1);
 

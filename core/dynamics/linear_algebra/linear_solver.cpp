@@ -18,47 +18,13 @@ using Factor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower>;
 /// Above so many blocks in a matrix the factorisation's fill costs more than the iterations.
 constexpr std::size_t kMostBlocksFactored = 4000;
 
+/// The same of a matrix that is kept, by a supernodal method (some 30,000 vertices of smoothed elements: a
+/// gigabyte), and column by column (1,000: seconds).
+constexpr std::size_t kMostBlocksKept = 2'000'000;
+constexpr std::size_t kMostBlocksKeptBySimplicial = 60'000;
+
 /// Smaller blocks are left out of the preconditioner: it costs half as much and hardly converges slower.
 constexpr double kDrop = 0.05;
-
-/// The free components, numbered; kNoIndex for held ones.
-std::vector<Index> number_free(std::span<const std::uint8_t> held, std::size_t& count) {
-  std::vector<Index> number(3 * held.size(), kNoIndex);
-  count = 0;
-  for (std::size_t v = 0; v < held.size(); ++v) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (((static_cast<unsigned>(held[v]) >> i) & 1U) == 0) number[3 * v + i] = static_cast<Index>(count++);
-    }
-  }
-  return number;
-}
-
-/// The lower half of the free components' matrix.
-Sparse lower_half(const BlockMatrix& matrix, const std::vector<Index>& number, std::size_t count) {
-  Sparse lower(static_cast<Eigen::Index>(count), static_cast<Eigen::Index>(count));
-  std::vector<int> per_column(count, 0);
-  const auto for_each_entry = [&](auto&& use) {  // columns in order, rows increasing: the matrix is symmetric
-    for (std::size_t v = 0; v < matrix.rows(); ++v) {
-      for (std::size_t j = 0; j < 3; ++j) {
-        const Index column = number[3 * v + j];
-        if (column == kNoIndex) continue;
-        for (std::size_t k = matrix.offsets[v]; k < matrix.offsets[v + 1]; ++k) {
-          for (std::size_t i = 0; i < 3; ++i) {
-            const Index row = number[3 * std::size_t{matrix.columns[k]} + i];
-            if (row != kNoIndex && row >= column) use(row, column, matrix.blocks[k](j, i));
-          }
-        }
-      }
-    }
-  };
-  for_each_entry([&](Index, Index column, double) { ++per_column[column]; });
-  lower.reserve(per_column);
-  for_each_entry([&](Index row, Index column, double value) {
-    lower.insert(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = value;
-  });
-  lower.makeCompressed();
-  return lower;
-}
 
 }  // namespace
 
@@ -68,38 +34,54 @@ struct LinearSolver::State {
   std::span<const std::uint8_t> held;
   bool direct = false;
   bool analysed = false;
-  std::size_t free_count = 0;
-  std::vector<Index> number;
+  FreeNumbers free;
   Factor factor;
+  std::unique_ptr<SymmetricFactor> kept;
   BlockCholesky incomplete;
 
   LinearStatus prepare_direct() {
-    if (!analysed) number = number_free(held, free_count);
-    const Sparse lower = lower_half(*matrix, number, free_count);
+    if (!analysed) free = number_free(held);
+    const LowerHalf half = lower_half(*matrix, free);
+    const auto n = static_cast<Eigen::Index>(half.size());
+    const Eigen::Map<const Sparse> lower(n, n, static_cast<Eigen::Index>(half.rows.size()),
+                                         half.offsets.data(), half.rows.data(), half.values.data());
     if (!analysed) factor.analyzePattern(lower);
     analysed = true;
     factor.factorize(lower);
     const bool is_positive = factor.info() == Eigen::Success && factor.vectorD().allFinite() &&
-                             (free_count == 0 || factor.vectorD().minCoeff() > 0.0);
+                             (free.count == 0 || factor.vectorD().minCoeff() > 0.0);
     return is_positive ? LinearStatus::kSolved : LinearStatus::kIndefinite;
   }
 
+  /// Leaves `kept` empty where the factors are not to be had.
+  void prepare_kept() {
+    const std::size_t most = options.factor ? kMostBlocksKept : kMostBlocksKeptBySimplicial;
+    if (matrix->blocks.size() > most) return;
+    if (free.number.empty()) free = number_free(held);
+    const LowerHalf half = lower_half(*matrix, free);
+    try {
+      kept = options.factor ? options.factor(half) : factor_simplicial(half);
+    } catch (const UnavailableError&) {  // no room, or not definite: conjugate gradients find out which
+    }
+  }
+
   LinearResult solve_direct(std::span<const Vec3> b, std::span<Vec3> x) const {
-    Eigen::VectorXd rhs(static_cast<Eigen::Index>(free_count));
-    const auto gather = [&](std::span<const Vec3> from) {
-      for (std::size_t v = 0; v < from.size(); ++v) {
-        const std::array<double, 3> entry{from[v].x, from[v].y, from[v].z};
-        for (std::size_t i = 0; i < 3; ++i) {
-          const Index place = number[3 * v + i];
-          if (place != kNoIndex) rhs[static_cast<Eigen::Index>(place)] = entry[i];
-        }
+    Eigen::VectorXd solution(static_cast<Eigen::Index>(free.count));
+    for (std::size_t v = 0; v < b.size(); ++v) {
+      const std::array<double, 3> entry{b[v].x, b[v].y, b[v].z};
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Index place = free.number[3 * v + i];
+        if (place != kNoIndex) solution[static_cast<Eigen::Index>(place)] = entry[i];
       }
-    };
-    gather(b);
-    const Eigen::VectorXd solution = factor.solve(rhs);
+    }
+    if (kept) {
+      kept->solve({solution.data(), free.count});
+    } else {
+      solution = factor.solve(solution).eval();
+    }
     for (std::size_t v = 0; v < x.size(); ++v) {
       const auto at = [&](std::size_t i) {
-        const Index place = number[3 * v + i];
+        const Index place = free.number[3 * v + i];
         return place == kNoIndex ? 0.0 : solution[static_cast<Eigen::Index>(place)];
       };
       x[v] = {at(0), at(1), at(2)};
@@ -153,15 +135,19 @@ LinearSolver::~LinearSolver() = default;
 LinearSolver::LinearSolver(LinearSolver&&) noexcept = default;
 LinearSolver& LinearSolver::operator=(LinearSolver&&) noexcept = default;
 
-LinearStatus LinearSolver::prepare(const BlockMatrix& matrix, std::span<const std::uint8_t> held) {
+LinearStatus LinearSolver::prepare(const BlockMatrix& matrix, std::span<const std::uint8_t> held,
+                                   MatrixUse use) {
   require(held.size() == matrix.rows(), "one flag a row");
   state_->matrix = &matrix;
   state_->held = held;
+  state_->kept.reset();
   const LinearMethod method = state_->options.method;
   state_->direct = method == LinearMethod::kDirect ||
                    (method == LinearMethod::kAuto && matrix.blocks.size() <= kMostBlocksFactored);
   if (state_->direct) return state_->prepare_direct();
-  state_->incomplete = factor_incomplete(matrix, held, kDrop);
+  if (method == LinearMethod::kAuto && use == MatrixUse::kKept) state_->prepare_kept();
+  state_->direct = state_->kept != nullptr;
+  if (!state_->direct) state_->incomplete = factor_incomplete(matrix, held, kDrop);
   return LinearStatus::kSolved;
 }
 

@@ -7,10 +7,11 @@
 #include <span>
 
 #include "core/dynamics/linear_algebra/block_matrix.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 
 namespace palpate::dynamics {
 
-/// kAuto takes the factorisation for matrices of few blocks.
+/// kAuto takes the factorisation for matrices of few blocks, and for larger ones that are kept.
 enum class LinearMethod { kAuto, kDirect, kConjugateGradients };
 
 /// How a symmetric system is solved.
@@ -19,7 +20,12 @@ struct LinearOptions {
   double tolerance = 1e-10;        ///< conjugate gradients: |r| / |b|
   std::size_t max_iterations = 0;  ///< conjugate gradients; 0: 20 x rows + 1000
   int threads = 1;
+  FactorMaker factor = {};  ///< kAuto: what factors matrices that are kept; empty: Eigen's method
 };
+
+/// How often a matrix is solved with: once or a few times, or so often that its factors are worth their
+/// price.
+enum class MatrixUse { kFewTimes, kKept };
 
 /// kIndefinite: a pivot, or a direction of the conjugate gradients, has a curvature <= 0.
 enum class LinearStatus { kSolved, kIndefinite, kNotConverged };
@@ -41,10 +47,13 @@ class LinearSolver {
   LinearSolver& operator=(LinearSolver&&) noexcept;
 
   /// Factors the matrix, or builds the preconditioner; what depends on the pattern alone is kept from one
-  /// call to the next. `matrix` and `held` must live on while solve() is called.
+  /// call to the next. `matrix` and `held` must live on while solve() is called. A matrix that is kept
+  /// (kAuto) is factored up to two million blocks with a `factor`, up to 60,000 without; where its factors
+  /// do not fit into the memory, conjugate gradients take over.
   ///
   /// Returns: kIndefinite where a factorisation met a pivot <= 0; else kSolved.
-  LinearStatus prepare(const BlockMatrix& matrix, std::span<const std::uint8_t> held);
+  LinearStatus prepare(const BlockMatrix& matrix, std::span<const std::uint8_t> held,
+                       MatrixUse use = MatrixUse::kFewTimes);
 
   /// Solves A x = b in the free components; the held ones of x become zero. Those of b are ignored.
   LinearResult solve(std::span<const Vec3> b, std::span<Vec3> x) const;

@@ -164,7 +164,10 @@ void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, Tan
   for (const TimedLoads& group : model.loads) add_support_tangent(group.loads, matrix);
 }
 
-void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix) {
+namespace {
+
+void add_spring_damping(const MotionModel& model, std::span<const Vec3> u, double scale,
+                        BlockMatrix& matrix) {
   const ElasticModel& elastic = model.elastic;
   for (std::size_t s = 0; s < model.spring_damping_n_s_per_m.size(); ++s) {
     const auto [a, b] = elastic.springs.springs[s];
@@ -173,21 +176,50 @@ void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, Blo
     const double size = length(edge);
     if (!(size > 0.0)) continue;
     const Vec3 n = (1.0 / size) * edge;
-    const Mat3 block = model.spring_damping_n_s_per_m[s] *
+    const Mat3 block = (scale * model.spring_damping_n_s_per_m[s]) *
                        (model.spring_damping == SpringDamping::kAxial ? outer(n, n) : kIdentity);
     add_block(matrix, a, a, block);
     add_block(matrix, b, b, block);
     add_block(matrix, a, b, (-1.0) * block);
     add_block(matrix, b, a, (-1.0) * block);
   }
+}
+
+}  // namespace
+
+void add_changing_damping(const MotionModel& model, std::span<const Vec3> u, BlockMatrix& matrix) {
+  add_spring_damping(model, u, 1.0, matrix);
   if (model.strain_damping_s == 0.0) return;
-  for (const StrainTerm& term : elastic.strain_terms) {
+  for (const StrainTerm& term : model.elastic.strain_terms) {
     if (term.law == StrainLaw::kLinear) continue;
     const auto at = [&](std::size_t s) {
       return damping_tangent(term.law, viscous_moduli(model, term), displacement_gradient(term.op, s, u));
     };
     add_domain_tangents(term.op, at, matrix);
   }
+}
+
+void add_motion_tangent(const MotionModel& model, std::span<const Vec3> u, TangentKind kind,
+                        double rate_per_s, BlockMatrix& matrix) {
+  std::function<Tangent9(const StrainTerm&, const Mat3&)> damping;
+  if (model.strain_damping_s != 0.0) {
+    damping = [&](const StrainTerm& term, const Mat3& h) {
+      Tangent9 c = damping_tangent(term.law, viscous_moduli(model, term), h);
+      for (double& entry : c) entry *= rate_per_s;
+      return c;
+    };
+  }
+  add_tangent(model.elastic, u, kind, matrix, damping);
+  for (const TimedLoads& group : model.loads) add_support_tangent(group.loads, matrix);
+  add_spring_damping(model, u, rate_per_s, matrix);
+}
+
+bool is_linear_body(const MotionModel& model) {
+  const ElasticModel& elastic = model.elastic;
+  const bool has_linear_springs = elastic.springs.springs.empty() || elastic.springs_are_linear;
+  return has_linear_springs && !elastic.volume_force &&
+         std::all_of(elastic.strain_terms.begin(), elastic.strain_terms.end(),
+                     [](const StrainTerm& term) { return term.law == StrainLaw::kLinear; });
 }
 
 void add_constant_damping(const MotionModel& model, BlockMatrix& matrix) {

@@ -65,6 +65,14 @@ BlockMatrix build_motion_pattern(const MotionModel& model);
 void add_motion_stiffness(const MotionModel& model, std::span<const Vec3> u, TangentKind kind,
                           BlockMatrix& matrix);
 
+/// Whether stiffness and damping are the same at every `u`: springs, if any, along their directions at rest,
+/// linear laws, no volume force.
+bool is_linear_body(const MotionModel& model);
+
+/// Adds add_motion_stiffness and `rate_per_s` times add_changing_damping, each domain in one pass.
+void add_motion_tangent(const MotionModel& model, std::span<const Vec3> u, TangentKind kind,
+                        double rate_per_s, BlockMatrix& matrix);
+
 /// Adds the damping matrix in N s/m, minus the derivative of the forces by the velocities: the part that
 /// changes with `u`, of springs and of strain terms at large strain, and the part that never does, of
 /// environment and linear strain terms.

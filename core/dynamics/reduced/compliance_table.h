@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "core/dynamics/reduced/skin_space.h"
 #include "core/mesh/tet_mesh.h"
 

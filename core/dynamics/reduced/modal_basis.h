@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/dynamics/finite_elements/node_loads.h"
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 
 namespace palpate::dynamics {
 

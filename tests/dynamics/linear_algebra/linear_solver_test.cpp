@@ -57,6 +57,52 @@ TEST(LinearSolver, FindsWhatTheMatrixWasAppliedTo) {
   }
 }
 
+TEST(LinearSolver, AKeptMatrixIsFactoredUnlessItsFactorsAreNotToBeHad) {
+  const Index n = 2000;
+  const BlockMatrix matrix = make_chain(n, kSpring);
+  std::vector<std::uint8_t> held(n, 0);
+  held[5] = 3;
+  std::vector<Vec3> truth = make_random_field(n, 1.0, 2);
+  truth[5].x = truth[5].y = 0.0;
+  std::vector<Vec3> rhs(n);
+  multiply(matrix, truth, rhs);
+  int calls = 0;
+  const FactorMaker counted = [&calls](const LowerHalf& half) {
+    ++calls;
+    return factor_simplicial(half);
+  };
+  const FactorMaker none = [](const LowerHalf&) -> std::unique_ptr<SymmetricFactor> {
+    throw UnavailableError("no memory");
+  };
+  const auto solves = [&](const FactorMaker& factor, MatrixUse use, bool is_direct) {
+    LinearSolver solver({LinearMethod::kAuto, 1e-13, 0, 1, factor});
+    ASSERT_EQ(solver.prepare(matrix, held, use), LinearStatus::kSolved);
+    EXPECT_EQ(solver.is_direct(), is_direct);
+    std::vector<Vec3> x(n);
+    ASSERT_EQ(solver.solve(rhs, x).status, LinearStatus::kSolved);
+    EXPECT_LT(field_distance(x, truth), 1e-6 * field_norm(truth));  // its condition number is some n^2
+  };
+  solves({}, MatrixUse::kFewTimes, false);
+  solves({}, MatrixUse::kKept, true);
+  solves(counted, MatrixUse::kFewTimes, false);
+  EXPECT_EQ(calls, 0);
+  solves(counted, MatrixUse::kKept, true);
+  EXPECT_EQ(calls, 1);
+  solves(none, MatrixUse::kKept, false);
+}
+
+TEST(BlockMatrix, TheMirrorOfTheUpperHalfIsBelowTheDiagonal) {
+  BlockMatrix matrix = make_chain(5, kSpring);
+  const BlockMatrix wanted = matrix;
+  for (std::size_t v = 0; v < matrix.rows(); ++v) {
+    for (std::size_t k = matrix.offsets[v]; k < matrix.offsets[v + 1]; ++k) {
+      if (matrix.columns[k] < v) matrix.blocks[k] = Mat3{};
+    }
+  }
+  mirror_upper_half(matrix);
+  for (std::size_t k = 0; k < matrix.blocks.size(); ++k) EXPECT_EQ(matrix.blocks[k].m, wanted.blocks[k].m);
+}
+
 TEST(LinearSolver, HeldComponentsStayAtZeroAndLeaveTheSystem) {
   const Index n = 12;
   const BlockMatrix matrix = make_chain(n, kSpring);

@@ -1,4 +1,4 @@
-#include "core/dynamics/finite_elements/sparse_factor.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 
 #include <Eigen/SparseCholesky>
 #include <limits>
