@@ -50,8 +50,9 @@ class EngineTicks : public testing::Test {
     EXPECT_EQ(report_.at("outcome"), "completed");
     EXPECT_GT(report_.at("setup_s").get<double>(), 0.0);
     EXPECT_GT(report_.at("first_tick_s").get<double>(), 0.0);
+    const json file = read_json_file(answer.output);
     std::vector<double> out;
-    for (const json& row : read_json_file(answer.output).at("rows")) out.push_back(row[1].get<double>());
+    for (const json& row : file.at("rows")) out.push_back(row[1].get<double>());
     return out;
   }
 
