@@ -64,6 +64,7 @@ json describe_run(const TickRun& run, const TickOptions& options, const MotionSe
            {"vertices", model.elastic.rest.size()},
            {"tets", model.tets.size()},
            {"springs", model.elastic.springs.springs.size()},
+           {"laws", list_laws(model.elastic)},
            {"inverted_tets", run.diverged ? json(nullptr) : json(inverted)},
            {"first_tick_s", run.first_tick_s}};
   if (dynamics::is_implicit(options.integrator.kind)) {

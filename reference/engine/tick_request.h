@@ -14,11 +14,11 @@ namespace palpate::reference {
 /// that the scene's safety allows, whatever step the scene gives; of integrators without a bound it takes the
 /// fewest of at most the scene's step. `steps_per_tick` above 0 takes so many.
 ///
-/// The report has, beside ticks and their times: engine, integrator and precision; setup_s, from the task
-/// being read to the first tick, of which identify_s to make the model, its loads and its bound;
-/// first_tick_s, in which implicit integrators factor; inverted_tets at the end, and of integrators that
-/// iterate solver_iterations, steps_unsolved and residual_worst. Its outcome is "completed", "unsolved",
-/// "inverted" or "diverged".
+/// The report has, beside ticks and their times: engine, integrator, laws (of strain energies) and precision;
+/// setup_s, from the task being read to the first tick, of which identify_s to make the model, its loads and
+/// its bound; first_tick_s, in which implicit integrators factor; inverted_tets at the end, and of
+/// integrators that iterate solver_iterations, steps_unsolved and residual_worst. Its outcome is "completed",
+/// "unsolved", "inverted" or "diverged".
 ///
 /// Throws: InputError for loads that come or go, another number of tools than one, precision "single" where
 /// the general engine has to step, and as build_motion.
