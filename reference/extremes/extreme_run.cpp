@@ -201,10 +201,12 @@ class ExtremeRun {
                                  method_.engine != ExtremeMethod::Engine::kModes && !method_.is_single();
     const MotionModel model = is_linear ? linearise(body_.model) : body_.model;
     dynamics::MeasuredStep found = measure_stable_step(*make(model), options);
+    // Whether growth is told by itself, without regard to its size: not from what rounding adds.
+    const bool is_told = is_linear && !method_.is_single();
     if (found.is_found())
       bracket_ = {{"by", "trials"},
-                  {"lower", describe_trial(found.stable_s, is_linear, found.stable)},
-                  {"upper", describe_trial(found.unstable_s, is_linear, found.unstable)}};
+                  {"lower", describe_trial(found.stable_s, is_told, found.stable)},
+                  {"upper", describe_trial(found.unstable_s, is_told, found.unstable)}};
     return found;
   }
 

@@ -119,10 +119,10 @@ def returns_of(case):
 
 
 def replay_lines(cases):
-    lines = [["scene", "vertices", "engine", "integrator", "step", "margin", "peak speed", "cut", "inverted", "left over", "simulated/wall",
+    lines = [["scene", "label", "vertices", "engine", "integrator", "step", "margin", "peak speed", "cut", "inverted", "left over", "simulated/wall",
               "one step a 5 ms tick", "set-up", "memory", ""]]
     for case in cases:
-        lines.append([case.scene, number_text(case.vertices, ",.0f"), str(case.told("engine") or ""), str(case.told("integrator") or ""),
+        lines.append([case.scene, case.label, number_text(case.vertices, ",.0f"), str(case.told("engine") or ""), str(case.told("integrator") or ""),
                       seconds_text(case.told("time_step_s")),
                       number_text(case.number("stability_margin"), ".3f"), number_text(case.number("peak_speed_m_s"), ".3g", unit=" m/s"),
                       number_text(case.number("speeds_cut"), ",.0f"), number_text(case.number("inverted_tets_most"), ".0f"),
@@ -133,11 +133,11 @@ def replay_lines(cases):
 
 
 def return_lines(cases):
-    lines = [["scene", "vertices", "return", "let go at", "until", "then", "left", "left of it", "half after", "a twentieth after", ""]]
+    lines = [["scene", "label", "vertices", "return", "let go at", "until", "then", "left", "left of it", "half after", "a twentieth after", ""]]
     for case in cases:
         for number, each in enumerate(returns_of(case), start=1):
             value = lambda name: figure(each, name)
-            lines.append([case.scene, number_text(case.vertices, ",.0f"), str(number), number_text(value("released_s"), ".3g", unit=" s"),
+            lines.append([case.scene, case.label, number_text(case.vertices, ",.0f"), str(number), number_text(value("released_s"), ".3g", unit=" s"),
                           number_text(value("end_s"), ".3g", unit=" s"), number_text(value("released_m"), ".3f", 1000, " mm"),
                           number_text(value("left_m"), ".3g", 1000, " mm"), number_text(value("error"), ".3g", 100, "%"),
                           number_text(value("half_s"), ".3g", unit=" s") or "not yet",

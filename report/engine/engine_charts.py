@@ -60,9 +60,18 @@ def probe_sizes(motion):
     return [np.sqrt(sum(column(motion, f"probe_{number}_u{axis}_m") ** 2 for axis in "xyz")) for number in numbers]
 
 
-def name_of(case):
+def is_only(case, cases):
+    """Whether no other label replays its scene on the scene's own mesh before it."""
     vertices = case.option("vertices")
-    return f"{case.scene}, {vertices:,} vertices" if vertices else case.scene
+    same = [each for each in cases if each.scene == case.scene and not each.option("vertices")]
+    return not vertices and same[:1] == [case]
+
+
+def name_of(case, cases):
+    vertices = case.option("vertices")
+    size = f", {vertices:,} vertices" if vertices else ""
+    others = {each.label for each in cases if each.scene == case.scene and each.option("vertices") == vertices}
+    return f"{case.scene}{', ' + case.label if len(others) > 1 else ''}{size}"
 
 
 def shade_tools(ax, case):
@@ -82,7 +91,7 @@ def draw_returns(run, cases, folder):
     motions = [(case, motion) for case in cases if (motion := read_motion(run, case)) is not None]
     if not motions:
         return []
-    fig, grid = plt.subplots(2, 1, figsize=(7.4, 6.0), sharex=True)
+    fig, grid = plt.subplots(2, 1, figsize=(7.4 if len(motions) <= len(COLORS) else 10.4, 6.0), sharex=True)
     shade_tools(grid[0], motions[0][0])
     shade_tools(grid[1], motions[0][0])
     for (case, motion), color, turn in numbered(motions):
@@ -90,7 +99,7 @@ def draw_returns(run, cases, folder):
         for number, size in enumerate(probe_sizes(motion)):
             for ax in grid:
                 ax.plot(time, 1000 * np.maximum(size, 1e-12), PATTERNS[turn % 3] if number == 0 else ":", color=color, linewidth=1.3,
-                        label=name_of(case) if number == 0 else None)
+                        label=name_of(case, cases) if number == 0 else None)
     grid[0].set_title("The two points that are pushed (second one dotted); grey: a tool holds the organ", loc="left", color=INK)
     grid[1].set_yscale("log")
     grid[1].set_ylim(bottom=1e-6)
@@ -149,7 +158,7 @@ def problem_of(case):
     return f"{case.scene}/vertices={vertices}" if vertices else case.scene
 
 
-def draw_phases(run, case, folder):
+def draw_phases(run, case, cases, folder):
     """The organ in its phases, as the thesis's figures 4.6-4.14 have it; colours show how far each part is from rest."""
     motion = read_motion(run, case)
     if motion is None or not motion["frames"]:
@@ -175,8 +184,8 @@ def draw_phases(run, case, folder):
         draw_body(ax, mesh.points + field, faces, view, 1000 * np.linalg.norm(field, axis=1), norm)
         ax.set_title(title, fontsize=8, color=INK)
     fig.colorbar(ScalarMappable(norm, "viridis"), ax=list(grid.flat), label="from rest in mm")
-    set_title(fig, name_of(case), x=0.02, color=INK)
-    return save(fig, folder, file_name("phases", case.scene, case.label if case.option("vertices") else ""))
+    set_title(fig, name_of(case, cases), x=0.02, color=INK)
+    return save(fig, folder, file_name("phases", case.scene, "" if is_only(case, cases) else case.label))
 
 
 def draw_margins(cases, folder):
@@ -341,7 +350,7 @@ def draw_charts(run, found, folder):
     with plt.rc_context(STYLE):
         drawn += draw_returns(run, found.replays, folder)
         for case in found.replays:
-            drawn += draw_phases(run, case, folder)
+            drawn += draw_phases(run, case, found.replays, folder)
         drawn += draw_margins(found.rests, folder)
         if found.ticks:
             drawn += draw_budget(found.ticks, folder) + draw_distribution(found.ticks, folder)

@@ -135,9 +135,9 @@ def replay_table(cases):
 
 
 def return_table(cases):
-    columns = [Column("scene"), Column("vertices"), Column("return"), Column("let go at", "s"), Column("until", "s"), Column("then", "mm"), Column("left", "mm"), Column("left of it", "%", 3),
+    columns = [Column("scene"), Column("label"), Column("vertices"), Column("return"), Column("let go at", "s"), Column("until", "s"), Column("then", "mm"), Column("left", "mm"), Column("left of it", "%", 3),
                Column("half after", "s", 3), Column("a twentieth after", "s", 3)]
-    rows = [[case.scene, case.vertices, number, figure(each, "released_s"), figure(each, "end_s"), scaled(figure(each, "released_m"), MILLI), scaled(figure(each, "left_m"), MILLI),
+    rows = [[case.scene, case.label, case.vertices, number, figure(each, "released_s"), figure(each, "end_s"), scaled(figure(each, "released_m"), MILLI), scaled(figure(each, "left_m"), MILLI),
              scaled(figure(each, "error"), 100.0), figure(each, "half_s"), figure(each, "twentieth_s")] for case in cases for number, each in enumerate(returns_of(case), start=1)]
     return Table("Returns to rest, by the largest displacement of any vertex", columns, rows, file="tables/returns.csv", note="Empty: not yet.")
 
