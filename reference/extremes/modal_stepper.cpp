@@ -1,7 +1,6 @@
 #include "reference/extremes/modal_stepper.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <string>
 #include <utility>
@@ -34,13 +33,12 @@ dynamics::ModalOptions read_damping(const MotionModel& model, const StabilityTas
   return out;
 }
 
-/// Each node's masses times its factor: an entry between two nodes takes the root of both.
-void scale_masses(const std::vector<double>& factors, dynamics::ElementMatrices& body) {
-  if (factors.empty()) return;
+/// The masses of a model in the place of consistent ones, so that its energies are those of the modes.
+void lump_masses(const std::vector<double>& mass_kg, dynamics::ElementMatrices& body) {
   const dynamics::BlockMatrix& pattern = body.stiffness;
   for (std::size_t row = 0; row < pattern.rows(); ++row) {
     for (std::size_t k = pattern.offsets[row]; k < pattern.offsets[row + 1]; ++k)
-      body.mass_kg[k] *= std::sqrt(factors[row] * factors[pattern.columns[k]]);
+      body.mass_kg[k] = pattern.columns[k] == row ? mass_kg[row] : 0.0;
   }
 }
 
@@ -51,7 +49,7 @@ class ModalStepper : public dynamics::BodyStepper {
     Material material = task.problem.material;
     material.young_modulus_pa *= task.problem.stiffness_factor;
     matrices_ = build_element_matrices(task.mesh, space_, material);
-    scale_masses(task.problem.mass_factors, matrices_);
+    lump_masses(model.mass_kg, matrices_);
     const std::size_t n = space_.nodes();
     dynamics::ModalGroup group{{std::vector<Vec3>(n), {}, std::vector<std::uint8_t>(n), std::vector<Vec3>(n)},
                                {}};

@@ -9,9 +9,8 @@
 
 namespace palpate::reference {
 
-/// Steps the `modes` lowest modes of linear tetrahedra with consistent mass, each step by its exponential
-/// (core/dynamics/reduced/modal_phase.h). A state that is set is projected on them. Energies are those of
-/// `model`, whose masses are lumped: in a motion without damping they swing, by the difference of the two.
+/// Steps the `modes` lowest modes of linear tetrahedra with the model's lumped masses, each step by its
+/// exponential (core/dynamics/reduced/modal_phase.h). A state that is set is projected on them.
 ///
 /// Throws: InputError for a model that is not of linear tetrahedra at small strain, for another damping than
 /// Rayleigh's, damping by mass where masses have factors that differ, and a body that nothing holds.

@@ -216,6 +216,17 @@ TEST_F(ExtremeRunTest, ModesHaveNoLongestStep) {
       EXPECT_TRUE(ending == "steady" || ending == "oscillating") << run.dump();
     }
   }
+  // Short steps see the energy swing too, and none comes in.
+  for (const double factor : {1e-3, 1e-2, 0.1, 10.0}) {
+    const json out = report(
+        "motion.modal",
+        {{"tets", "linear"}, {"damping", "none"}, {"task", "run"}, {"steps", 300}, {"step_factor", factor}});
+    const json& run = out.at("runs")[0];
+    EXPECT_EQ(run.at("outcome"), "oscillating") << factor;
+    EXPECT_NEAR(run.at("energy_most_j").get<double>(), run.at("energy_start_j").get<double>(),
+                1e-9 * run.at("energy_start_j").get<double>())
+        << factor;
+  }
   const json heavy = report(
       "motion.modal", {{"tets", "linear"}, {"damping", "stiffness"}, {"mass_ratio", 1e6}, {"steps", 200}});
   for (const json& run : heavy.at("runs")) EXPECT_NE(run.at("outcome"), "energy_growing");
