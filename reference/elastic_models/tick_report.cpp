@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kBucketsADecade = 20.0;
 constexpr std::size_t kMostSamples = 1000;
+constexpr std::int64_t kMostMeshVertices = 536'870'912;
 
 }  // namespace
 
@@ -27,6 +28,10 @@ TickLoop take_tick_loop(json& options) {
   out.warm_ticks = out.ticks / 10;
   out.paced = take_option<bool>(options, "paced", &json::is_boolean, "true or false", false);
   return out;
+}
+
+void take_mesh_vertices(json& options) {
+  take_whole(options, "vertices", 0, kMostMeshVertices, 0);
 }
 
 TickClock::TickClock(const TickLoop& loop)
@@ -54,10 +59,13 @@ double TickClock::seconds_of_running() const {
   return std::chrono::duration<double>(Clock::now() - begin_[done_]).count();
 }
 
+double TickClock::seconds_of(std::uint64_t tick) const {
+  return std::chrono::duration<double>(end_[tick] - begin_[tick]).count();
+}
+
 std::vector<double> TickClock::seconds() const {
   std::vector<double> out;
-  for (std::uint64_t k = loop_.warm_ticks; k < done_; ++k)
-    out.push_back(std::chrono::duration<double>(end_[k] - begin_[k]).count());
+  for (std::uint64_t k = loop_.warm_ticks; k < done_; ++k) out.push_back(seconds_of(k));
   return out;
 }
 

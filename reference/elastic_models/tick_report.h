@@ -23,6 +23,9 @@ struct TickLoop {
 /// Takes tick_s, ticks (a tenth of as many warm ones come before) and paced. Throws: InputError.
 TickLoop take_tick_loop(nlohmann::json& options);
 
+/// Takes `vertices`, which the runner has read: the mesh is there already. Throws: InputError.
+void take_mesh_vertices(nlohmann::json& options);
+
 /// The steady clock of a loop: a tick's time is that between two readings of it. Ticks follow each other at
 /// once; or, paced, each starts tick_s after the one before, and how late the system wakes it counts as its
 /// time. A tick that is due while the one before still runs starts after it.
@@ -38,6 +41,8 @@ class TickClock {
   std::uint64_t ticks() const { return done_; }
   /// Since the tick that runs was started.
   double seconds_of_running() const;
+  /// Of one that has ended, the warm ones counted from 0.
+  double seconds_of(std::uint64_t tick) const;
   /// Of the ticks after the warm ones, one each.
   std::vector<double> seconds() const;
 

@@ -3,21 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/dynamics/stability/slow_rates.h"
 #include "reference/door/json_file.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/door/result_folder.h"
+#include "reference/elastic_models/tick_report.h"
 #include "reference/engine/model_file.h"
 #include "reference/engine/motion_replay.h"
 #include "reference/engine/motion_setup.h"
-#include "reference/engine/tick_times.h"
+#include "reference/engine/tick_request.h"
 
 namespace palpate::reference {
 namespace {
@@ -116,6 +115,7 @@ Response answer_replay(MovingTask task, const Request& request, json& left,
   require_all_taken(left);
   if (options.frames > 0) task.body.stepping.frames = options.frames;
   const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
+  const double setup_s = clock.seconds();
   MotionOutput output(request.folder, task.body.motion, task.mesh);
   output.watch_frozen(setup.frozen);
   Response response;
@@ -138,6 +138,7 @@ Response answer_replay(MovingTask task, const Request& request, json& left,
   response.kernel_s = response.report.at("kernel_s").get<double>();
   response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;
   response.report["kind"] = "replay";
+  response.report["setup_s"] = setup_s;
   response.report["frames_written"] = output.frame_count();
   output.finish();
   const json written = request.folder.empty() ? describe_output(output) : describe_folder();
@@ -191,53 +192,6 @@ Response answer_rest(MovingTask task, const Request& request, json& left) {
   return response;
 }
 
-TickOptions take_tick_options(json& left) {
-  TickOptions out;
-  out.loop = take_tick_loop(left);
-  out.steps_per_tick = static_cast<std::uint64_t>(take_whole(left, "steps_per_tick", 0, 100'000, 0));
-  out.threads = static_cast<int>(take_whole(left, "engine_threads", 1, 64, 1));
-  const auto precision =
-      take_option<std::string>(left, "precision", &json::is_string, "single or double", "single");
-  if (precision != "single" && precision != "double")
-    throw InputError("precision", 0, "single or double", precision);
-  out.single_precision = precision == "single";
-  return out;
-}
-
-Response answer_ticks(MovingTask task, const Request& request, json& left) {
-  TickOptions options = take_tick_options(left);
-  require_all_taken(left);
-  task.body.stepping.time_step_s.reset();
-  task.body.motion.duration_s = options.loop.tick_s;
-  task.body.stepping.engine = EngineChoice::kPlain;
-  const MotionSetup setup = build_motion(task.body, task.mesh, request.threads);
-  if (options.steps_per_tick == 0) options.steps_per_tick = setup.steps;
-  const std::size_t tool = find_only_tool(task.body.motion);
-  const std::vector<std::size_t>& loads = setup.phases.front().loads;
-  options.tool = static_cast<std::size_t>(std::find(loads.begin(), loads.end(), tool) - loads.begin()) + 1;
-  const TickRun run = run_ticks(setup.phases.front().model, options);
-  Response response;
-  const double step_s = options.loop.tick_s / static_cast<double>(options.steps_per_tick);
-  if (step_s > setup.stable.step_s)
-    response.notes.push_back("a time step of " + short_number(step_s) + " s is over the bound at rest, " +
-                             short_number(setup.stable.step_s) + " s");
-  response.kernel_s = std::accumulate(run.seconds.begin(), run.seconds.end(), run.diverged_s);
-  response.report = {{"outcome", run.diverged ? "diverged" : "completed"},
-                     {"kind", "ticks"},
-                     {"steps_per_tick", options.steps_per_tick},
-                     {"fewest_steps_per_tick", setup.steps},
-                     {"tick_s", options.loop.tick_s},
-                     {"time_step_s", step_s},
-                     {"stable_step_s", number_or_null(setup.stable.step_s)},
-                     {"engine_threads", options.threads},
-                     {"vertices", task.mesh.points.size()},
-                     {"springs", setup.phases.front().model.elastic.springs.springs.size()}};
-  if (!run.seconds.empty()) add_tick_times(run.seconds, options.loop.tick_s, response.report);
-  write_file_atomically(request.output,
-                        describe_tick_forces(run.force_n, options.loop.tick_s, run.diverged).dump() + "\n");
-  return response;
-}
-
 /// The body's model as a file for other simulators.
 Response answer_model(const MovingTask& task, const Request& request, const json& left) {
   require_all_taken(left);
@@ -269,7 +223,7 @@ Response answer_model(const MovingTask& task, const Request& request, const json
 Response answer_engine_request(const Request& request, const volatile std::sig_atomic_t* stop_flag) {
   MovingTask task = read_moving_task(request);
   json left = request.options;
-  take_whole(left, "vertices", 0, kMostCount, 0);  // of the mesh, which is there already
+  take_mesh_vertices(left);
   if (request.method == "engine.replay") return answer_replay(task, request, left, stop_flag);
   if (request.method == "engine.rest") return answer_rest(std::move(task), request, left);
   if (request.method == "engine.ticks") return answer_ticks(std::move(task), request, left);

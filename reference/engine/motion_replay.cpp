@@ -184,6 +184,7 @@ json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionS
   summary["vertices"] = mesh.points.size();
   summary["tets"] = mesh.tets.size();
   summary["springs"] = setup.phases.front().model.elastic.springs.springs.size();
+  summary["laws"] = list_laws(setup.phases.front().model.elastic);
   summary["model"] = setup.report;
   return summary;
 }

@@ -33,11 +33,11 @@ struct Strides {
 ///
 /// Returns: outcome ("completed", "inverted", "unsolved", "diverged", "timed_out" or "interrupted"), steps
 /// and steps_planned, kernel_s (stepping alone), time_step_s, engine ("plain", "tets" or "general", with
-/// why_general), precision, stable_step_s with stable_by and stability_margin (bound / step; null without a
-/// bound), energies at the start and the end, counts (zero_length_springs, speeds_cut, inverted_tets, ...)
-/// and state_hash. Of the plain engine in single precision it has rounding_gain_j
-/// (core/dynamics/time_loop/plain_run.h) and rounding_gain_over_kinetic, over the greatest kinetic energy of
-/// the history; else both are null.
+/// why_general), laws (of strain energies), precision, stable_step_s with stable_by and stability_margin
+/// (bound / step; null without a bound), energies at the start and the end, counts (zero_length_springs,
+/// speeds_cut, inverted_tets, ...) and state_hash. Of the plain engine in single precision it has
+/// rounding_gain_j (core/dynamics/time_loop/plain_run.h) and rounding_gain_over_kinetic, over the greatest
+/// kinetic energy of the history; else both are null.
 nlohmann::json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionSetup& setup,
                                 const MotionStops& stops, MotionOutput& output);
 

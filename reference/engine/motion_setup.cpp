@@ -160,6 +160,15 @@ void choose_engine(const MotionStepping& wanted, MotionSetup& setup) {
 
 }  // namespace
 
+std::vector<std::string> list_laws(const dynamics::ElasticModel& model) {
+  std::vector<std::string> laws;
+  for (const dynamics::StrainTerm& term : model.strain_terms) {
+    const std::string law = dynamics::strain_law_name(term.law);
+    if (std::find(laws.begin(), laws.end(), law) == laws.end()) laws.push_back(law);
+  }
+  return laws;
+}
+
 dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh, Response& response) {
   nlohmann::json left = body.model.options;
   const StrainSize strain = body.motion.body.strain;

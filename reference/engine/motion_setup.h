@@ -35,6 +35,9 @@ struct MotionSetup {
   std::vector<std::string> notes;
 };
 
+/// The laws of a model's strain energies by name, each once, in order.
+std::vector<std::string> list_laws(const dynamics::ElasticModel& model);
+
 /// The elastic model that a body asks for. The report and the notes are those of build_requested_model.
 /// Throws: InputError for an option that the model does not take, and as build_requested_model does.
 dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh, Response& response);

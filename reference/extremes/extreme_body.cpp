@@ -25,8 +25,12 @@ std::string take_name(json& options, const char* key, const std::string& fallbac
 
 dynamics::ElasticModel build_elastic(const TetMesh& mesh, const Material& material, const BodyModel& wanted) {
   if (wanted.tets != "none") {
-    dynamics::BlendOptions tets{StrainSize::kLarge, dynamics::parse_strain_law(wanted.tets), 1.0,
-                                dynamics::StrainDomain::kTet, dynamics::StrainDomain::kTet};
+    const dynamics::StrainLaw law = dynamics::parse_strain_law(wanted.tets);
+    const StrainSize strain = law == dynamics::StrainLaw::kLinear ? StrainSize::kSmall : StrainSize::kLarge;
+    const bool is_smoothed = wanted.smoothing == "edge_node";
+    dynamics::BlendOptions tets{strain, law, is_smoothed ? 0.0 : 1.0,
+                                is_smoothed ? dynamics::StrainDomain::kNode : dynamics::StrainDomain::kTet,
+                                is_smoothed ? dynamics::StrainDomain::kEdge : dynamics::StrainDomain::kTet};
     return dynamics::build_blend_model(mesh, material, tets).model;
   }
   dynamics::SpringModelOptions options;
@@ -77,7 +81,10 @@ void add_damping(const StabilityProblem& wanted, double rate, MotionModel& model
   }
 }
 
-void scale_stiffness(double factor, dynamics::ElasticModel& elastic) {
+/// All stiffness times a factor; damping stays.
+void scale_stiffness(double factor, MotionModel& model) {
+  dynamics::ElasticModel& elastic = model.elastic;
+  if (factor > 0.0) model.strain_damping_s /= factor;  // it is a share of the moduli
   for (double& k : elastic.springs.stiffness_n_per_m) k *= factor;
   for (dynamics::StrainTerm& term : elastic.strain_terms) {
     term.moduli.lambda_pa *= factor;
@@ -98,6 +105,11 @@ BodyModel take_body_model(json& options) {
   out.springs = take_name(options, "springs", out.springs);
   out.volume = take_name(options, "volume", out.volume);
   out.tets = take_name(options, "tets", out.tets);
+  out.smoothing = take_name(options, "smoothing", out.smoothing);
+  if (out.smoothing != "none" && out.smoothing != "edge_node")
+    throw InputError("smoothing", 0, "none or edge_node", out.smoothing);
+  if (out.tets == "none" && out.smoothing != "none")
+    throw InputError("smoothing", 0, "none without tets", out.smoothing);
   if (out.tets != "none" && out.volume != "none")
     throw InputError("volume", 0, "none beside tets: they have their own", out.volume);
   return out;
@@ -127,7 +139,7 @@ BuiltBody build_extreme_body(const StabilityTask& task, const BodyModel& wanted)
   if (!(rate > 0.0))
     throw InputError("mesh", 0, "a body that is not held everywhere", "one that cannot move");
   add_damping(problem, rate, model);
-  scale_stiffness(problem.stiffness_factor, model.elastic);
+  scale_stiffness(problem.stiffness_factor, model);
   for (std::size_t v = 0; v < model.mass_kg.size(); ++v) model.mass_kg[v] *= problem.mass_factors[v];
   const BoundingBox box = bounding_box(body.points);
   const Vec3 size = box.high - box.low;

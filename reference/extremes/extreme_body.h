@@ -14,6 +14,8 @@ struct BodyModel {
   std::string springs = "uniform";
   std::string volume = "none";
   std::string tets = "none";  ///< the law of linear tetrahedra that take the place of the springs
+  std::string smoothing =
+      "none";  ///< of that law: "edge_node" has the shear over edges, the dilatation at nodes
 };
 
 /// Takes the model's options out of `options`. Throws: InputError for a wrong type.

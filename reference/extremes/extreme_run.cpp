@@ -18,6 +18,7 @@
 #include "reference/door/json_file.h"
 #include "reference/door/request_options.h"
 #include "reference/extremes/extreme_body.h"
+#include "reference/extremes/extreme_method.h"
 #include "reference/extremes/run_history.h"
 
 namespace palpate::reference {
@@ -43,44 +44,6 @@ constexpr std::size_t kMostForMap = 120;
 /// over all that moves at the start; and how many steps that may take.
 constexpr double kShownGrowth = 1e4;
 constexpr double kMostSteps = 1e5;
-
-/// The integrator that a method names, or the plain engine.
-struct Method {
-  std::string name;
-  IntegratorKind kind = IntegratorKind::kSymplecticEuler;
-  bool is_plain = false;
-  dynamics::Precision precision = dynamics::Precision::kDouble;
-  dynamics::StepSolverOptions solver;
-
-  bool is_implicit() const { return !is_plain && dynamics::is_implicit(kind); }
-
-  std::unique_ptr<dynamics::BodyStepper> make(const MotionModel& model, int threads) const {
-    if (is_plain) return dynamics::make_plain_stepper(model, precision, threads);
-    dynamics::IntegratorOptions options;
-    options.kind = kind;
-    options.threads = threads;
-    options.linear.threads = threads;
-    options.solver = solver;
-    return dynamics::make_stepper(model, options);
-  }
-};
-
-/// `options` loses what says how an integrator solves. Sweeps take as many as asked, others until the step is
-/// solved.
-Method take_method(const std::string& name, json& options) {
-  const std::string prefix = "motion.";
-  if (!name.starts_with(prefix)) throw InputError("method", 0, "motion.INTEGRATOR", name);
-  Method out;
-  out.name = name.substr(prefix.size());
-  out.is_plain = out.name == "plain_double" || out.name == "plain_float";
-  if (out.name == "plain_float") out.precision = dynamics::Precision::kSingle;
-  if (!out.is_plain) out.kind = dynamics::parse_integrator(out.name);
-  out.solver.iterations = static_cast<std::size_t>(
-      take_whole(options, "iterations", 1, 100'000, static_cast<long long>(out.solver.iterations)));
-  const bool sweeps = out.kind == IntegratorKind::kXpbd || out.kind == IntegratorKind::kVbd;
-  out.solver.tolerance = take_number(options, "tolerance", 0.0, 1.0, sweeps ? 0.0 : out.solver.tolerance);
-  return out;
-}
 
 /// What is asked beside the body.
 struct Wanted {
@@ -110,22 +73,23 @@ Wanted take_wanted(json& options) {
 /// Predictions, the measurement and the runs of one request.
 class ExtremeRun {
  public:
-  ExtremeRun(const Method& method, const Wanted& wanted, const BuiltBody& body,
-             const StabilityProblem& problem, int threads)
+  ExtremeRun(const ExtremeMethod& method, const Wanted& wanted, const BuiltBody& body,
+             const StabilityTask& task, int threads)
       : method_(method),
         wanted_(wanted),
         body_(body),
+        task_(task),
         threads_(threads),
-        seed_(problem.seed),
+        seed_(task.problem.seed),
         start_(start_at_rest(body.model)) {
-    start_.displacement_m = problem.start_m;
+    start_.displacement_m = task.problem.start_m;
   }
 
   json report() {
     predict();
     if (wanted_.measures) {
       measure();
-      for (const double factor : method_.is_implicit() ? kImplicitFactors : kFactors)
+      for (const double factor : method_.has_no_bound() ? kImplicitFactors : kFactors)
         run_at(factor * around_);
     } else {
       run_at(wanted_.step_factor * unit());
@@ -138,13 +102,15 @@ class ExtremeRun {
   /// The answer's file; after report().
   json history() const {
     return {{"schema", "palpate/stability_answer/1"},
-            {"rounding", method_.make(body_.model, threads_)->rounding()},
+            {"rounding", make(body_.model)->rounding()},
             {"runs", histories_},
             {"bracket", bracket_}};
   }
 
  private:
-  bool is_single() const { return method_.is_plain && method_.precision == dynamics::Precision::kSingle; }
+  std::unique_ptr<dynamics::BodyStepper> make(const MotionModel& model) const {
+    return method_.make(model, task_, threads_);
+  }
 
   /// What the step of a run is counted in.
   double unit() const {
@@ -155,7 +121,9 @@ class ExtremeRun {
   void predict() {
     const MotionModel& model = body_.model;
     reference_s_ = bound_stable_step(model, IntegratorKind::kSymplecticEuler).step_s;
-    const dynamics::StableStep stable = predict_stable_step(model, method_.kind, threads_);
+    dynamics::StableStep stable;
+    stable.step_s = stable.step_at_most_s = std::numeric_limits<double>::infinity();
+    if (!method_.has_no_bound()) stable = predict_stable_step(model, method_.kind, threads_);
     const double rows = bound_stable_step(model, method_.kind).step_s;
     bound_ = stable.step_s;
     at_most_ = stable.step_at_most_s;
@@ -167,7 +135,7 @@ class ExtremeRun {
     report_["predicted_is_exact"] =
         !model.elastic.volume_force &&
         (method_.kind != IntegratorKind::kExplicitEuler || model.elastic.rest.size() <= kMostForMap);
-    report_["row_sum_step_s"] = method_.is_implicit() ? json(nullptr) : number_or_null(rows);
+    report_["row_sum_step_s"] = method_.has_no_bound() ? json(nullptr) : number_or_null(rows);
     report_["symplectic_row_sum_step_s"] = number_or_null(reference_s_);
     report_["predicted_at_start_s"] = nullptr;
     if (wanted_.is_large)
@@ -195,7 +163,7 @@ class ExtremeRun {
     options.first_step_s = 0.99 * bound_;
     options.tolerance = 0.021;  // the next stride up is enough
     const MotionModel model = linearise(body_.model);
-    dynamics::MeasuredStep found = measure_stable_step_by_map(*method_.make(model, threads_), options);
+    dynamics::MeasuredStep found = measure_stable_step_by_map(*make(model), options);
     rerun_bracket(model, found, kEnergyFactor);
     return found;
   }
@@ -216,24 +184,29 @@ class ExtremeRun {
     options.seed = seed_;
     options.horizon_least = method_.kind == IntegratorKind::kExplicitEuler ? wanted_.horizon : 1024;
     options.horizon_most = std::max(wanted_.horizon, options.horizon_least);
-    if (method_.is_implicit()) {
+    if (method_.has_no_bound()) {
       options.horizon_most = options.horizon_least = 512;
       options.stride = 100.0;
       options.most_strides = 2;
     }
-    options.amplitude_m = (is_single() ? 1e-6 : 1e-9) * body_.size_m;
-    if (is_single()) options.growth_factor = 1e3;  // there is less room between rounding and large motions
+    options.amplitude_m = (method_.is_single() ? 1e-6 : 1e-9) * body_.size_m;
+    if (method_.is_single())
+      options.growth_factor = 1e3;  // there is less room between rounding and large motions
     // The thesis's force and the plain engine have no linear form: there, small motions have to do.
-    const bool is_linear = !method_.is_plain && !body_.model.elastic.volume_force;
-    // The trapezoidal rule turns a fast mode by nearly half a turn a step: its kinetic energy comes and goes
-    // over h omega steps, which is longer than any trial here, and looks like growth while it comes.
-    options.counts_slow_growth = is_linear && method_.kind != IntegratorKind::kTrapezoidal;
+    const bool is_linear = method_.has_linear_form() && !body_.model.elastic.volume_force;
+    // The trapezoidal rule turns a fast mode by nearly half a turn a step, and modes that are stepped exactly
+    // by any part of one: their kinetic energy comes and goes over more steps than any trial here has, and
+    // looks like growth while it comes. In single precision rounding adds to it all the time.
+    options.counts_slow_growth = is_linear && method_.kind != IntegratorKind::kTrapezoidal &&
+                                 method_.engine != ExtremeMethod::Engine::kModes && !method_.is_single();
     const MotionModel model = is_linear ? linearise(body_.model) : body_.model;
-    dynamics::MeasuredStep found = measure_stable_step(*method_.make(model, threads_), options);
+    dynamics::MeasuredStep found = measure_stable_step(*make(model), options);
+    // Whether growth is told by itself, without regard to its size: not from what rounding adds.
+    const bool is_told = is_linear && !method_.is_single();
     if (found.is_found())
       bracket_ = {{"by", "trials"},
-                  {"lower", describe_trial(found.stable_s, is_linear, found.stable)},
-                  {"upper", describe_trial(found.unstable_s, is_linear, found.unstable)}};
+                  {"lower", describe_trial(found.stable_s, is_told, found.stable)},
+                  {"upper", describe_trial(found.unstable_s, is_told, found.unstable)}};
     return found;
   }
 
@@ -247,7 +220,7 @@ class ExtremeRun {
       watch.energy_factor = energy_factor;
       watch.is_known_to_grow = trial.growth > 0.0;
       watch.keeps_rows = true;
-      const std::unique_ptr<dynamics::BodyStepper> stepper = method_.make(model, threads_);
+      const std::unique_ptr<dynamics::BodyStepper> stepper = make(model);
       const dynamics::WatchedRun seen = watch_motion(*stepper, start_, watch);
       return describe_run(watch, seen, *stepper);
     };
@@ -263,7 +236,7 @@ class ExtremeRun {
       dynamics::MeasureLargeOptions options;
       options.first_step_s = reference_s_;
       options.steps = wanted_.steps;
-      found = measure_stable_step_from(*method_.make(body_.model, threads_), start_, options);
+      found = measure_stable_step_from(*make(body_.model), start_, options);
       rerun_bracket(body_.model, found, options.energy_factor);
     } else {
       found = measure_small();
@@ -293,7 +266,7 @@ class ExtremeRun {
   double growth_of(double step) const {
     if (body_.model.elastic.rest.size() > kMostForMap || is_below_rounding()) return 0.0;
     const MotionModel model = linearise(body_.model);
-    const double growth = measure_map_growth(*method_.make(model, threads_), step);
+    const double growth = measure_map_growth(*make(model), step);
     return std::isfinite(growth) ? std::max(growth, 0.0) : 0.0;
   }
 
@@ -317,7 +290,7 @@ class ExtremeRun {
     watch.keeps_rows = true;
     const Stopwatch clock;
     watch.give_up = [&] { return clock.seconds() > wanted_.time_limit_s; };
-    const std::unique_ptr<dynamics::BodyStepper> stepper = method_.make(body_.model, threads_);
+    const std::unique_ptr<dynamics::BodyStepper> stepper = make(body_.model);
     const dynamics::WatchedRun seen = watch_motion(*stepper, start_, watch);
     run["growth_per_step"] = growth > 0.0 ? number_or_null(growth) : json(nullptr);
     run["steps_unsolved"] = stepper->steps_unsolved();
@@ -336,9 +309,10 @@ class ExtremeRun {
     histories_.push_back(describe_run(watch, seen, *stepper));
   }
 
-  const Method& method_;
+  const ExtremeMethod& method_;
   const Wanted& wanted_;
   const BuiltBody& body_;
+  const StabilityTask& task_;
   int threads_;
   std::uint64_t seed_;
   MotionState start_;
@@ -355,14 +329,16 @@ class ExtremeRun {
 
 Response run_extreme(const Request& request) {
   json left = request.options;
-  const Method method = take_method(request.method, left);
+  const ExtremeMethod method = take_method(request.method, left);
   const Wanted wanted = take_wanted(left);
   const BodyModel model = take_body_model(left);
   require_all_taken(left);
+  if (method.engine == ExtremeMethod::Engine::kModes && wanted.is_large)
+    throw InputError("regime", 0, "small: modes are linear", "large");
   const StabilityTask task = read_stability_task(request);
   const Stopwatch clock;
   const BuiltBody built = build_extreme_body(task, model);
-  ExtremeRun run(method, wanted, built, task.problem, request.threads);
+  ExtremeRun run(method, wanted, built, task, request.threads);
   Response response;
   response.report = built.report;
   response.report["method"] = request.method;

@@ -1,5 +1,5 @@
-// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, reduced.modal, at rest and in
-// motion, and reduced.pod, at rest.
+// Adapter of reduced.compliance, at rest and in the ticks of a haptic loop, reduced.modal, at rest, in
+// motion, in such ticks and on whole scenes, and reduced.pod, at rest.
 #include "reference/reduced/compliance_run.h"
 #include "reference/reduced/modal_run.h"
 #include "reference/reduced/pod_run.h"
@@ -9,6 +9,8 @@ int main(int argc, char** argv) {
   using namespace palpate::reference;
   return run_adapter(argc, argv, [](const Request& request) {
     if (request.contest == "motion") return run_modal_motion(request);
+    if (request.method == "reduced.modal_ticks") return run_modal_ticks(request);
+    if (request.method == "reduced.modal_replay") return run_modal_replay(request);
     if (request.contest == "engine") return run_compliance_ticks(request);
     if (request.method == "reduced.pod") return run_pod(request);
     return request.method == "reduced.modal" ? run_modal_at_rest(request) : run_compliance(request);

@@ -10,12 +10,12 @@
 #include "core/base/stopwatch.h"
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/reduced/modal_phase.h"
-#include "core/mesh/rigid_motion.h"
 #include "reference/door/deform_problem.h"
 #include "reference/door/motion_problem.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/stepped_motion.h"
 #include "reference/linear_systems/factor.h"
+#include "reference/reduced/modal_body.h"
 
 namespace palpate::reference {
 namespace {
@@ -24,8 +24,6 @@ using dynamics::BodyForces;
 using dynamics::ModalGroup;
 using dynamics::ModalPhase;
 using nlohmann::json;
-
-constexpr double kMostSteps = 1e8;
 
 struct ModalRunOptions {
   int order = 2;
@@ -59,17 +57,17 @@ class ModalMotion {
   ModalMotion(const MotionTask& task, const ModalRunOptions& options)
       : task_(task),
         options_(options),
-        space_(dynamics::build_element_space(task.mesh, options.order)),
-        body_(build_element_matrices(task.mesh, space_, task.problem.body.material)),
+        body_(task.mesh, task.problem, options.order, options.factor),
         history_{history_columns(task.problem), {}},
-        plan_(plan_steps(task.problem, options.time_step_s, kMostSteps)) {}
+        plan_(plan_steps(task.problem, options.time_step_s, kMostModalSteps)) {}
 
   void run() {
-    dynamics::NodeState state{std::vector<Vec3>(space_.nodes()), std::vector<Vec3>(space_.nodes())};
+    dynamics::NodeState state{std::vector<Vec3>(body_.space().nodes()),
+                              std::vector<Vec3>(body_.space().nodes())};
     const std::vector<LoadPhase> phases = find_phases(task_.problem);
     for (std::size_t k = 0; k < phases.size(); ++k) {
       const Stopwatch setting_up;
-      ModalPhase moving = build_phase(phases[k]);
+      ModalPhase moving = body_.build_phase(phases[k], options_.modal);
       setup_s_ += setting_up.seconds();
       left_out_ = std::max(left_out_, moving.start(state, phases[k].from_s));
       if (k == 0) add_row(moving, phases[k], phases[k].from_s);
@@ -87,9 +85,9 @@ class ModalMotion {
     out["identify_s"] = setup_s_;
     out["solve_s"] = stepping_s_;
     out["us_per_step"] = steps_ > 0 ? 1e6 * stepping_s_ / static_cast<double>(steps_) : 0.0;
-    out["unknowns"] = 3 * space_.nodes();
+    out["unknowns"] = 3 * body_.space().nodes();
     out["left_out_at_phases"] = left_out_;
-    out["mode_bytes"] = std::size_t{24} * space_.nodes() * options_.modal.modes;
+    out["mode_bytes"] = std::size_t{24} * body_.space().nodes() * options_.modal.modes;
     if (task_.problem.frequencies > 0)
       out["frequencies_hz"] =
           std::vector<double>(frequencies_.begin(),
@@ -102,29 +100,6 @@ class ModalMotion {
   const MotionStates& states() const { return states_; }
 
  private:
-  ModalPhase build_phase(const LoadPhase& phase) const {
-    const auto group_of = [&](const BoundaryProblem& part, const dynamics::TimeProfile& profile) {
-      return ModalGroup{build_node_loads(task_.mesh, space_, part, BodyForces::kInclude), profile};
-    };
-    BoundaryProblem all = task_.problem.body;  // what holds in this phase
-    std::vector<ModalGroup> groups{group_of(task_.problem.body, {})};
-    for (const std::size_t k : phase.loads) {
-      const MotionLoad& load = task_.problem.loads[k];
-      groups.push_back(group_of(load.part, load.profile));
-      all.supports.insert(all.supports.end(), load.part.supports.begin(), load.part.supports.end());
-      all.held.insert(all.held.end(), load.part.held.begin(), load.part.held.end());
-    }
-    const auto free = find_free_motions(task_.mesh, resisted_axes(task_.mesh, all));
-    if (!free.empty())
-      throw InputError("problem", 0, "supports or held faces that stop every rigid motion in each phase",
-                       rigid_motion_text(free[0]) + " left free from " + json(phase.from_s).dump() + " s");
-    dynamics::ModalOptions modal = options_.modal;
-    modal.modes = std::max(modal.modes, task_.problem.frequencies);
-    modal.damping_stiffness_s = task_.problem.damping_stiffness_s;
-    modal.damping_mass_per_s = task_.problem.damping_mass_per_s;
-    return {body_, options_.order, std::move(groups), modal, choose_factor(options_.factor)};
-  }
-
   void step_through(ModalPhase& moving, std::span<const LoadPhase> phases, std::size_t at) {
     const LoadPhase& phase = phases[at];
     const bool is_last = at + 1 == phases.size();
@@ -158,8 +133,7 @@ class ModalMotion {
 
   const MotionTask& task_;
   const ModalRunOptions& options_;
-  dynamics::ElementSpace space_;
-  dynamics::ElementMatrices body_;
+  ModalBody body_;
   MotionHistory history_;
   MotionStates states_{task_.problem.duration_s, task_.mesh.points.size()};
   StepPlan plan_;

@@ -30,7 +30,6 @@ struct TickRunOptions {
 };
 
 TickRunOptions take_tick_options(const Request& request) {
-  constexpr std::int64_t kMostMeshVertices = 536'870'912;
   json left = request.options;
   TickRunOptions options;
   options.loop = take_tick_loop(left);
@@ -39,7 +38,7 @@ TickRunOptions take_tick_options(const Request& request) {
   const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
   options.factor = factors[take_choice(left, "factor", factors)];
   options.moves_skin = take_option<bool>(left, "skin", &json::is_boolean, "true or false", false);
-  take_whole(left, "vertices", 0, kMostMeshVertices, 0);  // of the mesh, which is there already
+  take_mesh_vertices(left);
   require_all_taken(left);
   return options;
 }
@@ -202,6 +201,8 @@ Response run_compliance_ticks(const Request& request) {
                      {"tick_s", options.loop.tick_s},
                      {"identify_s", identify_s},
                      {"prepare_s", prepare_s},
+                     {"setup_s", identify_s + prepare_s},
+                     {"first_tick_s", clock.seconds_of(0)},
                      {"precision", options.single ? "single" : "double"},
                      {"skin_table_bytes", table.skin_bytes()},
                      {"skin_nodes", table.nodes.size()},

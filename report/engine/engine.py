@@ -11,6 +11,8 @@ from shared.tables import first_reason, pad_columns, seconds_text, write_atomica
 
 KINDS = ("replay", "rest", "ticks")  # of an answer, as the judge names it
 COARSE = "~"
+TICK_NOTE = ("\n\nleft over: the largest share of the forces out of balance in a step, of methods that iterate, where it was measured; set-up: from the "
+             "task to the first tick, which is none of those that are timed; memory: of the whole process, set-up included")
 FORCE_NOTE = ("\n\nreference: the pad's force by finite elements; its change: by their last refinement (none: one level alone); "
               f"{COARSE} less than five times that, or that is not known: the reference cannot tell.")
 HOLDS = [("median", "tick_p50_s"), ("99%", "tick_p99_s"), ("99.9%", "tick_p99_9_s"), ("none missed", "tick_worst_s")]
@@ -39,6 +41,11 @@ class Case:
     def option(self, name):
         options = self.record.get("options")
         return options.get(name) if isinstance(options, dict) else None
+
+    def chosen(self, name):
+        """An option, or what the method says of it where it has no such option."""
+        value = self.option(name)
+        return self.told(name) if value is None else value
 
     @property
     def vertices(self):
@@ -78,7 +85,7 @@ def read_cases(run):
         note = "" if set(group.outcomes()) == {"accepted"} else first_reason(group)
         case = Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note)
         lists.get(kinds.get(group.contestant), found.silent).append(case)
-    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.option("precision")), case.option("engine_threads") or 0,
+    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads") or 0,
                                        case.vertices or 0))
     return found
 
@@ -101,6 +108,10 @@ def tick_text(value):
     return "" if value is None else f"{1e6 * value:.1f} us" if value < 1e-4 else f"{1e3 * value:.3f} ms"
 
 
+def memory_text(case):
+    return number_text(figure(case.record, "peak_rss_bytes"), ".0f", 1e-6, " MB")
+
+
 def returns_of(case):
     judge = case.record.get("judge")
     found = judge.get("returns") if isinstance(judge, dict) else None
@@ -108,23 +119,25 @@ def returns_of(case):
 
 
 def replay_lines(cases):
-    lines = [["scene", "vertices", "engine", "step", "margin", "peak speed", "cut", "inverted", "simulated/wall",
-              "one step a 5 ms tick", ""]]
+    lines = [["scene", "label", "vertices", "engine", "integrator", "step", "margin", "peak speed", "cut", "inverted", "left over", "simulated/wall",
+              "one step a 5 ms tick", "set-up", "memory", ""]]
     for case in cases:
-        lines.append([case.scene, number_text(case.vertices, ",.0f"), str(case.told("engine") or ""), seconds_text(case.told("time_step_s")),
+        lines.append([case.scene, case.label, number_text(case.vertices, ",.0f"), str(case.told("engine") or ""), str(case.told("integrator") or ""),
+                      seconds_text(case.told("time_step_s")),
                       number_text(case.number("stability_margin"), ".3f"), number_text(case.number("peak_speed_m_s"), ".3g", unit=" m/s"),
                       number_text(case.number("speeds_cut"), ",.0f"), number_text(case.number("inverted_tets_most"), ".0f"),
+                      number_text(case.number("residual_worst"), ".2g"),
                       number_text(case.number("real_time_factor"), ".3g"), number_text(case.number("tick_real_time_factor"), ".3g"),
-                      case.note])
+                      time_text(case.number("setup_s")), memory_text(case), case.note])
     return lines
 
 
 def return_lines(cases):
-    lines = [["scene", "vertices", "return", "let go at", "until", "then", "left", "left of it", "half after", "a twentieth after", ""]]
+    lines = [["scene", "label", "vertices", "return", "let go at", "until", "then", "left", "left of it", "half after", "a twentieth after", ""]]
     for case in cases:
         for number, each in enumerate(returns_of(case), start=1):
             value = lambda name: figure(each, name)
-            lines.append([case.scene, number_text(case.vertices, ",.0f"), str(number), number_text(value("released_s"), ".3g", unit=" s"),
+            lines.append([case.scene, case.label, number_text(case.vertices, ",.0f"), str(number), number_text(value("released_s"), ".3g", unit=" s"),
                           number_text(value("end_s"), ".3g", unit=" s"), number_text(value("released_m"), ".3f", 1000, " mm"),
                           number_text(value("left_m"), ".3g", 1000, " mm"), number_text(value("error"), ".3g", 100, "%"),
                           number_text(value("half_s"), ".3g", unit=" s") or "not yet",
@@ -144,15 +157,17 @@ def rest_lines(cases):
 
 
 def tick_lines(cases):
-    lines = [["scene", "label", "precision", "threads", "vertices", "steps", "p50", "p99", "p99.9", "worst", "missed", "of", "force",
-              "reference", "its change", "off by", ""]]
+    lines = [["scene", "label", "precision", "threads", "vertices", "steps", "p50", "p99", "p99.9", "worst", "missed", "of", "left over", "force",
+              "reference", "its change", "off by", "set-up", "first tick", "memory", ""]]
     for case in cases:
         times = [tick_text(case.number(name)) for _, name in HOLDS]
-        lines.append([case.scene, case.label, str(case.option("precision")), str(case.option("engine_threads")), number_text(case.vertices, ",.0f"),
+        lines.append([case.scene, case.label, str(case.chosen("precision")), str(case.chosen("engine_threads")), number_text(case.vertices, ",.0f"),
                       number_text(case.number("steps_per_tick"), ".0f"), *times, number_text(case.number("ticks_missed"), ",.0f"),
-                      number_text(case.number("ticks"), ",.0f"), number_text(case.number("held_force_size_n"), ".4f", unit=" N"),
+                      number_text(case.number("ticks"), ",.0f"), number_text(case.number("residual_worst"), ".2g"),
+                      number_text(case.number("held_force_size_n"), ".4f", unit=" N"),
                       number_text(case.number("reference_force_size_n"), ".4f", unit=" N"),
-                      number_text(case.number("reference_force_change"), ".2f", 100, "%"), force_error_text(case), case.note])
+                      number_text(case.number("reference_force_change"), ".2f", 100, "%"), force_error_text(case),
+                      time_text(case.number("setup_s")), tick_text(case.number("first_tick_s")), memory_text(case), case.note])
     return lines
 
 
@@ -171,7 +186,7 @@ def largest_meshes(cases):
     """{(scene, label, precision, threads): {how: vertices or None}}: the last mesh before the first that misses the deadline."""
     found = {}
     for case in cases:
-        key = (case.scene, case.label, str(case.option("precision")), case.option("engine_threads"))
+        key = (case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads"))
         deadline = figure(case.record, "report", "tick_s")
         row = found.setdefault(key, {how: [None, True] for how, _ in HOLDS})
         for how, name in HOLDS:
@@ -193,14 +208,15 @@ def largest_lines(largest):
 def engine_text(found):
     parts = []
     if found.replays:
-        parts.append("Replayed (cut: vertices times steps whose speed was cut to the limit)\n\n" + pad_columns(replay_lines(found.replays)))
+        parts.append("Replayed (cut: vertices times steps whose speed was cut to the limit; left over: the largest share of the forces out of balance in a step, of "
+                     "integrators that iterate, where measured; set-up: model, loads and bound; memory: of the whole process)\n\n" + pad_columns(replay_lines(found.replays)))
     if any(returns_of(case) for case in found.replays):
         parts.append("Returns to rest (largest displacement of any vertex)\n\n" + pad_columns(return_lines(found.replays)))
     if found.rests:
         parts.append("At rest (the slowest decay falls to 1/e; watched: with one step each 5 ms, as the thesis's timer has it)\n\n" +
                      pad_columns(rest_lines(found.rests)))
     if found.ticks:
-        text = "Ticks of a haptic loop\n\n" + pad_columns(tick_lines(found.ticks))
+        text = "Ticks of a haptic loop\n\n" + pad_columns(tick_lines(found.ticks)) + TICK_NOTE
         if any(case.number("force_error") is not None for case in found.ticks):
             text += FORCE_NOTE
         parts.append(text)

@@ -15,7 +15,24 @@ from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5b3a00", "#222222"]
+MARKERS = ["o", "s", "v", "^", "D", "P", "*", "X"]
 DASHES = {1: "-", 2: "--"}
+PATTERNS = ["-", "--", "-.", ":"]
+MOST_PANELS_A_ROW = 6
+
+
+def numbered(items):
+    """(item, colour, how often the colours went round before it) of each."""
+    return [(item, COLORS[number % len(COLORS)], number // len(COLORS)) for number, item in enumerate(items)]
+
+
+def with_several_sizes(cases, key_of):
+    """The cases of keys that have more than one size of the mesh; all where no key has."""
+    sizes = {}
+    for case in cases:
+        sizes.setdefault(key_of(case), set()).add(case.vertices)
+    chosen = [case for case in cases if len(sizes[key_of(case)]) > 1]
+    return chosen or cases
 
 
 def read_motion(run, case):
@@ -43,9 +60,18 @@ def probe_sizes(motion):
     return [np.sqrt(sum(column(motion, f"probe_{number}_u{axis}_m") ** 2 for axis in "xyz")) for number in numbers]
 
 
-def name_of(case):
+def is_only(case, cases):
+    """Whether no other label replays its scene on the scene's own mesh before it."""
     vertices = case.option("vertices")
-    return f"{case.scene}, {vertices:,} vertices" if vertices else case.scene
+    same = [each for each in cases if each.scene == case.scene and not each.option("vertices")]
+    return not vertices and same[:1] == [case]
+
+
+def name_of(case, cases):
+    vertices = case.option("vertices")
+    size = f", {vertices:,} vertices" if vertices else ""
+    others = {each.label for each in cases if each.scene == case.scene and each.option("vertices") == vertices}
+    return f"{case.scene}{', ' + case.label if len(others) > 1 else ''}{size}"
 
 
 def shade_tools(ax, case):
@@ -65,15 +91,15 @@ def draw_returns(run, cases, folder):
     motions = [(case, motion) for case in cases if (motion := read_motion(run, case)) is not None]
     if not motions:
         return []
-    fig, grid = plt.subplots(2, 1, figsize=(7.4, 6.0), sharex=True)
+    fig, grid = plt.subplots(2, 1, figsize=(7.4 if len(motions) <= len(COLORS) else 10.4, 6.0), sharex=True)
     shade_tools(grid[0], motions[0][0])
     shade_tools(grid[1], motions[0][0])
-    for (case, motion), color in zip(motions, COLORS):
+    for (case, motion), color, turn in numbered(motions):
         time = column(motion, "time_s")
         for number, size in enumerate(probe_sizes(motion)):
             for ax in grid:
-                ax.plot(time, 1000 * np.maximum(size, 1e-12), "-" if number == 0 else ":", color=color, linewidth=1.3,
-                        label=name_of(case) if number == 0 else None)
+                ax.plot(time, 1000 * np.maximum(size, 1e-12), PATTERNS[turn % 3] if number == 0 else ":", color=color, linewidth=1.3,
+                        label=name_of(case, cases) if number == 0 else None)
     grid[0].set_title("The two points that are pushed (second one dotted); grey: a tool holds the organ", loc="left", color=INK)
     grid[1].set_yscale("log")
     grid[1].set_ylim(bottom=1e-6)
@@ -132,7 +158,7 @@ def problem_of(case):
     return f"{case.scene}/vertices={vertices}" if vertices else case.scene
 
 
-def draw_phases(run, case, folder):
+def draw_phases(run, case, cases, folder):
     """The organ in its phases, as the thesis's figures 4.6-4.14 have it; colours show how far each part is from rest."""
     motion = read_motion(run, case)
     if motion is None or not motion["frames"]:
@@ -158,8 +184,8 @@ def draw_phases(run, case, folder):
         draw_body(ax, mesh.points + field, faces, view, 1000 * np.linalg.norm(field, axis=1), norm)
         ax.set_title(title, fontsize=8, color=INK)
     fig.colorbar(ScalarMappable(norm, "viridis"), ax=list(grid.flat), label="from rest in mm")
-    set_title(fig, name_of(case), x=0.02, color=INK)
-    return save(fig, folder, file_name("phases", case.scene, case.label if case.option("vertices") else ""))
+    set_title(fig, name_of(case, cases), x=0.02, color=INK)
+    return save(fig, folder, file_name("phases", case.scene, "" if is_only(case, cases) else case.label))
 
 
 def draw_margins(cases, folder):
@@ -173,8 +199,8 @@ def draw_margins(cases, folder):
     if not curves:
         return []
     fig, ax = plt.subplots(figsize=(5.6, 3.6))
-    for ((scene, label), points), color in zip(curves.items(), COLORS):
-        ax.plot([x for x, _ in points], [y for _, y in points], "o-", color=color, linewidth=1.4, label=f"{scene}, {label}")
+    for ((scene, label), points), color, turn in numbered(curves.items()):
+        ax.plot([x for x, _ in points], [y for _, y in points], MARKERS[turn % len(MARKERS)] + "-", color=color, linewidth=1.4, label=f"{scene}, {label}")
     ax.axhline(1.0, color=INK, linewidth=0.8)
     ax.annotate("below: unstable", (0.01, 1.0), xycoords=("axes fraction", "data"), xytext=(0, -10), textcoords="offset points", fontsize=8,
                 color=FAINT)
@@ -189,7 +215,7 @@ def draw_margins(cases, folder):
 
 
 def setting_of(case):
-    return case.label, str(case.option("precision")), case.option("engine_threads")
+    return case.label, str(case.chosen("precision")), case.chosen("engine_threads")
 
 
 def setting_text(setting):
@@ -212,8 +238,8 @@ def draw_budget(cases, folder):
     fig, grid = plt.subplots(1, 3, figsize=(10.2, 3.8), sharey=True)
     deadline = next((value for case in cases if (value := figure(case.record, "report", "tick_s")) is not None), None)
     for ax, (title, name) in zip(grid, [("median", "tick_p50_s"), ("99.9% of the ticks", "tick_p99_9_s"), ("worst", "tick_worst_s")]):
-        for (setting, points), color in zip(curves_of_ticks(cases, name).items(), COLORS):
-            ax.plot([x for x, _ in points], [1000 * y for _, y in points], "o" + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
+        for (setting, points), color, turn in numbered(curves_of_ticks(cases, name).items()):
+            ax.plot([x for x, _ in points], [1000 * y for _, y in points], MARKERS[turn % len(MARKERS)] + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
                     markersize=4, label=setting_text(setting))
         if deadline is not None:
             ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
@@ -223,7 +249,7 @@ def draw_budget(cases, folder):
         ax.set_xlabel("vertices")
         ax.grid(axis="both")
     grid[0].set_ylabel("time of a tick in ms")
-    grid[0].legend(fontsize=8)
+    grid[2].legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     fig.tight_layout()
     return save(fig, folder, "budget")
 
@@ -234,7 +260,11 @@ def draw_distribution(cases, folder):
     settings = sorted({setting_of(case) for case in chosen})
     if not settings:
         return []
-    fig, grid = plt.subplots(1, len(settings), figsize=(max(4.6, 3.4 * len(settings)), 3.8), sharey=True, squeeze=False)
+    wide = min(len(settings), MOST_PANELS_A_ROW)
+    high = -(-len(settings) // wide)
+    fig, grid = plt.subplots(high, wide, figsize=(max(4.6, 3.4 * wide), 3.8 * high), sharey=True, squeeze=False)
+    for ax in grid.flat[len(settings):]:
+        ax.set_visible(False)
     for ax, setting in zip(grid.flat, settings):
         own = [case for case in chosen if setting_of(case) == setting]
         for number, case in enumerate(own):
@@ -251,15 +281,16 @@ def draw_distribution(cases, folder):
         ax.set_title(setting_text(setting), loc="left", color=INK)
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
-    grid[0][0].set_ylabel("share of ticks that take longer")
-    grid[0][-1].legend(fontsize=7, title="vertices", loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        ax.legend(fontsize=6, title="vertices", title_fontsize=6, loc="lower left")
+    for row in grid:
+        row[0].set_ylabel("share of ticks that take longer")
     fig.tight_layout()
     return save(fig, folder, "tick_times")
 
 
 def draw_largest(cases, folder):
     """The largest mesh that holds the deadline, setting by setting; what holds on none is zero."""
-    largest = largest_meshes(cases)
+    largest = largest_meshes(with_several_sizes(cases, setting_of))
     fig, ax = plt.subplots(figsize=(max(5.0, 1.5 * len(largest) + 1.5), 3.6))
     width = 0.8 / len(HOLDS)
     for number, (how, _) in enumerate(HOLDS):
@@ -284,12 +315,13 @@ def draw_force(cases, folder):
     """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
     names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
     points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
-                     for case in cases if case.option("engine_threads") == 1 and case.number("force_error") is not None}, key=str)
+                     for case in with_several_sizes([each for each in cases if each.chosen("engine_threads") == 1 and each.number("force_error") is not None],
+                                                    lambda each: each.scene)}, key=str)
     scenes = sorted({point[0] for point in points})
     if len(points) < 2:
         return []
     fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
-    for scene, color in zip(scenes, COLORS):
+    for scene, color, _ in numbered(scenes):
         chosen = sorted(point[1:] for point in points if point[0] == scene)
         size, own, other, error, change = (np.array(values) for values in zip(*chosen))
         suffix = f", {scene}" if len(scenes) > 1 else ""
@@ -318,7 +350,7 @@ def draw_charts(run, found, folder):
     with plt.rc_context(STYLE):
         drawn += draw_returns(run, found.replays, folder)
         for case in found.replays:
-            drawn += draw_phases(run, case, folder)
+            drawn += draw_phases(run, case, found.replays, folder)
         drawn += draw_margins(found.rests, folder)
         if found.ticks:
             drawn += draw_budget(found.ticks, folder) + draw_distribution(found.ticks, folder)

@@ -17,8 +17,8 @@ def scaled(value, factor):
 
 def name_of(case):
     """Scene, label, and the options that tell cases of a label apart."""
-    threads = case.option("engine_threads")
-    more = [f"{case.vertices:,.0f} vertices" if case.vertices else "", str(case.option("precision") or ""), f"{threads} thread{'s' if threads != 1 else ''}" if threads else ""]
+    threads = case.chosen("engine_threads")
+    more = [f"{case.vertices:,.0f} vertices" if case.vertices else "", str(case.chosen("precision") or ""), f"{threads} thread{'s' if threads != 1 else ''}" if threads else ""]
     return ", ".join([case.scene, case.label, *(text for text in more if text)])
 
 
@@ -98,7 +98,7 @@ def history_chart(run, found):
 
 
 def tick_chart(found):
-    rows = [{"name": f"{case.label}, {case.option('precision')}, {case.option('engine_threads')} thread{'s' if case.option('engine_threads') != 1 else ''}", "scene": case.scene,
+    rows = [{"name": f"{case.label}, {case.chosen('precision')}, {case.chosen('engine_threads')} thread{'s' if case.chosen('engine_threads') != 1 else ''}", "scene": case.scene,
              "vertices": case.vertices, "how": how, "time": case.number(key), "missed": case.number("ticks_missed"), "ticks": case.number("ticks"),
              "case": case.record.get("case"), "note": case.note} for case in found.ticks for how, key in HOLDS if case.number(key) and case.vertices]
     deadline = next((value for case in found.ticks if (value := figure(case.record, "report", "tick_s")) is not None), None)
@@ -124,18 +124,20 @@ def margin_chart(found):
 
 
 def replay_table(cases):
-    columns = [Column("scene"), Column("label"), Column("vertices"), Column("engine"), Column("step", "ms"), Column("margin", digits=3), Column("peak speed", "m/s", 3), Column("speeds cut"),
-               Column("inverted at most"), Column("simulated over wall", digits=3), Column("one step a 5 ms tick", digits=3), Column("note")]
-    rows = [[case.scene, case.label, case.vertices, str(case.told("engine") or ""), scaled(case.told("time_step_s"), MILLI), case.number("stability_margin"),
-             case.number("peak_speed_m_s"), case.number("speeds_cut"), case.number("inverted_tets_most"), case.number("real_time_factor"),
-             case.number("tick_real_time_factor"), case.note] for case in cases]
-    return Table("Replayed", columns, rows, file="tables/replays.csv", note="speeds cut: vertices times steps whose speed was cut to the limit.")
+    columns = [Column("scene"), Column("label"), Column("vertices"), Column("engine"), Column("integrator"), Column("step", "ms"), Column("margin", digits=3), Column("peak speed", "m/s", 3),
+               Column("speeds cut"), Column("inverted at most"), Column("left over", digits=2), Column("simulated over wall", digits=3), Column("one step a 5 ms tick", digits=3),
+               Column("set-up", "s", 3), Column("memory", "MB", 3), Column("note")]
+    rows = [[case.scene, case.label, case.vertices, str(case.told("engine") or ""), str(case.told("integrator") or ""), scaled(case.told("time_step_s"), MILLI), case.number("stability_margin"),
+             case.number("peak_speed_m_s"), case.number("speeds_cut"), case.number("inverted_tets_most"), case.number("residual_worst"), case.number("real_time_factor"),
+             case.number("tick_real_time_factor"), case.number("setup_s"), scaled(figure(case.record, "peak_rss_bytes"), 1e-6), case.note] for case in cases]
+    return Table("Replayed", columns, rows, file="tables/replays.csv",
+                 note="speeds cut: vertices times steps whose speed was cut to the limit; left over: the largest share of the forces out of balance in a step, where measured.")
 
 
 def return_table(cases):
-    columns = [Column("scene"), Column("vertices"), Column("return"), Column("let go at", "s"), Column("until", "s"), Column("then", "mm"), Column("left", "mm"), Column("left of it", "%", 3),
+    columns = [Column("scene"), Column("label"), Column("vertices"), Column("return"), Column("let go at", "s"), Column("until", "s"), Column("then", "mm"), Column("left", "mm"), Column("left of it", "%", 3),
                Column("half after", "s", 3), Column("a twentieth after", "s", 3)]
-    rows = [[case.scene, case.vertices, number, figure(each, "released_s"), figure(each, "end_s"), scaled(figure(each, "released_m"), MILLI), scaled(figure(each, "left_m"), MILLI),
+    rows = [[case.scene, case.label, case.vertices, number, figure(each, "released_s"), figure(each, "end_s"), scaled(figure(each, "released_m"), MILLI), scaled(figure(each, "left_m"), MILLI),
              scaled(figure(each, "error"), 100.0), figure(each, "half_s"), figure(each, "twentieth_s")] for case in cases for number, each in enumerate(returns_of(case), start=1)]
     return Table("Returns to rest, by the largest displacement of any vertex", columns, rows, file="tables/returns.csv", note="Empty: not yet.")
 
@@ -149,11 +151,13 @@ def rest_table(cases):
 
 def tick_table(cases):
     columns = [Column("scene"), Column("label"), Column("precision"), Column("threads"), Column("vertices"), Column("steps a tick"), *(Column(how, "ms", 3) for how in ("p50", "p99", "p99.9", "worst")),
-               Column("missed"), Column("of"), Column("force", "N"), Column("reference", "N"), Column("its change", "%", 3), Column("off by", "%", 3), Column("note")]
-    rows = [[case.scene, case.label, str(case.option("precision")), case.option("engine_threads"), case.vertices, case.number("steps_per_tick"),
-             *(scaled(case.number(name), MILLI) for _, name in HOLDS), case.number("ticks_missed"), case.number("ticks"), case.number("held_force_size_n"),
-             case.number("reference_force_size_n"), scaled(case.number("reference_force_change"), 100.0), scaled(case.number("force_error"), 100.0), case.note] for case in cases]
-    return Table("Ticks of a haptic loop", columns, rows, file="tables/ticks.csv", note="reference: the pad's force by finite elements; its change: by their last refinement.")
+               Column("missed"), Column("of"), Column("left over", "", 2), Column("force", "N"), Column("reference", "N"), Column("its change", "%", 3), Column("off by", "%", 3),
+               Column("set-up", "s", 3), Column("first tick", "ms", 3), Column("memory", "MB", 3), Column("note")]
+    rows = [[case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads"), case.vertices, case.number("steps_per_tick"),
+             *(scaled(case.number(name), MILLI) for _, name in HOLDS), case.number("ticks_missed"), case.number("ticks"), case.number("residual_worst"), case.number("held_force_size_n"),
+             case.number("reference_force_size_n"), scaled(case.number("reference_force_change"), 100.0), scaled(case.number("force_error"), 100.0), case.number("setup_s"),
+             scaled(case.number("first_tick_s"), MILLI), scaled(figure(case.record, "peak_rss_bytes"), 1e-6), case.note] for case in cases]
+    return Table("Ticks of a haptic loop", columns, rows, file="tables/ticks.csv", note="left over: the largest share of the forces out of balance in a step, where measured; reference: the pad's force by finite elements; its change: by their last refinement; set-up: to the first tick; memory: of the process.")
 
 
 def largest_table(found):

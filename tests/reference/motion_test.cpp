@@ -169,6 +169,81 @@ TEST_F(ExtremeRunTest, TetrahedraInThePlaceOfSprings) {
       InputError);
 }
 
+TEST_F(ExtremeRunTest, ContinuaOnTheTetEngineKeepTheirPredictedStep) {
+  for (const char* law : {"linear", "corotated", "neo_hookean", "stable_neo_hookean"}) {
+    for (const char* smoothing : {"none", "edge_node"}) {
+      SCOPED_TRACE(std::string(law) + " " + smoothing);
+      for (const char* method : {"motion.tets_double", "motion.tets_float", "motion.symplectic_euler"}) {
+        const json out = report(method, {{"tets", law},
+                                         {"smoothing", smoothing},
+                                         {"poisson_ratio", 0.4},
+                                         {"damping", "stiffness"},
+                                         {"steps", 300}});
+        EXPECT_NEAR(out.at("measured_over_predicted").get<double>(), 1.0, 0.02) << method;
+        const auto& first = out.at("runs")[0].at("outcome");
+        EXPECT_TRUE(first == "steady" || first == "oscillating") << method << ": " << first;
+        EXPECT_TRUE(out.at("runs")[3].at("outcome") == "diverged" ||
+                    out.at("runs")[3].at("outcome") == "non_finite" ||
+                    out.at("runs")[3].at("outcome") == "energy_growing")
+            << method << out.at("runs")[3].at("outcome");
+      }
+    }
+  }
+  EXPECT_THAT(error("motion.tets_float", json::object()), HasSubstr("strain energies"));
+  EXPECT_THAT(error("motion.tets_float", {{"smoothing", "edge_node"}}), HasSubstr("none without tets"));
+}
+
+TEST_F(ExtremeRunTest, DampingOfTetrahedraKnowsNoFactorOfTheStiffness) {
+  const BodyModel tets{"uniform", "none", "linear"};
+  const auto damping_of = [&](double factor) {
+    const BuiltBody body =
+        build_extreme_body(make_task({{"damping", "stiffness"}, {"stiffness_factor", factor}}), tets);
+    return body.model.strain_damping_s * body.model.elastic.strain_terms[0].moduli.mu_pa;
+  };
+  EXPECT_NEAR(damping_of(1e3), damping_of(1.0), 1e-12 * damping_of(1.0));
+}
+
+TEST_F(ExtremeRunTest, ModesHaveNoLongestStep) {
+  for (const char* damping : {"none", "stiffness", "mass"}) {
+    SCOPED_TRACE(damping);
+    const json out = report("motion.modal", {{"tets", "linear"}, {"damping", damping}, {"steps", 200}});
+    EXPECT_TRUE(out.at("predicted_step_s").is_null());
+    EXPECT_TRUE(out.at("measured_step_s").is_null());
+    EXPECT_GT(out.at("measured_stable_s").get<double>(),
+              10.0 * out.at("symplectic_row_sum_step_s").get<double>());
+    for (const json& run : out.at("runs")) {
+      const auto& ending = run.at("outcome");
+      EXPECT_TRUE(ending == "steady" || ending == "oscillating") << run.dump();
+    }
+  }
+  // Short steps see the energy swing too, and none comes in.
+  for (const double factor : {1e-3, 1e-2, 0.1, 10.0}) {
+    const json out = report(
+        "motion.modal",
+        {{"tets", "linear"}, {"damping", "none"}, {"task", "run"}, {"steps", 300}, {"step_factor", factor}});
+    const json& run = out.at("runs")[0];
+    EXPECT_EQ(run.at("outcome"), "oscillating") << factor;
+    EXPECT_NEAR(run.at("energy_most_j").get<double>(), run.at("energy_start_j").get<double>(),
+                1e-9 * run.at("energy_start_j").get<double>())
+        << factor;
+  }
+  const json heavy = report(
+      "motion.modal", {{"tets", "linear"}, {"damping", "stiffness"}, {"mass_ratio", 1e6}, {"steps", 200}});
+  for (const json& run : heavy.at("runs")) EXPECT_NE(run.at("outcome"), "energy_growing");
+  EXPECT_THAT(error("motion.modal", json::object()), HasSubstr("tets: expected linear"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "corotated"}, {"damping", "none"}}),
+              HasSubstr("tets: expected linear"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "linear"}, {"smoothing", "edge_node"}, {"damping", "none"}}),
+              HasSubstr("tets: expected linear"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "linear"}, {"damping", "drag"}}), HasSubstr("damping"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "linear"}, {"damping", "mass"}, {"mass_ratio", 2.0}}),
+              HasSubstr("mass_ratio"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "linear"}, {"damping", "none"}, {"held", "none"}}),
+              HasSubstr("held"));
+  EXPECT_THAT(error("motion.modal", {{"tets", "linear"}, {"damping", "none"}, {"regime", "large"}}),
+              HasSubstr("modes are linear"));
+}
+
 TEST_F(ExtremeRunTest, StepsWithoutASolutionAreCounted) {
   const json out = report("motion.prefactored", {{"task", "run"}, {"steps", 10}, {"step_factor", 100.0}});
   EXPECT_EQ(out.at("runs")[0].at("steps_unsolved"), 10);

@@ -140,6 +140,21 @@ struct ModalPhase::Parts {
     return w;
   }
 
+  /// In N; w, speed and acceleration are amounts().
+  Eigen::Vector3d force_of(std::size_t g, const Vector& w, const Vector& speed,
+                           const Vector& acceleration) const {
+    const Vector s = w.tail(signed_index(groups.size()));
+    const GroupParts& part = parts[g];
+    Eigen::Vector3d force = s[signed_index(g)] * part.at - part.pulls * w;
+    if (part.holds) {
+      const double alpha = options.damping_mass_per_s;
+      const double beta = options.damping_stiffness_s;
+      force += part.held_mass * (acceleration + alpha * speed) + part.held_stiffness * (w + beta * speed) +
+               part.held_supports * w - part.held_loads * s;
+    }
+    return force;
+  }
+
   void build(const ElementMatrices& body, int order, const FactorMaker& make_factor);
   void build_system(const Matrix& stiff, const Matrix& participation);
   void build_measures(int order, const Matrix& massive, const Matrix& stiff,
@@ -305,18 +320,16 @@ ModalMeasure ModalPhase::measure() const {
   out.kinetic_j = 0.5 * speed.dot(p.kinetic * speed);
   out.elastic_j = 0.5 * w.dot(p.elastic * w);
   out.load_j = 0.5 * w.dot(p.supports * w) - w.dot(p.linear * s) + 0.5 * s.cwiseProduct(s).dot(p.squares);
-  for (std::size_t g = 0; g < p.groups.size(); ++g) {
-    const GroupParts& part = p.parts[g];
-    Eigen::Vector3d force = s[signed_index(g)] * part.at - part.pulls * w;
-    if (part.holds) {
-      const double alpha = p.options.damping_mass_per_s;
-      const double beta = p.options.damping_stiffness_s;
-      force += part.held_mass * (acceleration + alpha * speed) + part.held_stiffness * (w + beta * speed) +
-               part.held_supports * w - part.held_loads * s;
-    }
-    out.group_force_n.push_back(to_vec3(force));
-  }
+  for (std::size_t g = 0; g < p.groups.size(); ++g)
+    out.group_force_n.push_back(to_vec3(p.force_of(g, w, speed, acceleration)));
   return out;
+}
+
+Vec3 ModalPhase::group_force(std::size_t group) const {
+  const Parts& p = *parts_;
+  require(group < p.groups.size(), "a group of loads");
+  const auto [w, speed, acceleration] = p.amounts();
+  return to_vec3(p.force_of(group, w, speed, acceleration));
 }
 
 Vec3 ModalPhase::displacement_of(Index node) const {

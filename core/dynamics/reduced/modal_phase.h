@@ -71,6 +71,8 @@ class ModalPhase {
   void advance(double step_s, double time_s);
 
   ModalMeasure measure() const;
+  /// The force of one group on the body, as measure() has it, for a small part of the work.
+  Vec3 group_force(std::size_t group) const;
   Vec3 displacement_of(Index node) const;
   NodeState state() const;
   /// Of the modes, in Hz, rising.

@@ -33,7 +33,10 @@ constexpr std::array kReported{"peak_speed_m_s",
                                "tick_p99_9_s",
                                "tick_worst_s",
                                "ticks",
-                               "ticks_missed"};
+                               "ticks_missed",
+                               "setup_s",
+                               "first_tick_s",
+                               "residual_worst"};
 
 /// One file; messages name it.
 class EngineFile {

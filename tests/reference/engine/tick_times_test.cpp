@@ -4,7 +4,9 @@
 
 #include <numeric>
 
+#include "core/base/error.h"
 #include "core/dynamics/spring_engine/plain_engine.h"
+#include "core/dynamics/tet_engine/tet_engine.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"
@@ -43,28 +45,72 @@ dynamics::MotionModel pressed() {
   return make_pressed_body(build_kuhn_cube(3, 0.2, 5), 0.02);
 }
 
-TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
-  const dynamics::MotionModel model = pressed();
+/// Twenty ticks of four steps, five before them, the force of group 1.
+TickOptions short_loop(EngineChoice engine) {
   TickOptions options;
   options.steps_per_tick = 4;
   options.loop.ticks = 20;
   options.loop.warm_ticks = 5;
+  options.engine = engine;
   options.single_precision = false;
   options.tool = 1;
+  return options;
+}
+
+template <typename Engine>
+void expect_engine_ticks(const dynamics::MotionModel& model, EngineChoice kind) {
+  TickOptions options = short_loop(kind);
   const TickRun run = run_ticks(model, options);
   EXPECT_FALSE(run.diverged);
   EXPECT_EQ(run.seconds.size(), 20U);
   for (const double s : run.seconds) EXPECT_GT(s, 0.0);
+  EXPECT_GT(run.first_tick_s, 0.0);
   ASSERT_EQ(run.force_n.size(), 25U);
-  dynamics::PlainEngine<double> engine(model, {});
+  Engine engine(model, {});
   for (const Vec3& force : run.force_n) {
     engine.step(1e-3 / 4.0, 4);
     EXPECT_EQ(force, engine.group_forces()[1]);
   }
   EXPECT_EQ(hash_state(run.state), hash_state(engine.state()));
-  options.threads = 2;
+  options.integrator.threads = 2;
   options.loop.paced = true;
   EXPECT_EQ(run_ticks(model, options).force_n, run.force_n);
+}
+
+TEST(TickTimes, ATickIsItsStepsAndTheForceOfTheTool) {
+  expect_engine_ticks<dynamics::PlainEngine<double>>(pressed(), EngineChoice::kPlain);
+}
+
+TEST(TickTimes, TheTetEngineTicksAsThePlainOne) {
+  const TetMesh mesh = build_kuhn_cube(3, 0.2, 5);
+  for (const auto law : {dynamics::StrainLaw::kCorotated, dynamics::StrainLaw::kNeoHookean}) {
+    expect_engine_ticks<dynamics::TetEngine<double>>(
+        make_continuum(make_pressed_body(mesh, 0.02), mesh, Continuum::kTets, law), EngineChoice::kTets);
+  }
+}
+
+TEST(TickTimes, TheGeneralEngineGivesTheForceAtTheEndOfATick) {
+  const dynamics::MotionModel model = pressed();
+  for (const dynamics::IntegratorKind kind : dynamics::kIntegrators) {
+    if (kind == dynamics::IntegratorKind::kExplicitEuler) continue;
+    TickOptions options = short_loop(EngineChoice::kGeneral);
+    options.integrator.kind = kind;
+    const TickRun run = run_ticks(model, options);
+    const char* name = dynamics::integrator_name(kind);
+    EXPECT_FALSE(run.diverged) << name;
+    ASSERT_EQ(run.force_n.size(), 25U) << name;
+    dynamics::Integrator own(model, options.integrator);
+    dynamics::MotionState state = start_at_rest(model);
+    std::uint64_t unsolved = 0;
+    for (const Vec3& force : run.force_n) {
+      for (int k = 0; k < 4; ++k) unsolved += own.step(state, 1e-3 / 4.0).solved ? 0 : 1;
+      EXPECT_EQ(force, own.forces().group_forces(state)[1]) << name;
+    }
+    EXPECT_EQ(run.steps_unsolved, unsolved) << name;
+    EXPECT_EQ(hash_state(run.state), hash_state(state)) << name;
+    options.integrator.threads = 2;
+    EXPECT_EQ(run_ticks(model, options).force_n, run.force_n) << name;
+  }
 }
 
 TEST(TickTimes, ABodyThatFliesApartEndsTheRun) {
@@ -73,9 +119,22 @@ TEST(TickTimes, ABodyThatFliesApartEndsTheRun) {
   options.loop.ticks = 500;
   options.loop.warm_ticks = 0;
   options.tool = 1;
-  const TickRun run = run_ticks(pressed(), options);
-  EXPECT_TRUE(run.diverged);
-  EXPECT_LT(run.seconds.size(), 500U);
+  for (const EngineChoice engine : {EngineChoice::kPlain, EngineChoice::kGeneral}) {
+    options.engine = engine;
+    options.single_precision = engine == EngineChoice::kPlain;
+    const TickRun run = run_ticks(pressed(), options);
+    EXPECT_TRUE(run.diverged);
+    EXPECT_LT(run.seconds.size(), 500U);
+    EXPECT_EQ(run.force_n.size(), run.seconds.size());
+  }
+}
+
+TEST(TickTimes, SinglePrecisionOnTheGeneralEngineIsAFault) {
+  TickOptions options = short_loop(EngineChoice::kGeneral);
+  options.single_precision = true;
+  EXPECT_THROW(run_ticks(pressed(), options), ContractError);
+  options.engine = EngineChoice::kAuto;
+  EXPECT_THROW(run_ticks(pressed(), options), ContractError);
 }
 
 }  // namespace
