@@ -89,7 +89,8 @@ export class OrganView {
     this.canvas = document.createElement("canvas");
     this.canvas.className = "organ-canvas";
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-roledescription", "3D view");
     this.canvas.setAttribute("aria-label", `${options.label ?? "Organ"}, in 3D. Arrow keys turn it, plus and minus come nearer and go away, 0 looks as at first.`);
     this.renderer = openRenderer(this.canvas);
     this.isSmoothed = this.renderer.getContextAttributes()?.antialias === true;
