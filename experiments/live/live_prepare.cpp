@@ -178,12 +178,12 @@ LiveBodyData prepare_live(const LiveWish& wish, const Registry& registry) {
   out.pad_pa_per_m = out.material.young_modulus_pa / kPadDepthM;
   out.levels.push_back({0.0, found.mesh, holding_of(placed, found.mesh), {}});
   add_levels({0.3, 0.5, 0.7}, out);
-  choose_start(placed, registry, out);
   if (wish.with_table) {
     make_live_table(registry, out);
   } else {
     out.no_table = "it was not asked for";
   }
+  choose_start(placed, registry, out);
   return out;
 }
 

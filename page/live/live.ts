@@ -114,17 +114,17 @@ class Stage {
 
   private colour(displacement: Float32Array, answer: Float32Array, hasAnswer: boolean, wishes: Wishes): number | null {
     const { largest, relative } = compareSkins(displacement, answer, this.vertices!, this.distance);
-    if (!wishes.coloursError) {
+    if (!wishes.coloursError || !hasAnswer) { // nobody presses: there is nothing to differ from
       if (this.scaleEnd > 0) this.own.setScalars(null);
       this.scaleEnd = 0;
       return hasAnswer ? relative : null;
     }
-    const millimetres = hasAnswer ? this.distance.map((x) => 1000 * x) : new Float32Array(this.distance.length);
-    const end = hasAnswer && largest > 0 ? Math.max(0.01, roundUp(1000 * ERROR_SHARE * largest)) : this.scaleEnd || 0.1;
+    const millimetres = this.distance.map((x) => 1000 * x);
+    const end = largest > 0 ? Math.max(0.01, roundUp(1000 * ERROR_SHARE * largest)) : this.scaleEnd || 0.1;
     if (end !== this.scaleEnd) this.own.setScalars({ values: millimetres, on: "vertex", name: "difference", unit: "mm", range: [0, end] });
     else this.own.updateScalarValues(millimetres);
     this.scaleEnd = end;
-    return hasAnswer ? relative : null;
+    return relative;
   }
 }
 
@@ -159,7 +159,7 @@ class LivePage {
       released: () => this.release(),
       reset: () => this.send({ type: "reset" }),
     });
-    side.append(this.readouts.list, this.controls.panel);
+    side.append(this.readouts.list, this.readouts.status, this.controls.panel);
     if (body.notes.length > 0) {
       const notes = add(side, "ul", "live-notes");
       for (const note of body.notes) add(notes, "li", "", note);
