@@ -57,6 +57,7 @@ json pack_level(const LiveLevel& level, Packer& packer) {
            {"spring_ends", packer.add_flat<std::uint32_t>("u32", level.springs.springs)},
            {"spring_rest_m", packer.add("f64", level.springs.rest_length_m)},
            {"spring_n_per_m", packer.add("f64", level.springs.stiffness_n_per_m)},
+           {"given_number", packer.add("u32", level.given_number)},
            {"supports", json::array()},
            {"held", json::array()}};
   for (const ElasticSupport& support : level.holding.supports)

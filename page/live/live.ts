@@ -39,7 +39,8 @@ class Stage {
   touched: number | null = null;
   broken: number | null = null;
 
-  constructor(box: HTMLElement, readonly vertices: Uint32Array | null, points: Float64Array, tets: Uint32Array, wishes: Wishes, title: string) {
+  /** `givenNumber`: of each vertex in the reader's own mesh, or empty. */
+  constructor(box: HTMLElement, readonly vertices: Uint32Array | null, points: Float64Array, tets: Uint32Array, readonly givenNumber: Uint32Array, wishes: Wishes, title: string) {
     this.rest = Float32Array.from(points);
     this.positions = this.rest.slice();
     this.otherPositions = this.rest.slice();
@@ -195,7 +196,7 @@ class LivePage {
     const whole = f64(this.bytes, this.body.levels[0]!.points);
     const vertices = this.body.table ? matchVertices(points, whole, tableVertices(this.body, this.bytes)) : null;
     const model = { springs: "Springs", smoothed: "Smoothed elements", reduced: "Table of compliances: at rest, small strain" }[this.wishes.config.model];
-    this.stage = new Stage(this.box, vertices, points, u32(this.bytes, level.tets), this.wishes, `${model}, ${(points.length / 3).toLocaleString("en")} vertices`);
+    this.stage = new Stage(this.box, vertices, points, u32(this.bytes, level.tets), u32(this.bytes, level.given_number), this.wishes, `${model}, ${(points.length / 3).toLocaleString("en")} vertices`);
     this.finger = new Finger(this.stage.own, () => this.wishes, { 
       press: (vertex, by) => this.press(vertex, by),
       move: (by) => this.send({ type: "aim", by, speedMS: FINGER_M_S }),
@@ -275,7 +276,7 @@ class LivePage {
   private showNumbers(numbers: LiveNumbers, stage: Stage): void {
     this.force = numbers.forceN;
     stage.broken = numbers.isBroken || numbers.inverted > 0 ? numbers.vertex : null;
-    this.readouts.showNumbers(numbers);
+    this.readouts.showNumbers({ ...numbers, vertex: numbers.vertex === null ? null : (stage.givenNumber[numbers.vertex] ?? numbers.vertex) });
   }
 
   private press(vertex: number, by: Vector): void {

@@ -112,7 +112,7 @@ function optionsOf(chart: ChartData, panel: Panel, width: number, domains: { x?:
     type: axis.log ? "log" : "linear",
     ...(domain ? { domain } : {}),
     label: axisTitle(axis),
-    nice: !axis.log,
+    nice: !axis.log && !(chart.kind === "lines" && axis === chart.x),
     grid: !axis.log,
     ...(axis.log ? { axis: null } : wholeTicks(panel.rows, axis, domain)), // drawn by logAxis
   });
@@ -140,10 +140,10 @@ function axisTitle(axis: AxisData): string {
   return axis.unit ? `${axis.title}, ${axis.unit}` : axis.title;
 }
 
-/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at all digits) between them where there is room. */
+/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at more digits) between them where there is room. */
 function logTicks([low, high]: Range): number[] {
   const decades = Math.log10(high / low);
-  const digits = decades < 0.7 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 2.5 ? [1, 2, 5] : [1];
+  const digits = decades < 0.35 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 0.7 ? [1, 2, 3, 5, 7] : decades < 2.5 ? [1, 2, 5] : [1];
   const every = Math.ceil(decades / 7);
   const found: number[] = [];
   for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
@@ -184,6 +184,7 @@ function rangeOf(chart: ChartData, rows: Row[], axis: AxisData): Range | undefin
   if (low > high) return undefined;
   if (chart.kind === "bars") return isX ? [low, high] : [Math.min(0, low), high * 1.05 || 1];
   if (axis.log) return low === high ? [low / 2, high * 2] : [low / 1.15, high * 1.15];
+  if (isX && chart.kind === "lines") return low < high ? [low, high] : [low - 1, high + 1]; // a history ends where it ends
   const room = 0.05 * (high - low) || 0.1 * Math.abs(high) || 1;
   return [low >= 0 && low < room ? 0 : low - room, high + room]; // what is never below zero has no axis there
 }

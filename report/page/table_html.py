@@ -29,9 +29,8 @@ def cell(value, column, is_first):
     if is_number(value):
         return tag("td", number_text(value, column.digits), class_="number", data_value=repr(value))
     text = "" if value is None or (isinstance(value, float) and not math.isfinite(value)) else "yes" if value is True else "no" if value is False else value
-    if is_first:
-        return tag("th", text, scope="row")
-    return tag("td", text, class_="long") if len(str(text)) > LONG_TEXT else tag("td", text)
+    long = "long" if len(str(text)) > LONG_TEXT else None
+    return tag("th", text, scope="row", class_=long) if is_first else tag("td", text, class_=long)
 
 
 def rows_within(table, cells):

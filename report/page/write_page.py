@@ -175,7 +175,7 @@ def page_html(run, parts, scripts, failed=()):
 
 def verdict_html(run, parts, failed):
     more = [tag("p", f"Required, and does not hold: {what}.") for what in failed]
-    notes = [tag("p", note[:1].upper() + note[1:], class_="warning") for note in run.notes]
+    notes = [tag("p", note[:1].upper() + note[1:] + ("" if note.endswith((".", "!", "?")) else "."), class_="warning") for note in run.notes]
     return join([tag("div", tag("p", parts.verdict), *more, class_=f"verdict {parts.state}"), *notes])
 
 

@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -18,6 +19,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/judging/judge_record.h"
 #include "experiments/live/live_page.h"
 #include "experiments/live/live_prepare.h"
 #include "experiments/live/live_request.h"
@@ -52,7 +54,7 @@ TEST(LivePage, TextsInScriptsCannotEndThem) {
 /// Arrays come back from the bytes where the description says.
 TEST(LivePage, PackedArraysAreWhereTheDescriptionSays) {
   LiveBodyData body;
-  body.levels.push_back({0.0, build_kuhn_cube(2, 0.1, 3), {}, {}});
+  body.levels.push_back({0.0, build_kuhn_cube(2, 0.1, 3), {}, {}, {}});
   LiveLevel& level = body.levels.front();
   level.springs = {{{0, 1}, {0, 2}, {1, 2}}, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   level.holding.supports.push_back({{{{0, 1, 2}}, {0.25}}, 1e6, {}});
@@ -110,6 +112,40 @@ TEST(LivePrepare, LevelsShareSkinAndSupports) {
     for (const Edge& ends : level.springs.springs) EXPECT_LT(ends[1], level.mesh.points.size());
   }
   EXPECT_EQ(body.no_table, "it was not asked for");
+}
+
+/// Whatever order the vertices of a body have, it is still the same body, and each knows its number.
+TEST(LivePrepare, VerticesKnowTheirNumbersInTheMeshThatWasGiven) {
+  const test::ScratchFolder folder;
+  TetMesh cube = build_kuhn_cube(5, 0.2, 3);
+  for (Vec3& p : cube.points) p = 0.06 * p;
+  write_medit(folder.path() / "cube.mesh", cube);
+  LiveWish wish;
+  wish.source = folder.path() / "cube.mesh";
+  wish.unit_m = 1.0;
+  wish.with_table = false;
+  const LiveBodyData body = prepare_live(wish, load_registry());
+  const LiveLevel& whole = body.levels.front();
+  ASSERT_EQ(whole.given_number.size(), cube.points.size());
+  const auto sorted = [](const TetMesh& mesh, const auto& number) {
+    std::vector<Tet> tets = mesh.tets;
+    for (Tet& tet : tets) {
+      for (Index& v : tet) v = number(v);
+      std::sort(tet.begin(), tet.end());
+    }
+    std::sort(tets.begin(), tets.end());
+    return tets;
+  };
+  EXPECT_EQ(sorted(whole.mesh, [&](Index v) { return whole.given_number[v]; }),
+            sorted(cube, [](Index v) { return v; }));
+  bool is_moved = false;
+  for (std::size_t v = 0; v < cube.points.size(); ++v) {
+    EXPECT_EQ(whole.mesh.points[v], cube.points[whole.given_number[v]]);
+    is_moved = is_moved || whole.given_number[v] != v;
+  }
+  EXPECT_TRUE(is_moved);
+  for (std::size_t k = 1; k < body.levels.size(); ++k) EXPECT_TRUE(body.levels[k].given_number.empty());
+  EXPECT_TRUE(judge_mesh(whole.mesh).violations.empty());
 }
 
 /// The folder of a fit starts with the model that its scene names; a scene that moves, with its damping and
