@@ -434,9 +434,9 @@ function stopIdle(idle: number): void {
   else clearTimeout(idle);
 }
 
-// Where the processor draws, smooth edges double the time of each picture.
 let software: boolean | null = null;
-function isDrawnBySoftware(): boolean {
+/** Whether the processor draws: smooth edges double the time of each picture then, and pictures take what else runs its time. */
+export function isDrawnBySoftware(): boolean {
   if (software !== null) return software;
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");
