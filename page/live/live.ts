@@ -166,8 +166,11 @@ class LivePage {
     this.problem = add(root, "p", "live-problem");
     this.problem.setAttribute("role", "alert");
     this.box = add(root, "div", "live-stage");
+    const figures = add(root, "section", "live-figures");
+    figures.setAttribute("aria-label", "Figures");
+    figures.append(this.readouts.list, this.readouts.status);
     const side = add(root, "aside", "live-side");
-    side.setAttribute("aria-label", "Figures and controls");
+    side.setAttribute("aria-label", "Controls");
     this.controls = new Controls(body, {
       configured: (wishes) => this.configure(wishes),
       changed: (wishes) => this.change(wishes),
@@ -175,7 +178,7 @@ class LivePage {
       released: () => this.release(),
       reset: () => this.send({ type: "reset" }),
     });
-    side.append(this.readouts.list, this.readouts.status, this.controls.panel);
+    side.append(this.controls.panel);
     if (body.notes.length > 0) {
       const notes = add(side, "ul", "live-notes");
       for (const note of body.notes) add(notes, "li", "", note);

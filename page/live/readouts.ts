@@ -40,7 +40,9 @@ export class Readouts {
       const cell = Object.assign(document.createElement("dd"), { textContent: "\u2013" });
       cell.dataset["readout"] = key;
       this.cells.set(key, cell);
-      this.list.append(term, cell);
+      const figure = document.createElement("div");
+      figure.append(term, cell);
+      this.list.append(figure);
     }
   }
 
