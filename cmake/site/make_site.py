@@ -22,7 +22,8 @@ HERE = pathlib.Path(__file__).resolve().parent
 INDEX = "docs/README.md"
 HOME = "README.md"
 SIGN = ".palpate-site"  # what tells a site of ours from a folder of somebody's
-MARKS = {"long": "takes minutes: the tests run it in their full mode", "parsed": "the tests parse it and do not run it"}
+MARKS = {"long": "takes minutes: the tests run it in their full mode", "part": "takes hours: the tests run the first case of each plan, in their full mode",
+         "by": "run by the test {name}"}
 IMAGES = (".png", ".svg", ".jpg", ".gif", ".mp4")
 
 
@@ -159,7 +160,7 @@ def mark_blocks(page):
         out.append(token)
         words = token.info.split() if token.type == "fence" else []
         if len(words) > 1 and words[1] in MARKS:
-            out.append(Token("html_block", "", 0, content=f'<p class="mark">{MARKS[words[1]]}</p>\n'))
+            out.append(Token("html_block", "", 0, content=f'<p class="mark">{html.escape(MARKS[words[1]].format(name=" ".join(words[2:])))}</p>\n'))
     page.tokens = out
 
 

@@ -19,6 +19,8 @@ struct LiveLevel {
   TetMesh mesh;
   BoundaryProblem holding;  ///< material, supports and held faces alone
   SpringNetwork springs;    ///< of the material itself
+  /// Each vertex's number in the mesh that was given; empty: simplified, it has none there.
+  std::vector<Index> given_number;
 };
 
 /// The table of the first level, as its file has it (docs/reduced.md): the skin's part of it.

@@ -68,10 +68,33 @@ std::string law_of(const Scene& scene, const json& model) {
   return model.at("method").get<std::string>().starts_with("springs.") ? "corotated" : "neo_hookean";
 }
 
+json smoothed_start(double theta, const char* domain, const char* rest) {
+  return {{"model", "smoothed"}, {"theta", theta}, {"domain", domain}, {"rest", rest}, {"stabilise", 0.0}};
+}
+
 json usual_start(const LiveBodyData& out) {
   if (out.levels.front().mesh.points.size() > kMostSmoothedVertices)
     return {{"model", "springs"}, {"volume", "none"}};
-  return {{"model", "smoothed"}, {"theta", 0.0}, {"domain", "node"}, {"rest", "edge"}, {"stabilise", 0.0}};
+  return smoothed_start(0.0, "node", "edge");
+}
+
+/// What stands in for a model that does not move here by itself: finite elements as what has the same shape
+/// functions, and a table where there is one. Else the usual start stays.
+void choose_stand_in(const std::string& method, LiveBodyData& out) {
+  const bool has_table = out.table.has_value();
+  if (method == "fem.p1") {
+    out.start = smoothed_start(1.0, "tet", "tet");
+    out.notes.push_back("The scene's own model, fem.p1, moves as linear tetrahedra: the same elements.");
+  } else if (has_table && (method == "reduced.compliance" || method == "fem.p2")) {
+    out.start = {{"model", "reduced"}};
+    if (method == "fem.p2")
+      out.notes.push_back(
+          "The scene's own model, fem.p2, stands here as the table of its answers: at rest, of small "
+          "strain.");
+  } else {
+    out.notes.push_back("The scene's own model, " + method +
+                        ", does not move live: another one starts in its place.");
+  }
 }
 
 }  // namespace
@@ -91,11 +114,8 @@ void choose_start(const Scene& scene, const Registry& registry, LiveBodyData& ou
     out.start = {{"model", "smoothed"}};
     for (const char* key : {"theta", "domain", "rest", "stabilise"})
       out.start[key] = model["options"].at(key);
-  } else if (!model.is_null() && model.at("method") == "reduced.compliance") {
-    out.start = {{"model", "reduced"}};
   } else if (!model.is_null()) {
-    out.notes.push_back("The scene's own model, " + model.at("method").get<std::string>() +
-                        ", does not move live: another one starts in its place.");
+    choose_stand_in(model.at("method").get<std::string>(), out);
   }
   if (!model.is_null()) out.start["method"] = model.at("method");
   out.start["law"] = law_of(scene, model);

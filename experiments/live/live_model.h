@@ -8,9 +8,10 @@
 namespace palpate::experiments {
 
 /// Sets start, spring_source and the springs of all levels from the scene's model: the method and options
-/// that `simulate` would take. What cannot move live (finite elements, trained springs) becomes a note, and
-/// springs by isotropy_patch and smoothed elements are there all the same. Throws: InputError for an unknown
-/// model, and as identify_springs.
+/// that `simulate` would take. Linear finite elements start as linear tetrahedra, quadratic ones and
+/// reduced.compliance as the table, which is to be made before. What cannot move live (trained springs, the
+/// others of reduced) becomes a note, and springs by isotropy_patch and smoothed elements are there all the
+/// same. Throws: InputError for an unknown model, and as identify_springs.
 void choose_start(const Scene& scene, const Registry& registry, LiveBodyData& out);
 
 }  // namespace palpate::experiments

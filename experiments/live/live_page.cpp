@@ -57,6 +57,7 @@ json pack_level(const LiveLevel& level, Packer& packer) {
            {"spring_ends", packer.add_flat<std::uint32_t>("u32", level.springs.springs)},
            {"spring_rest_m", packer.add("f64", level.springs.rest_length_m)},
            {"spring_n_per_m", packer.add("f64", level.springs.stiffness_n_per_m)},
+           {"given_number", packer.add("u32", level.given_number)},
            {"supports", json::array()},
            {"held", json::array()}};
   for (const ElasticSupport& support : level.holding.supports)
@@ -122,11 +123,16 @@ std::string base64_of(const std::string& bytes) {
 }
 
 std::string escape_for_script(std::string text, bool is_json) {
-  // Within strings of JSON and of scripts alike "\/" is "/"; a script has "</" and "<!--" in strings alone.
-  for (const auto& [what, with] :
-       {std::pair{"</", "<\\/"}, std::pair{"<!--", is_json ? "\\u003c!--" : "<\\!--"}}) {
+  // JSON has "<" in strings alone. A script has "</" and "<!--" there alone, and "\/" is "/" in it.
+  const auto replace = [&](const char* what, const char* with) {
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 2))
       text.replace(at, std::strlen(what), with);
+  };
+  if (is_json) {
+    replace("<", "\\u003c");
+  } else {
+    replace("</", "<\\/");
+    replace("<!--", "<\\!--");
   }
   return text;
 }

@@ -28,7 +28,8 @@ std::string write_live_page(const LiveBodyData& body);
 /// Bytes as base64 (RFC 4648).
 std::string base64_of(const std::string& bytes);
 
-/// A JSON text or a script that can stand inside of <script>: no "</" and no "<!--" is left in it.
+/// A JSON text or a script that can stand inside of <script>: no "</" and no "<!--" is left in it, and of
+/// JSON no "<" at all.
 std::string escape_for_script(std::string text, bool is_json);
 
 }  // namespace palpate::experiments

@@ -33,7 +33,7 @@ export function checkBody(value: unknown, bytes: ArrayBuffer): BodyDescription {
   if (!Array.isArray(body.levels) || body.levels.length === 0) throw new Error("it has no mesh");
   body.levels.forEach((level, number) => {
     const name = (key: string) => `levels[${number}].${key}`;
-    for (const key of ["points", "tets", "spring_ends", "spring_rest_m", "spring_n_per_m"] as const) checkPlace(name(key), level[key], bytes.byteLength);
+    for (const key of ["points", "tets", "spring_ends", "spring_rest_m", "spring_n_per_m", "given_number"] as const) checkPlace(name(key), level[key], bytes.byteLength);
     const vertices = level.points.count / 3;
     const indices = { tets: level.tets, spring_ends: level.spring_ends } as Record<string, ArrayPlace>;
     (level.supports ?? []).forEach((support, k) => {

@@ -48,6 +48,9 @@ const INTEGRATORS: Record<string, string> = {
 };
 const PACES: Record<string, string> = { "1": "real time", "0.1": "a tenth of it", "0": "as fast as it goes" };
 
+/** What is changed by another engine: the others act on the one that runs. */
+const REBUILDING = ["model", "smoothing", "volume", "law", "level", "integrator", "step", "damping"];
+
 function element<K extends keyof HTMLElementTagNameMap>(tag: K, properties: Partial<HTMLElementTagNameMap[K]> = {}, children: (Node | string)[] = []): HTMLElementTagNameMap[K] {
   const made = Object.assign(document.createElement(tag), properties);
   made.append(...children);
@@ -59,6 +62,8 @@ export class Controls {
   readonly panel = element("form", { className: "live-controls" });
   private readonly fields = new Map<string, HTMLInputElement | HTMLSelectElement>();
   private readonly rows = new Map<string, HTMLElement>();
+  private readonly atFirst = new Map<string, string>();
+  private readonly startButton: HTMLButtonElement;
 
   constructor(private readonly body: BodyDescription, private readonly events: ControlEvents) {
     const { start } = body;
@@ -72,6 +77,8 @@ export class Controls {
     this.select("volume", "Volume model", VOLUMES, start.volume ?? "none");
     this.select("law", "Strain", { corotated: "large, corotated", neo_hookean: "large, neo-Hookean", stable_neo_hookean: "large, stable neo-Hookean", linear: "small, linear" }, start.law);
     this.select("level", "Mesh", Object.fromEntries(body.levels.map((level, k) => [String(k), levelTitle(level.removed_ratio, level.points.count / 3)])), "0");
+    this.startButton = this.button({ fit: "As palpate fit chose it", scene: "As in the scene", mesh: "As at first" }[body.kind] ?? "As at first", "Model, mesh, integrator, step and damping as the page began", () => this.startAgain());
+    this.box.append(element("div", { className: "live-buttons" }, [this.startButton]));
     this.group("Time");
     this.select("integrator", "Integrator", INTEGRATORS, start.integrator);
     this.number("step", "Step, ms", start.step_s ? String(1000 * start.step_s) : "", "0.9 of the bound", 1e-4, 1000, "any");
@@ -86,6 +93,7 @@ export class Controls {
     this.check("beside", "Finite elements", body.table !== null, body.table === null);
     this.check("error", "Colour by the difference", body.table !== null, body.table === null);
     if (!body.table) this.panel.append(element("p", { className: "live-missing", textContent: `No finite elements beside it: ${body.no_table}.` }));
+    for (const name of REBUILDING) this.atFirst.set(name, this.value(name));
     this.showFitting();
   }
 
@@ -163,24 +171,30 @@ export class Controls {
     this.row(name, title, element("input", { type: "checkbox", checked, disabled }));
   }
 
+  private button(textContent: string, title: string, act: () => void): HTMLButtonElement {
+    const made = element("button", { type: "button", textContent, title });
+    made.addEventListener("click", act);
+    return made;
+  }
+
   private buttons(): void {
-    const button = (textContent: string, title: string, act: () => void) => {
-      const made = element("button", { type: "button", textContent, title });
-      made.addEventListener("click", act);
-      return made;
-    };
     this.box.append(element("div", { className: "live-buttons" }, [
-      button("Press", "Key P: press in the middle of the picture, or where it was pressed last", () => this.events.pressed(1)),
-      button("Pull", "Key O: pull there", () => this.events.pressed(-1)),
-      button("Let go", "Key R", () => this.events.released()),
-      button("Reset", "Key X: back to rest", () => this.events.reset()),
+      this.button("Press", "Key P: press in the middle of the picture, or where it was pressed last", () => this.events.pressed(1)),
+      this.button("Pull", "Key O: pull there", () => this.events.pressed(-1)),
+      this.button("Let go", "Key R", () => this.events.released()),
+      this.button("Reset", "Key X: back to rest", () => this.events.reset()),
     ]));
+  }
+
+  /** Back to the model and the time that the page began with: those of the fit or the scene. */
+  private startAgain(): void {
+    for (const [name, value] of this.atFirst) this.fields.get(name)!.value = value;
+    this.tell("model");
   }
 
   private tell(name: string): void {
     this.showFitting();
-    const rebuilds = ["model", "smoothing", "volume", "law", "level", "integrator", "step", "damping"].includes(name);
-    if (rebuilds) this.events.configured(this.wishes);
+    if (REBUILDING.includes(name)) this.events.configured(this.wishes);
     else this.events.changed(this.wishes);
   }
 
@@ -192,6 +206,7 @@ export class Controls {
       law: model === "smoothed" || (model === "springs" && this.value("volume") !== "none"), level: model !== "reduced",
     };
     for (const [name, shown] of Object.entries(isShown)) this.rows.get(name)!.hidden = !shown;
+    this.startButton.disabled = [...this.atFirst].every(([name, value]) => this.value(name) === value);
   }
 }
 

@@ -1,5 +1,5 @@
 // The page: an organ under the finger, and beside it what finite elements say to the same finger.
-import { linkCameras, OrganView } from "../view/organ_view";
+import { isDrawnBySoftware, linkCameras, OrganView } from "../view/organ_view";
 import { checkBody, decodeBase64, f64, tableVertices, u32 } from "./body_data";
 import { Controls, type Wishes } from "./controls";
 import { Finger } from "./finger";
@@ -8,6 +8,8 @@ import { Readouts } from "./readouts";
 import { compareSkins, matchVertices, roundUp } from "./skin_difference";
 
 const FINGER_M_S = 0.25; // of simulated time
+const SOFTWARE_PICTURE_MS = 40; // where the processor draws, pictures come no faster: it has steps to take
+const LEAST_CHANGE = 1e-5; // of the body's radius: what no picture shows
 const ERROR_SHARE = 0.2; // of the largest displacement: the end of the scale
 
 function byId(id: string): string {
@@ -34,12 +36,13 @@ class Stage {
   private readonly distance: Float32Array;
   private readonly unlink: () => void;
   private readonly touch: HTMLElement;
-  private readonly mark: HTMLElement;
+  private readonly breach: HTMLElement;
   private scaleEnd = 0;
-  touched: number | null = null;
-  broken: number | null = null;
+  private touched: number | null = null;
+  private broken: number | null = null;
 
-  constructor(box: HTMLElement, readonly vertices: Uint32Array | null, points: Float64Array, tets: Uint32Array, wishes: Wishes, title: string) {
+  /** `givenNumber`: of each vertex in the reader's own mesh, or empty. */
+  constructor(box: HTMLElement, readonly vertices: Uint32Array | null, points: Float64Array, tets: Uint32Array, readonly givenNumber: Uint32Array, wishes: Wishes, title: string) {
     this.rest = Float32Array.from(points);
     this.positions = this.rest.slice();
     this.otherPositions = this.rest.slice();
@@ -53,7 +56,7 @@ class Stage {
     this.other = wishes.isBeside && vertices && wishes.config.model !== "reduced" ? view("other", "Finite elements, same finger") : null;
     this.unlink = this.other ? linkCameras([this.own, this.other]) : () => {};
     this.touch = add(this.own.container, "div", "live-mark live-touch");
-    this.mark = add(this.own.container, "div", "live-mark");
+    this.breach = add(this.own.container, "div", "live-mark");
     this.own.renderListeners.add(() => this.placeMarks());
     this.placeMarks();
   }
@@ -82,8 +85,14 @@ class Stage {
     return [0, 1, 2].map((i) => this.positions[3 * vertex + i]!) as Vector;
   }
 
+  /** Marks the vertex under the finger, and the one where the body broke. */
+  mark(vertices: { touched?: number | null; broken?: number | null }): void {
+    Object.assign(this, vertices);
+    this.placeMarks();
+  }
+
   private placeMarks(): void {
-    for (const [mark, vertex] of [[this.touch, this.touched], [this.mark, this.broken]] as const) {
+    for (const [mark, vertex] of [[this.touch, this.touched], [this.breach, this.broken]] as const) {
       mark.hidden = vertex === null;
       mark.dataset["vertex"] = String(vertex ?? "");
       if (vertex === null) continue;
@@ -100,31 +109,37 @@ class Stage {
     // Of a body that breaks, the last picture that shows something stays.
     const bound = 2 * this.own.frame.radius;
     const isShowable = displacement.every((u) => Math.abs(u) < bound);
-    if (isShowable) for (let i = 0; i < displacement.length; i++) this.positions[i] = this.rest[i]! + displacement[i]!;
-    if (this.vertices && (isReduced || this.other)) {
-      const into = isReduced ? this.positions : this.otherPositions;
-      this.vertices.forEach((v, k) => {
-        for (let i = 0; i < 3; i++) into[3 * v + i] = this.rest[3 * v + i]! + answer[3 * k + i]!;
-      });
-      this.other?.setPositions(this.otherPositions);
-    }
-    this.own.setPositions(this.positions);
-    return isShowable && !isReduced && this.other ? this.colour(displacement, answer, hasAnswer, wishes) : null;
+    const isMoved = isShowable && !isReduced && this.take(this.positions, displacement, null);
+    const isAnswerMoved = this.vertices !== null && (isReduced || this.other !== null) && this.take(isReduced ? this.positions : this.otherPositions, answer, this.vertices);
+    if (isMoved || (isReduced && isAnswerMoved)) this.own.setPositions(this.positions);
+    if (isAnswerMoved) this.other?.setPositions(this.otherPositions);
+    if (!isShowable || isReduced || !this.other) return null;
+    return this.colour(displacement, answer, hasAnswer, wishes, isMoved || isAnswerMoved);
   }
 
-  private colour(displacement: Float32Array, answer: Float32Array, hasAnswer: boolean, wishes: Wishes): number | null {
+  /** Puts moved vertices into `positions`; false where none has moved by what a picture would show. */
+  private take(positions: Float32Array, displacement: Float32Array, vertices: Uint32Array | null): boolean {
+    const least = LEAST_CHANGE * this.own.frame.radius;
+    const place = (k: number) => (vertices ? 3 * vertices[(k / 3) | 0]! + (k % 3) : k);
+    const isMoved = displacement.some((u, k) => Math.abs(this.rest[place(k)]! + u - positions[place(k)]!) > least);
+    if (isMoved) displacement.forEach((u, k) => (positions[place(k)] = this.rest[place(k)]! + u));
+    return isMoved;
+  }
+
+  private colour(displacement: Float32Array, answer: Float32Array, hasAnswer: boolean, wishes: Wishes, isMoved: boolean): number | null {
     const { largest, relative } = compareSkins(displacement, answer, this.vertices!, this.distance);
-    if (!wishes.coloursError) {
+    if (!wishes.coloursError || !hasAnswer) { // nobody presses: there is nothing to differ from
       if (this.scaleEnd > 0) this.own.setScalars(null);
       this.scaleEnd = 0;
       return hasAnswer ? relative : null;
     }
-    const millimetres = hasAnswer ? this.distance.map((x) => 1000 * x) : new Float32Array(this.distance.length);
-    const end = hasAnswer && largest > 0 ? Math.max(0.01, roundUp(1000 * ERROR_SHARE * largest)) : this.scaleEnd || 0.1;
+    if (!isMoved && this.scaleEnd > 0) return relative;
+    const millimetres = this.distance.map((x) => 1000 * x);
+    const end = largest > 0 ? Math.max(0.01, roundUp(1000 * ERROR_SHARE * largest)) : this.scaleEnd || 0.1;
     if (end !== this.scaleEnd) this.own.setScalars({ values: millimetres, on: "vertex", name: "difference", unit: "mm", range: [0, end] });
     else this.own.updateScalarValues(millimetres);
     this.scaleEnd = end;
-    return hasAnswer ? relative : null;
+    return relative;
   }
 }
 
@@ -141,6 +156,7 @@ class LivePage {
   private lastVertex: number | null = null;
   private isConfigured = false;
   private isWaiting = false;
+  private askedAt = 0;
 
   constructor(root: HTMLElement, private readonly body: BodyDescription, private readonly bytes: ArrayBuffer) {
     const head = add(root, "header", "live-head");
@@ -150,8 +166,11 @@ class LivePage {
     this.problem = add(root, "p", "live-problem");
     this.problem.setAttribute("role", "alert");
     this.box = add(root, "div", "live-stage");
+    const figures = add(root, "section", "live-figures");
+    figures.setAttribute("aria-label", "Figures");
+    figures.append(this.readouts.list, this.readouts.status);
     const side = add(root, "aside", "live-side");
-    side.setAttribute("aria-label", "Figures and controls");
+    side.setAttribute("aria-label", "Controls");
     this.controls = new Controls(body, {
       configured: (wishes) => this.configure(wishes),
       changed: (wishes) => this.change(wishes),
@@ -159,7 +178,7 @@ class LivePage {
       released: () => this.release(),
       reset: () => this.send({ type: "reset" }),
     });
-    side.append(this.readouts.list, this.controls.panel);
+    side.append(this.controls.panel);
     if (body.notes.length > 0) {
       const notes = add(side, "ul", "live-notes");
       for (const note of body.notes) add(notes, "li", "", note);
@@ -195,7 +214,7 @@ class LivePage {
     const whole = f64(this.bytes, this.body.levels[0]!.points);
     const vertices = this.body.table ? matchVertices(points, whole, tableVertices(this.body, this.bytes)) : null;
     const model = { springs: "Springs", smoothed: "Smoothed elements", reduced: "Table of compliances: at rest, small strain" }[this.wishes.config.model];
-    this.stage = new Stage(this.box, vertices, points, u32(this.bytes, level.tets), this.wishes, `${model}, ${(points.length / 3).toLocaleString("en")} vertices`);
+    this.stage = new Stage(this.box, vertices, points, u32(this.bytes, level.tets), u32(this.bytes, level.given_number), this.wishes, `${model}, ${(points.length / 3).toLocaleString("en")} vertices`);
     this.finger = new Finger(this.stage.own, () => this.wishes, { 
       press: (vertex, by) => this.press(vertex, by),
       move: (by) => this.send({ type: "aim", by, speedMS: FINGER_M_S }),
@@ -242,7 +261,7 @@ class LivePage {
         this.buildStage();
         return;
       case "pressed":
-        if (this.stage) this.stage.touched = message.vertex;
+        this.stage?.mark({ touched: message.vertex });
         this.say(message.vertex !== null && message.answerProblem && this.wishes.isBeside ? `No finite elements beside it: ${message.answerProblem}` : "");
         return;
       case "frame":
@@ -254,6 +273,9 @@ class LivePage {
 
   private askForFrame(): void {
     if (!this.isConfigured || this.isWaiting || !this.displacement || !this.answer) return;
+    const now = performance.now();
+    if (isDrawnBySoftware() && now - this.askedAt < SOFTWARE_PICTURE_MS) return;
+    this.askedAt = now;
     this.isWaiting = true;
     const [displacement, answer] = [this.displacement, this.answer];
     this.send({ type: "frame", displacement, answer }, [displacement.buffer as ArrayBuffer, answer.buffer as ArrayBuffer]);
@@ -274,8 +296,8 @@ class LivePage {
 
   private showNumbers(numbers: LiveNumbers, stage: Stage): void {
     this.force = numbers.forceN;
-    stage.broken = numbers.isBroken || numbers.inverted > 0 ? numbers.vertex : null;
-    this.readouts.showNumbers(numbers);
+    stage.mark({ broken: numbers.isBroken || numbers.inverted > 0 ? numbers.vertex : null });
+    this.readouts.showNumbers({ ...numbers, vertex: numbers.vertex === null ? null : (stage.givenNumber[numbers.vertex] ?? numbers.vertex) });
   }
 
   private press(vertex: number, by: Vector): void {

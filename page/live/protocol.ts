@@ -14,6 +14,8 @@ export interface LevelPlaces {
   spring_ends: ArrayPlace;
   spring_rest_m: ArrayPlace;
   spring_n_per_m: ArrayPlace;
+  /** Each vertex's number in the mesh that the page was made of; empty where it is simplified. */
+  given_number: ArrayPlace;
   supports: { faces: ArrayPlace; weights: ArrayPlace; stiffness_pa_per_m: number }[];
   held: { faces: ArrayPlace; axes: number }[];
 }

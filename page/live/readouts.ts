@@ -6,11 +6,11 @@ export type Configured = Extract<FromWorker, { type: "configured" }>;
 /** Three digits and a unit that fits. */
 export function withUnit(value: number, unit: string): string {
   if (!Number.isFinite(value)) return "\u2013";
-  if (Math.abs(value) < 1e-9) return value === 0 ? `0 ${unit}` : `below 1 n${unit}`;
+  if (Math.abs(value) < 1e-9) return value === 0 ? `0\u00a0${unit}` : `below 1\u00a0n${unit}`;
   const prefixes: [number, string][] = [[1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
   const [scale, prefix] = prefixes.find(([size]) => Math.abs(value) >= size) ?? [1e-9, "n"];
   const shown = value / scale;
-  return `${Math.abs(shown) >= 1000 ? Math.round(shown) : Number(shown.toPrecision(3))} ${prefix}${unit}`;
+  return `${Math.abs(shown) >= 1000 ? Math.round(shown) : Number(shown.toPrecision(3))}\u00a0${prefix}${unit}`;
 }
 
 const ROWS: Record<string, string> = {
@@ -28,17 +28,21 @@ const ROWS: Record<string, string> = {
 /** A list of terms and figures; the state is told to screen readers as it changes. */
 export class Readouts {
   readonly list = document.createElement("dl");
+  readonly status = document.createElement("p");
   private readonly cells = new Map<string, HTMLElement>();
 
   constructor() {
     this.list.className = "live-readouts";
+    this.status.className = "live-said";
+    this.status.setAttribute("role", "status");
     for (const [key, title] of Object.entries(ROWS)) {
       const term = Object.assign(document.createElement("dt"), { textContent: title });
       const cell = Object.assign(document.createElement("dd"), { textContent: "\u2013" });
       cell.dataset["readout"] = key;
-      if (key === "state") cell.setAttribute("role", "status");
       this.cells.set(key, cell);
-      this.list.append(term, cell);
+      const figure = document.createElement("div");
+      figure.append(term, cell);
+      this.list.append(figure);
     }
   }
 
@@ -69,6 +73,8 @@ export class Readouts {
     if (numbers.isBroken) this.say("state", `broke at vertex ${numbers.vertex}, after ${withUnit(numbers.simulatedS, "s")}`, 1);
     else if (numbers.inverted > 0) this.say("state", `${numbers.inverted} tetrahedra inside out, first at vertex ${numbers.vertex}`, 0.5);
     else this.say("state", "whole", 0);
+    const state = `Body: ${cell.textContent}`;
+    if (this.status.textContent !== state) this.status.textContent = state;
     if (!numbers.isBroken && Number.isFinite(numbers.largestM)) cell.dataset["largest"] = String(numbers.largestM);
   }
 
@@ -76,7 +82,7 @@ export class Readouts {
   showFinger(by: Vector, outwards: number | null, force: Vector, elementForce: Vector | null): void {
     const way = Math.hypot(...by);
     const side = outwards === null || Math.abs(outwards) < 1e-6 ? "" : outwards > 0 ? ", pulling" : ", pressing";
-    this.say("finger", withUnit(way, "m") + side, way);
+    this.say("finger", outwards === null && way === 0 ? "\u2013" : withUnit(way, "m") + side, way);
     this.cells.get("finger")!.dataset["out"] = String(outwards ?? 0);
     const own = Math.hypot(...force);
     this.say("force", withUnit(own, "N") + (elementForce ? `; finite elements ${withUnit(Math.hypot(...elementForce), "N")}` : ""), own);

@@ -13,7 +13,8 @@ const scope = self as unknown as Scope;
 
 const TURN_MS = 6; // of stepping, before messages are looked at
 const MOST_BEHIND_S = 0.05; // what is later than this is given up: the motion then runs slower than real time
-const REPORT_MS = 100;
+const REPORT_MS = 100; // at least; a report walks the whole body for its energy, and has a small share of the time
+const MOST_REPORT_SHARE = 0.04;
 const REDUCED_TICK_S = 1e-3;
 
 /** The body as it runs. */
@@ -41,6 +42,7 @@ class LiveLoop {
   private steps = 0;
   private simulatedS = 0;
   private sinceMs = 0;
+  private reportMs = 0; // what the last one took
 
   constructor() {
     this.channel.port1.onmessage = () => this.turn();
@@ -232,7 +234,9 @@ class LiveLoop {
     const { engine } = this.ready();
     if (!this.config) return; // asked again once there is a body
     const isReduced = this.config.model === "reduced";
+    const began = performance.now();
     const report = !isReduced && this.reportIsDue() ? engine.report() : null;
+    if (report) this.reportMs = performance.now() - began;
     if (!isReduced) engine.displacement(displacement);
     else displacement.fill(0);
     if (!isReduced) this.by = engine.padBy();
@@ -244,7 +248,7 @@ class LiveLoop {
   }
 
   private reportIsDue(): boolean {
-    return performance.now() - this.sinceMs >= REPORT_MS;
+    return performance.now() - this.sinceMs >= Math.max(REPORT_MS, this.reportMs / MOST_REPORT_SHARE);
   }
 
   private rates(): Pick<LiveNumbers, "stepUs" | "stepsPerS" | "realTime"> {

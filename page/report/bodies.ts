@@ -5,7 +5,7 @@ import { Playback } from "../view/playback";
 import { DISPLACEMENT, displacementRange, largestFrame, lengthsOf, moved, sharedRange, unpackBody, unpackMesh, type Body } from "./body_data";
 import { download } from "./charts";
 import type { OrganMesh } from "../view/skin";
-import { readBlock, showFault, type BodiesData, type BodyData } from "./page_data";
+import { readBlock, SHOW_CASE, showFault, type BodiesData, type BodyData } from "./page_data";
 import { isDark, onTheme, pageColour } from "./theme";
 
 const MOST_VIEWS = 8; // a browser gives a page some sixteen
@@ -19,20 +19,27 @@ interface Shown {
 
 /** Builds the part of the page that shows bodies, once a reader comes near it. */
 export function enlivenBodies(place: HTMLElement): void {
+  let stage: BodyStage | null = null;
   let started = false;
-  new IntersectionObserver((entries, observer) => {
-    if (started || !entries.some((entry) => entry.isIntersecting)) return;
+  const start = () => {
+    if (started) return;
     started = true;
     observer.disconnect();
     try {
-      const stage = new BodyStage(place, readBlock<BodiesData>(place.dataset["bodies"]!));
+      stage = new BodyStage(place, readBlock<BodiesData>(place.dataset["bodies"]!));
       stage.open();
       // For those who draw figures from a page (figures/draw_figures.mjs).
       (window as unknown as { palpateStage: BodyStage }).palpateStage = stage;
     } catch (error) {
       showFault(place, "The meshes could not be shown", error);
     }
-  }, { rootMargin: "400px" }).observe(place);
+  };
+  const observer = new IntersectionObserver((entries) => entries.some((entry) => entry.isIntersecting) && start(), { rootMargin: "400px" });
+  observer.observe(place);
+  document.addEventListener(SHOW_CASE, (event) => {
+    start();
+    stage?.showCase((event as CustomEvent<string>).detail);
+  });
 }
 
 /** What a figure shows: which bodies of a group, how, at which time of a motion. */
@@ -124,11 +131,22 @@ class BodyStage {
     return this.data.bodies.filter((body) => body.group === this.group.value);
   }
 
-  private openGroup(): void {
+  /** Shows the body of a case beside what its group begins with, the input or the reference, and brings the reader there. */
+  showCase(name: string): void {
+    const body = this.data.bodies.find((each) => each.case === name);
+    if (!body) return;
+    this.group.value = body.group;
+    const own = this.own();
+    this.openGroup(new Set([own[0]!, body]));
+    this.place.scrollIntoView({ block: "start" });
+    this.group.focus({ preventScroll: true });
+  }
+
+  private openGroup(chosen?: Set<BodyData>): void {
     const own = this.own();
     this.choices.replaceChildren();
     own.forEach((body, number) => {
-      const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: number < FIRST_VIEWS });
+      const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: chosen ? chosen.has(body) : number < FIRST_VIEWS });
       box.addEventListener("change", () => void this.openViews());
       this.choices.append(labelled(body.title, box, true));
     });

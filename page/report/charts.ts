@@ -1,5 +1,6 @@
 // Charts from the page's data, by Observable Plot: one small plot for each panel, all on the same axes.
 import * as Plot from "@observablehq/plot";
+import { addKeys, pointsOf } from "./chart_keys";
 import { openDetails, rowsOf, tipText, type Row } from "./details";
 import { readBlock, showFault, type AxisData, type ChartData, type MarkData, type RunData } from "./page_data";
 import { styleSeries, type SeriesStyle } from "./series_style";
@@ -90,13 +91,19 @@ function drawPanel(chart: ChartData, panel: Panel, width: number, domains: { x?:
     style: { background: "transparent", color: pageColour("--ink"), fontSize: "12px", overflow: "visible" },
     marks: [...logAxes(chart, domains), ...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
   });
-  plot.setAttribute("role", "img");
-  plot.setAttribute("aria-label", [chart.title, panel.name, `${panel.rows.length} points; their figures are in the tables`].filter(Boolean).join(", "));
+  const count = `${panel.rows.length} point${panel.rows.length === 1 ? "" : "s"}`;
+  const title = [chart.title, panel.name, count].filter(Boolean).join(", ");
+  plot.setAttribute("aria-hidden", "true"); // the box says what it is
+  box.setAttribute("role", "img");
+  box.setAttribute("aria-label", title);
+  const open = (row: Row) => openDetails(row, chart, run);
   plot.addEventListener("click", () => {
     const row = (plot as unknown as { value: Row | null }).value;
-    if (row) openDetails(row, chart, run.command);
+    if (row) open(row);
   });
   box.append(plot);
+  const [x, y] = pointOf(chart);
+  addKeys(box, plot, pointsOf(plot as unknown as Plot.Plot, panel.rows, x, y), title, (row) => tipText(row, chart), open);
   return box;
 }
 
@@ -105,9 +112,9 @@ function optionsOf(chart: ChartData, panel: Panel, width: number, domains: { x?:
     type: axis.log ? "log" : "linear",
     ...(domain ? { domain } : {}),
     label: axisTitle(axis),
-    nice: !axis.log,
+    nice: !axis.log && !(chart.kind === "lines" && axis === chart.x),
     grid: !axis.log,
-    ...(axis.log ? { axis: null } : {}), // drawn by logAxis
+    ...(axis.log ? { axis: null } : wholeTicks(panel.rows, axis, domain)), // drawn by logAxis
   });
   if (chart.kind === "ranges") {
     const names = [...new Set(panel.rows.map((row) => String(row[chart.y.key])))];
@@ -121,14 +128,22 @@ function optionsOf(chart: ChartData, panel: Panel, width: number, domains: { x?:
   return { width, height, marginLeft: 52, marginBottom: 40, marginTop: 24, marginRight: 18, x: scale(chart.x, domains.x), y: scale(chart.y, domains.y) };
 }
 
+const MOST_WHOLE = 12;
+
+/** Of what is counted, numbers at whole ones alone. */
+function wholeTicks(rows: Row[], axis: AxisData, domain?: Range): { ticks?: number[]; tickFormat?: string } {
+  if (!domain || axis.unit || domain[1] - domain[0] > MOST_WHOLE || !rows.every((row) => Number.isInteger(row[axis.key] ?? 0))) return {};
+  return { tickFormat: "d", ticks: Array.from({ length: MOST_WHOLE + 1 }, (_, k) => Math.ceil(domain[0]) + k).filter((value) => value <= domain[1]) };
+}
+
 function axisTitle(axis: AxisData): string {
   return axis.unit ? `${axis.title}, ${axis.unit}` : axis.title;
 }
 
-/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at all digits) between them where there is room. */
+/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at more digits) between them where there is room. */
 function logTicks([low, high]: Range): number[] {
   const decades = Math.log10(high / low);
-  const digits = decades < 0.7 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 2.5 ? [1, 2, 5] : [1];
+  const digits = decades < 0.35 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 0.7 ? [1, 2, 3, 5, 7] : decades < 2.5 ? [1, 2, 5] : [1];
   const every = Math.ceil(decades / 7);
   const found: number[] = [];
   for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
@@ -163,13 +178,15 @@ function rangeOf(chart: ChartData, rows: Row[], axis: AxisData): Range | undefin
     high = Math.max(high, value * axis.factor);
   };
   for (const row of rows) for (const end of ["", "_low", "_high", "_to"]) take(row[axis.key + end]);
+  if (chart.kind === "bars" && axis === chart.y) for (const row of rows) take(row["beside"]);
   const isX = axis === chart.x;
   if (isX && chart.kind !== "bars") for (const mark of chart.marks) take(mark.value);
   if (low > high) return undefined;
   if (chart.kind === "bars") return isX ? [low, high] : [Math.min(0, low), high * 1.05 || 1];
   if (axis.log) return low === high ? [low / 2, high * 2] : [low / 1.15, high * 1.15];
+  if (isX && chart.kind === "lines") return low < high ? [low, high] : [low - 1, high + 1]; // a history ends where it ends
   const room = 0.05 * (high - low) || 0.1 * Math.abs(high) || 1;
-  return [low - room, high + room];
+  return [low >= 0 && low < room ? 0 : low - room, high + room]; // what is never below zero has no axis there
 }
 
 const at = (axis: AxisData, end = "") => (row: Row) => {
@@ -233,10 +250,15 @@ function barMarks(chart: ChartData, rows: Row[], x: (row: Row) => number | null,
   ];
 }
 
+/** Where a row's tip points to, in the units of the axes. */
+function pointOf(chart: ChartData): [(row: Row) => number | null, (row: Row) => unknown] {
+  const x = chart.kind === "bars" ? (row: Row) => ((at(chart.x)(row) ?? 0) + (at(chart.x, "_to")(row) ?? 0)) / 2 : at(chart.x);
+  return [x, chart.kind === "ranges" ? (row) => row[chart.y.key] : at(chart.y)];
+}
+
 function tip(chart: ChartData, rows: Row[]): Plot.Markish {
   const options = { title: (row: Row) => tipText(row, chart), fill: pageColour("--paper"), stroke: pageColour("--faint"), maxRadius: 30, lineWidth: 40 };
-  const y = chart.kind === "ranges" ? chart.y.key : at(chart.y);
-  const x = chart.kind === "bars" ? (row: Row) => ((at(chart.x)(row) ?? 0) + (at(chart.x, "_to")(row) ?? 0)) / 2 : at(chart.x);
+  const [x, y] = pointOf(chart);
   return Plot.tip(rows, (chart.kind === "bars" ? Plot.pointerX : Plot.pointer)({ ...options, x, y } as Plot.TipOptions));
 }
 
@@ -276,6 +298,7 @@ function joinedSvg(place: HTMLElement): { text: string; width: number; height: n
   for (const svg of place.querySelectorAll("svg")) {
     const own = svg.getBoundingClientRect();
     const copy = svg.cloneNode(true) as SVGElement;
+    copy.removeAttribute("aria-hidden");
     copy.setAttribute("x", String(own.left - box.left));
     copy.setAttribute("y", String(own.top - box.top));
     inner.push(new XMLSerializer().serializeToString(copy));

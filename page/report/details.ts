@@ -1,5 +1,5 @@
 // What is known of one point of a chart: a panel with its figures and the command that repeats it.
-import type { AxisData, ChartData } from "./page_data";
+import { SHOW_CASE, type AxisData, type ChartData, type RunData } from "./page_data";
 import { copyText } from "./tables";
 
 export type Row = Record<string, string | number | boolean | null>;
@@ -27,7 +27,10 @@ export function numberText(value: number): string {
 export function factsOf(row: Row, chart: ChartData): [string, string][] {
   const facts: [string, string][] = [];
   for (const key of [chart.facet, chart.series]) if (key && row[key] !== null) facts.push(["", String(row[key])]);
+  const seen = new Set<string>();
   for (const axis of [chart.y, chart.x, ...chart.shown]) {
+    if (seen.has(axis.key)) continue;
+    seen.add(axis.key);
     const value = figureText(row[axis.key], axis);
     if (!value || facts.some(([, text]) => text === value && typeof row[axis.key] === "string")) continue;
     const [low, high] = [row[`${axis.key}_low`], row[`${axis.key}_high`]];
@@ -47,7 +50,7 @@ export function tipText(row: Row, chart: ChartData): string {
 }
 
 /** Opens the panel of a row. */
-export function openDetails(row: Row, chart: ChartData, command: string): void {
+export function openDetails(row: Row, chart: ChartData, run: RunData): void {
   const dialog = document.createElement("dialog");
   dialog.className = "details";
   dialog.setAttribute("aria-label", "The record of a point");
@@ -58,12 +61,20 @@ export function openDetails(row: Row, chart: ChartData, command: string): void {
   }
   dialog.append(Object.assign(document.createElement("h3"), { textContent: chart.title }), list);
   if (row["case"]) {
-    const line = `${command} --case ${quoted(String(row["case"]))}`;
+    const line = `${run.command} --case ${quoted(String(row["case"]))}`;
     const copy = Object.assign(document.createElement("button"), { type: "button", textContent: "Copy" });
     copy.addEventListener("click", () => void copyText(line).then((done) => (copy.textContent = done ? "Copied" : "Could not copy")));
     const text = document.createElement("pre");
     text.append(Object.assign(document.createElement("code"), { textContent: line }));
     dialog.append(Object.assign(document.createElement("p"), { textContent: "The command that repeats it:" }), text, copy);
+  }
+  if (run.shown_cases.includes(String(row["case"] ?? ""))) {
+    const show = Object.assign(document.createElement("button"), { type: "button", textContent: "Show in 3D" });
+    show.addEventListener("click", () => {
+      dialog.close();
+      document.dispatchEvent(new CustomEvent<string>(SHOW_CASE, { detail: String(row["case"]) }));
+    });
+    dialog.append(" ", show);
   }
   const close = Object.assign(document.createElement("button"), { type: "button", textContent: "Close", autofocus: true });
   close.addEventListener("click", () => dialog.close());

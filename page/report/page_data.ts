@@ -49,6 +49,8 @@ export interface BodyData {
   group: string;
   unit: string;
   note: string;
+  /** The case that rows of charts name, if it is an answer. */
+  case?: string;
   /** The place of its mesh. */
   mesh: number;
   fields: FieldData[];
@@ -61,10 +63,15 @@ export interface BodiesData {
   bodies: BodyData[];
 }
 
+/** What a chart tells the bodies when a reader wants to see one; its detail is the case. */
+export const SHOW_CASE = "palpate:show-case";
+
 export interface RunData {
   plan: string;
   /** What repeats the run. */
   command: string;
+  /** The cases whose bodies are shown in 3D. */
+  shown_cases: string[];
 }
 
 /** A JSON block of the page. Throws: Error, in words for a reader, where it is missing or broken. */

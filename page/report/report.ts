@@ -9,7 +9,7 @@ function start(): void {
   const bar = document.getElementById("tools");
   if (bar) addThemeSwitch(bar);
   for (const table of document.querySelectorAll<HTMLElement>("div.table")) enliven(table);
-  let run: RunData = { plan: "", command: "" };
+  let run: RunData = { plan: "", command: "", shown_cases: [] };
   try {
     run = readBlock<RunData>("run-data");
   } catch (error) {

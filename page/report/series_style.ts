@@ -1,5 +1,6 @@
-// Colours and marks of series: Okabe and Ito's, apart for the colour-blind; marks tell them apart in grey print.
-const LIGHT = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8c6d1f", "#56B4E9", "#7a5195", "#444444"];
+// Colours and marks of series: Okabe and Ito's, apart for the colour-blind; marks tell them apart in grey print. The sky blue is darker than
+// theirs: each has at least three times the page's light, or a third of it (WCAG 2.2, 1.4.11).
+const LIGHT = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8c6d1f", "#2F97CF", "#7a5195", "#444444"];
 const DARK = ["#56A8E0", "#FF8A3D", "#2FC79B", "#E7A3CB", "#D9B84A", "#9AD6FF", "#B99AE0", "#C8CDD2"];
 const MARKS = ["circle", "square", "triangle", "diamond", "star", "wye", "cross", "times"] as const;
 

@@ -21,7 +21,8 @@ export function enliven(place: HTMLElement): void {
   const shown = () => [...body.rows].filter((row) => !row.hidden);
   const tell = () => {
     const visible = shown().length;
-    count.value = visible === rows.length ? `${rows.length} rows` : `${visible} of ${rows.length} rows`;
+    const all = `${rows.length} row${rows.length === 1 ? "" : "s"}`;
+    count.value = visible === rows.length ? all : `${visible} of ${all}`;
   };
   filter.addEventListener("input", () => {
     const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);

@@ -89,7 +89,8 @@ export class OrganView {
     this.canvas = document.createElement("canvas");
     this.canvas.className = "organ-canvas";
     this.canvas.tabIndex = 0;
-    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("role", "application");
+    this.canvas.setAttribute("aria-roledescription", "3D view");
     this.canvas.setAttribute("aria-label", `${options.label ?? "Organ"}, in 3D. Arrow keys turn it, plus and minus come nearer and go away, 0 looks as at first.`);
     this.renderer = openRenderer(this.canvas);
     this.isSmoothed = this.renderer.getContextAttributes()?.antialias === true;
@@ -433,9 +434,9 @@ function stopIdle(idle: number): void {
   else clearTimeout(idle);
 }
 
-// Where the processor draws, smooth edges double the time of each picture.
 let software: boolean | null = null;
-function isDrawnBySoftware(): boolean {
+/** Whether the processor draws: smooth edges double the time of each picture then, and pictures take what else runs its time. */
+export function isDrawnBySoftware(): boolean {
   if (software !== null) return software;
   const gl = document.createElement("canvas").getContext("webgl2");
   const info = gl?.getExtension("WEBGL_debug_renderer_info");

@@ -104,18 +104,23 @@ def repeat_of(group):
     if group is None:
         return {}
     timing = timing_of(group) or {}
-    return {"case": group.records[0].get("case"), "time_low": timing.get("kernel_median_low_s"), "time_high": timing.get("kernel_median_high_s")}
+    return {"case": case_of(group), "time_low": timing.get("kernel_median_low_s"), "time_high": timing.get("kernel_median_high_s")}
+
+
+def words_of(name):
+    """A measure as it stands in a sentence."""
+    return TITLES[name].lower().replace("l2", "L2")
 
 
 def error_axis(name):
-    return Axis(name, TITLES[name].lower() if name != MAIN else "relative L2 error", "%", True, 100.0)
+    return Axis(name, words_of(name), "%", True, 100.0)
 
 
 def error_charts(run, sections):
     rows = error_rows(run, sections)
     if not rows:
         return []
-    shown = [Axis(name, TITLES[name].lower(), "%", False, 100.0) for name, _, _ in ERRORS if any(row.get(name) is not None for row in rows)]
+    shown = [Axis(name, words_of(name), "%", False, 100.0) for name, _, _ in ERRORS if any(row.get(name) is not None for row in rows)]
     own = Axis(own_key("displacement_deformation"), "the reference's own error of it", "%", False, 100.0)
     name = "displacement_deformation" if any(row.get("displacement_deformation") for row in rows) else MAIN
     charts = [Chart("Error of each model", "ranges", error_axis(name), Axis("label", "model"), rows, series="label", facet="problem", shown=[*shown, own],
@@ -215,6 +220,11 @@ def reference_table(sections):
 OF_ANSWERS = ("simplify=", "tets_removed_ratio=", "option.")  # what a sweep has besides the problem
 
 
+def case_of(group):
+    """The case that stands for a group, in charts and in 3D alike."""
+    return str(group.records[0].get("case", ""))
+
+
 def problem_folder(case, label):
     """Where the mesh of a case's problem is: the case SCENE/LABEL/SWEEP solves problems/SCENE/SWEEP."""
     scene, *rest = str(case).split("/")
@@ -222,16 +232,17 @@ def problem_folder(case, label):
     return "/".join(["problems", scene, *kept])
 
 
-def bodies_of(run):
+def bodies_of(run, first=frozenset()):
     """
     Of each problem the reference's shape and that of each answer, coloured by their displacement and by how far they are from it; then the
-    answers on each simplified mesh, which share no vertices with the reference.
+    answers on each simplified mesh, which share no vertices with the reference. The cases `first` come before the others.
     """
     import numpy as np
     references, count = {}, 0
-    for group in sorted(run.groups, key=lambda each: bool(each.records[0].get("solved_on"))):
+    for group in sorted(run.groups, key=lambda each: (case_of(each) not in first, bool(each.records[0].get("solved_on")))):
         if count >= MOST_BODIES or not group.cases():
             continue
+        case = case_of(group)
         record = group.cases()[0]
         solved_on = record.get("solved_on")
         is_simplified = isinstance(solved_on, dict)
@@ -249,7 +260,7 @@ def bodies_of(run):
         if references[folder] is not None:
             fields.insert(0, Field("error against the reference", "mm", "vertex", 1000 * np.linalg.norm(field - references[folder], axis=1), scale="cividis"))
         count += 1
-        yield Body(group.label, title, mesh, fields, displacement=field, unit="m")
+        yield Body(group.label, title, mesh, fields, displacement=field, unit="m", case=case)
 
 
 def page_parts(run, found):
@@ -257,9 +268,10 @@ def page_parts(run, found):
     sections, series, points = found
     outcomes = targets.judge_targets(run, sections)
     sentence, state = verdict_of(run, sections, points, outcomes)
+    on_frontier = {point.case for own in points.values() for point in own if point.on}
     charts = frontier_charts(points) if points else error_charts(run, sections)
     chart = convergence_chart(series) if series else None
     tables = [target_table(outcomes)] if outcomes else []
     tables += [frontier_table(points), equal_table(run, points)] if points else []
     tables += [error_table(sections), set_table(run, sections), reference_table(sections)]
-    return PageParts(sentence, state, [Section("", [*charts, *([chart] if chart else [])]), Section("", tables)], lambda: bodies_of(run))
+    return PageParts(sentence, state, [Section("", [*charts, *([chart] if chart else [])]), Section("", tables)], lambda: bodies_of(run, on_frontier))

@@ -179,7 +179,7 @@ def bodies_of(run, found):
         if mesh is None or not motion:
             continue
         frames = [(each["time_s"], each["displacement_m"]) for each in motion.get("frames", []) if len(each.get("displacement_m", [])) in (len(mesh.points), 3 * len(mesh.points))]
-        yield Body(case.label, name_of(case), mesh, [quality_field(mesh)], moves=frames, unit="m")
+        yield Body(case.label, name_of(case), mesh, [quality_field(mesh)], moves=frames, unit="m", case=str(case.record.get("case", "")))
     seen = set()
     for case in [*found.rests, *found.ticks]:
         vertices = case.option("vertices")

@@ -148,6 +148,7 @@ def bodies_of(run, sections):
     Each motion whose states were kept and are of its mesh, to be played: first those on the scene's own mesh, or it at rest where there is
     none, then those on each simplified mesh.
     """
+    cases = cases_of(run)
     for section in sections:
         place = "/".join(["problems", section.scene, *(f"{key}={value}" for key, value in section.sweep)])
         rows = {folder: [row for row in section.rows if row.problem == folder] for folder in dict.fromkeys(["", *(row.problem for row in section.rows)])}
@@ -162,7 +163,7 @@ def bodies_of(run, sections):
                 states = states_beside(run, row.history)
                 if len(states) > 1 and all(len(field) == 3 * len(mesh.points) for _, field in states):
                     played += 1
-                    yield Body(row.label, title, mesh, [quality], moves=states, unit="m")
+                    yield Body(row.label, title, mesh, [quality], moves=states, unit="m", case=str(cases.get((section.scene, row.label)) or ""))
             if not played and not folder:
                 yield Body(title, "Bodies at rest", mesh, [quality], unit="m")
 

@@ -66,6 +66,8 @@ def body_data(body):
         if len(field.values) != wanted:
             raise ValueError(f"{body.title}: {field.title}: expected {wanted} figures, found {len(field.values)}")
     data = {"title": body.title, "group": body.group, "unit": body.unit, "note": body.note, "fields": [field_data(field) for field in body.fields]}
+    if body.case:
+        data["case"] = body.case
     if body.displacement is not None:
         data["displacement"] = floats(np.asarray(body.displacement, dtype=float).reshape(-1, 3))
     if len(body.moves) > 1:

@@ -20,6 +20,8 @@ def text_of(value):
         return ", ".join(text_of(each) for each in value)
     if isinstance(value, bool):
         return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.4g}"
     return "" if value is None else str(value)
 
 

@@ -16,7 +16,7 @@ def number_text(value, digits):
     if isinstance(value, int) or float(value).is_integer() and abs(value) < 1e15:
         return f"{int(value):,}"
     size = abs(value)
-    if size >= 10 ** max(5, digits) or size < 1e-4:
+    if size >= 10 ** max(7, digits) or size < 1e-4:
         return f"{value:.{digits - 1}e}"
     return f"{float(f'{value:.{digits}g}'):,.15g}"
 
@@ -29,9 +29,8 @@ def cell(value, column, is_first):
     if is_number(value):
         return tag("td", number_text(value, column.digits), class_="number", data_value=repr(value))
     text = "" if value is None or (isinstance(value, float) and not math.isfinite(value)) else "yes" if value is True else "no" if value is False else value
-    if is_first:
-        return tag("th", text, scope="row")
-    return tag("td", text, class_="long") if len(str(text)) > LONG_TEXT else tag("td", text)
+    long = "long" if len(str(text)) > LONG_TEXT else None
+    return tag("th", text, scope="row", class_=long) if is_first else tag("td", text, class_=long)
 
 
 def rows_within(table, cells):
@@ -39,11 +38,18 @@ def rows_within(table, cells):
     return min(len(table.rows), MOST_ROWS, max(FEWEST_ROWS, cells // max(1, len(table.columns))))
 
 
+def has_numbers(rows, place):
+    """Whether a column's cells that say something are numbers."""
+    said = [row[place] for row in rows if row[place] not in (None, "") and row[place] == row[place]]
+    return bool(said) and all(is_number(value) for value in said)
+
+
 def table_html(table, name, most_rows=MOST_ROWS):
     """A table with its title, its note, and what was left out."""
     rows = table.rows[:most_rows]
     left = len(table.rows) - len(rows)
-    heads = [tag("th", column.title, tag("span", f" {column.unit}", class_="unit") if column.unit else "", scope="col") for column in table.columns]
+    heads = [tag("th", column.title, tag("span", f" {column.unit}", class_="unit") if column.unit else "", scope="col",
+                 class_="number" if has_numbers(rows, place) else None) for place, column in enumerate(table.columns)]
     body = [tag("tr", *(cell(value, column, place == 0) for place, (value, column) in enumerate(zip(row, table.columns)))) for row in rows]
     notes = [table.note if table.note.endswith((".", "!", "?")) else f"{table.note}."] if table.note else []
     if left > 0:

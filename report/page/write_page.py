@@ -82,7 +82,8 @@ def not_accepted_html(run, room):
     if not table.rows:
         return tag("p", f"All {total:,} answers were accepted by the judge." if total else "There are no answers."), 0
     shown = rows_within(table, room)
-    return (join([tag("p", f"{total - accepted:,} of {total:,} answers were not accepted. None of them counts in a figure or a time."), table_html(table, "not-accepted-table", shown)]),
+    was = "was" if total - accepted == 1 else "were"
+    return (join([tag("p", f"{total - accepted:,} of {total:,} answers {was} not accepted. None of them counts in a figure or a time."), table_html(table, "not-accepted-table", shown)]),
             shown * len(table.columns))
 
 
@@ -93,6 +94,7 @@ class PageWriter:
         self.run, self.parts, self.scripts, self.pictures = run, parts, scripts, pictures
         self.cells, self.rows = MOST_CELLS, MOST_ROWS
         self.number = 0
+        self.shown_cases = []  # whose bodies are in 3D
 
     def name(self, kind):
         self.number += 1
@@ -153,6 +155,7 @@ class PageWriter:
         if not self.scripts.script:
             return tag("p", f"{len(chosen.bodies)} meshes could be shown here in 3D; this page was written without its scripts. They are in the run's folder.")
         groups = list(dict.fromkeys(body["group"] for body in chosen.bodies))
+        self.shown_cases = [body["case"] for body in chosen.bodies if "case" in body]
         return join([tag("div", tag("p", f"{len(chosen.bodies)} meshes in 3D take JavaScript and WebGL: {'; '.join(groups)}."), id="bodies", data_bodies="bodies-data"), *notes,
                      json_block("bodies-data", {"meshes": chosen.meshes, "bodies": chosen.bodies})])
 
@@ -167,16 +170,16 @@ def page_html(run, parts, scripts, failed=()):
                 ("charts", "Charts", writer.charts_html()), ("tables", "Tables", writer.tables_html()), ("organs", "In 3D", writer.bodies_html()),
                 ("provenance", "Provenance", facts.provenance_html(run))]
     warning = tag("p", scripts.missing, class_="warning") if scripts.missing else ""
-    return document(f"plan {run.plan}", question, chapters, warning, scripts, facts.repeat_command(run))
+    return document(f"plan {run.plan}", question, chapters, warning, scripts, facts.repeat_command(run), writer.shown_cases)
 
 
 def verdict_html(run, parts, failed):
     more = [tag("p", f"Required, and does not hold: {what}.") for what in failed]
-    notes = [tag("p", note[:1].upper() + note[1:], class_="warning") for note in run.notes]
+    notes = [tag("p", note[:1].upper() + note[1:] + ("" if note.endswith((".", "!", "?")) else "."), class_="warning") for note in run.notes]
     return join([tag("div", tag("p", parts.verdict), *more, class_=f"verdict {parts.state}"), *notes])
 
 
-def document(kind, question, chapters, warning, scripts, command):
+def document(kind, question, chapters, warning, scripts, command, shown_cases=()):
     base = (HERE / "page.css").read_text(encoding="utf-8")
     head = [void("meta", charset="utf-8"), void("meta", name="viewport", content="width=device-width, initial-scale=1"),
             void("meta", http_equiv="Content-Security-Policy", content=POLICY), void("meta", name="color-scheme", content="light dark"),
@@ -186,7 +189,7 @@ def document(kind, question, chapters, warning, scripts, command):
             tag("nav", tag("div", *links, id="tools"), aria_label="Parts of the page"),
             tag("main", *(tag("section", tag("h2", title), content, id=place) for place, title, content in chapters)),
             tag("footer", "Written by palpate report from the files of runs alone. docs/report_page.md says how to read it."),
-            json_block("run-data", {"plan": kind, "command": command}) if scripts.script else "",
+            json_block("run-data", {"plan": kind, "command": command, "shown_cases": list(shown_cases)}) if scripts.script else "",
             tag("script", script_text(scripts.script)) if scripts.script else ""]
     return "<!doctype html>\n" + tag("html", tag("head", *head), "\n", tag("body", *(join([part, "\n"]) for part in body)), lang="en") + "\n"
 

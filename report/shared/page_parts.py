@@ -99,6 +99,7 @@ class Body:
     unit: str = ""
     displacement: object = None  # n x 3, in the unit of the mesh: the shape that a load gives it
     note: str = ""
+    case: str = ""  # the ID that the rows of charts have as `case`: a point opens its body by it
 
 
 @dataclass

@@ -220,7 +220,8 @@ def bodies_of(run):
             found = [mesh_body(run, "input", group_name, run.inputs.get(mesh, {}).get("mesh_file"))]
             for group in run.of_mesh(mesh):
                 if group.sweep == sweep and group.cases():
-                    found.append(mesh_body(run, group.label, group_name, group.cases()[0].get("mesh_file"), note=group.count_note))
+                    found.append(mesh_body(run, group.label, group_name, group.cases()[0].get("mesh_file"), note=group.count_note,
+                                           case=str(group.records[0].get("case", ""))))
             yield from (body for body in found if body is not None)
 
 

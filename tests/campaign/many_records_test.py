@@ -17,6 +17,7 @@ from many_records import LABELS, make_run
 
 PROGRAM = sys.argv[1] if len(sys.argv) > 1 else ""
 RECORDS = int(sys.argv[2]) if len(sys.argv) > 2 else 1_000_000
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 MESHES, REPEATS = 8, 10
 MOST_BYTES = 2 * 10**9  # of memory
 MOST_PAGE_BYTES = 8_000_000
@@ -55,6 +56,9 @@ class ManyRecords(unittest.TestCase):
         page = self.run_folder / "report.html"
         self.assertLess(page.stat().st_size, MOST_PAGE_BYTES)
         self.assertIn(f"{self.count:,} in records.jsonl", page.read_text(encoding="utf-8"))
+        done = subprocess.run(["node", ROOT / "tests" / "page" / "open_page.mjs", ROOT, page], capture_output=True, text=True, check=False)
+        print(done.stdout)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_it_is_taken_up_again_within_two_gigabytes_and_nothing_is_run(self):
         records = self.run_folder / "records.jsonl"

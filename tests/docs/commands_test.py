@@ -1,11 +1,12 @@
-"""Every command that the pages show is run, or, where it is marked, parsed.
+"""Every command that the pages show is run: here, or by the test that its block names.
 
     commands_test.py [--full] [PAGE...]
 
 Blocks of ```sh and ```console are taken page by page and in order, each page in a scratch folder of its own that looks like the top of
-the repository. A block ```sh long is run in the full mode and parsed otherwise; ```sh parsed is parsed alone: command, options and files
-have to exist, plans have to pass `palpate check`. A command ends with 0 unless its comment says "exit code N". What a ```console block
-shows has to come out, "..." standing for anything.
+the repository. A block ```sh long is run in the full mode; of a block ```sh part, whose plans take hours, only the first case of each run is,
+there too. What another test runs says so, ```sh by NAME, where NAME is a test of ctest or a stage of .ci/run full. All are parsed at each
+change: command, options and files have to exist, plans have to pass `palpate check`. What a reader has of their own is made first (own_files.py).
+A command ends with 0 unless its comment says "exit code N". What a ```console block shows has to come out, "..." standing for anything.
 """
 
 import fnmatch
@@ -19,8 +20,9 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import own_files
 import pages
-from pages import LONG, PARSED, ROOT, SHELLS
+from pages import BY, LONG, PART, ROOT, SHELLS
 
 FULL = False
 ONLY = []
@@ -37,7 +39,7 @@ def prepare(folder):
         if each.name not in NOT_LINKED:
             (top / each.name).symlink_to(each)
     (top / "results").mkdir()
-    for name in ("README.md", "accepted"):
+    for name in ("README.md", "accepted", "published"):
         (top / "results" / name).symlink_to(ROOT / "results" / name)
     program = top / "palpate"
     program.write_text(f'#!/bin/sh\nexec "{pages.PROGRAM}" "$@"\n', encoding="utf-8")
@@ -78,15 +80,56 @@ def blocks_of(page):
 
 
 def is_run(block):
-    return block.mark == "" or (FULL and block.mark == LONG)
+    return block.mark == "" or (FULL and block.mark in (LONG, PART))
+
+
+def is_this_test(text):
+    """`palpate test` runs what runs this."""
+    return re.fullmatch(r"(\./)?palpate test( --full)?", text) is not None
+
+
+def first_case_of(text):
+    """A run of a plan with its first case alone; other commands as they are."""
+    words = shlex.split(text, comments=True)
+    if words[:2] not in (["./palpate", "run"], ["palpate", "run"]):
+        return text
+    return f'PLAN_CASES=$({shlex.join(words)} --list-cases) && {shlex.join(words)} --case "$(head -n 1 <<< "$PLAN_CASES")" --out runs/{pathlib.Path(words[2]).stem}'
+
+
+def commands_to_run(blocks):
+    """[(block, command)] of the blocks that are run, as a reader would type them but for what `part` shortens."""
+    found = []
+    for block in blocks:
+        for command in pages.commands_of(block):
+            if not is_this_test(command.text):
+                text = first_case_of(command.text) if block.mark == PART else command.text
+                found.append((block, pages.Command(text, command.exit_code, command.expected)))
+    return found
+
+
+def names_of_tests():
+    """The tests of ctest, those that a loop names too, and the stages of .ci/run full."""
+    names = set()
+    for path in [*ROOT.glob("tests/**/CMakeLists.txt"), ROOT / "tests" / "CMakeLists.txt"]:
+        names |= set(re.findall(r"add_test\(NAME\s+([\w.]+)", path.read_text(encoding="utf-8")))
+        for line, prefix in re.findall(r"foreach\(\w+ ([\w ]+)\)\s*add_test\(NAME (\w+)\.\$", path.read_text(encoding="utf-8")):
+            names |= {f"{prefix}.{each}" for each in line.split()}
+    listed = subprocess.run(["/usr/bin/python3", "-B", ROOT / ".ci" / "nightly.py", "--list"], capture_output=True, text=True, check=True).stdout
+    return {name for name in names if not name.endswith(".")} | {f"stage {line.split()[0]}" for line in listed.splitlines() if line.strip()}
 
 
 class Pages(unittest.TestCase):
     def test_marks_are_known_and_no_command_hides_in_an_indented_block(self):
+        known = names_of_tests()
+        self.assertIn("page.browser", known)
         for page in pages.pages():
             self.assertEqual(pages.indented_commands(page), [], page)
             for block in blocks_of(page):
-                self.assertIn(block.mark, ("", LONG, PARSED), block.place)
+                if block.mark.startswith(BY):
+                    for name in block.mark.removeprefix(BY).split(", "):
+                        self.assertIn(name, known, block.place)
+                else:
+                    self.assertIn(block.mark, ("", LONG, PART), block.place)
                 self.assertTrue(pages.commands_of(block), f"{block.place}: no command in it")
 
     def test_every_command_parses(self):
@@ -115,23 +158,24 @@ class Pages(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_every_command_does_what_the_page_says(self):
-        ran, parsed = 0, []
+        ran, others = 0, []
         for page in pages.pages():
             blocks = [block for block in blocks_of(page) if is_run(block)]
-            parsed += [f"{block.place} ({block.mark})" for block in blocks_of(page) if not is_run(block)]
+            others += [f"{block.place} ({block.mark})" for block in blocks_of(page) if not is_run(block)]
             if not blocks or (ONLY and str(page.relative_to(ROOT)) not in ONLY):
                 continue
             with tempfile.TemporaryDirectory() as folder:
                 top, environment = prepare(pathlib.Path(folder))
-                commands = [command for block in blocks for command in pages.commands_of(block)]
-                for command, answer in zip(commands, run_commands(commands, top, environment)):
+                commands = [command for _, command in commands_to_run(blocks)]
+                own = [pages.Command(text) for text in own_files.making([command.text for command in commands if FULL])]
+                for command, answer in zip([*own, *commands], run_commands([*own, *commands], top, environment)):
                     with self.subTest(page=page.name, command=command.text):
                         self.assertIsNotNone(answer, "the shell ended before it")
                         code, out = answer
                         self.assertEqual(code, command.exit_code, out)
                         self.assertIsNone(missing_line(command.expected, out), out)
                 ran += len(commands)
-        print(f"run: {ran} commands; parsed alone: {', '.join(parsed)}", file=sys.stderr)
+        print(f"run: {ran} commands; not run here: {', '.join(others)}", file=sys.stderr)
         self.assertTrue(ran or ONLY)
 
 

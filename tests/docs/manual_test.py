@@ -103,6 +103,15 @@ class Manual(unittest.TestCase):
                               env={"HOME": str(self.folder), "PATH": "/usr/bin:/bin"}, check=False)
         self.assertIn("--resume", done.stdout)
 
+    def test_the_build_makes_them_and_installs_them_where_man_and_the_shells_look(self):
+        build = pages.PROGRAM.parents[1]
+        prefix = self.folder / "prefix"
+        for words in (["--build", build, "--target", "palpate_manual"], ["--install", build, "--prefix", prefix, "--component", "manual"]):
+            done = subprocess.run(["cmake", *words], capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        found = {str(path.relative_to(prefix / "share")) for path in prefix.rglob("*") if path.is_file()}
+        self.assertEqual(found, {"man/man1/palpate.1", "bash-completion/completions/palpate", "zsh/site-functions/_palpate", "fish/vendor_completions.d/palpate.fish"})
+
     def test_the_same_texts_give_the_same_bytes(self):
         self.assertEqual(manual.files_of(ROOT, "0.0.0"), manual.files_of(ROOT, "0.0.0"))
 

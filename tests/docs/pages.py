@@ -11,7 +11,9 @@ HELP = ROOT / "experiments" / "commands" / "help"
 PROGRAM = pathlib.Path(os.environ.get("PALPATE_PROGRAM", ROOT / "build" / "release" / "bin" / "palpate"))
 
 SHELLS = ("sh", "console")
-LONG, PARSED = "long", "parsed"  # marks behind the language: run in the full mode alone; never run
+# Marks behind the language: run in the full mode alone; there too, but of each run of a plan its first case alone; run by another test, which
+# the mark names: `by NAME`, a test of ctest or a stage of .ci/run full.
+LONG, PART, BY = "long", "part", "by "
 EXIT_CODE = re.compile(r"#.*\bexit code (\d+)")
 
 
@@ -26,7 +28,7 @@ class Block:
     page: pathlib.Path
     line: int  # of its fence, from 1
     language: str
-    mark: str  # "", LONG or PARSED
+    mark: str  # "", LONG, PART or BY with a name
     lines: list
 
     @property

@@ -120,7 +120,9 @@ class Site(unittest.TestCase):
         text = (self.out / "measures.html").read_text(encoding="utf-8")
         self.assertIn("<code>mean_quality</code>", text)
         self.assertGreater(text.count("<table>"), 10)
-        self.assertIn(make_site.MARKS["parsed"], (self.out / "index.html").read_text(encoding="utf-8"))
+        self.assertIn(make_site.MARKS["long"], (self.out / "index.html").read_text(encoding="utf-8"))
+        self.assertIn(make_site.MARKS["part"], (self.out / "contest.html").read_text(encoding="utf-8"))
+        self.assertIn("run by the test live.page", (self.out / "live.html").read_text(encoding="utf-8"))
 
     def test_the_same_texts_give_the_same_bytes(self):
         before = {path.relative_to(self.out): path.read_bytes() for path in self.out.rglob("*") if path.is_file()}

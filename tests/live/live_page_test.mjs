@@ -9,11 +9,13 @@ import http from "node:http";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
+import { findBarriers } from "../page/reader.mjs";
 
 const [source, palpate, shots] = process.argv.slice(2);
 const { chromium } = createRequire(join(source, "page/package.json"))("playwright-core");
 const folder = mkdtempSync(join(tmpdir(), "palpate-live-"));
-const mesh = join(folder, "cube.mesh");
+const NAME = "<script>alert(1)<!--"; // stays text
+const mesh = join(folder, `${NAME}.mesh`);
 const file = join(folder, "live.html");
 const bare = join(folder, "bare.html"); // without a table
 const PATIENCE_MS = 240_000;
@@ -86,6 +88,9 @@ async function testPressAndRelease(browser) {
   await isWhole(page);
   assert.ok((await shareDrawn(page)) > 0.05, "the organ is drawn");
   assert.ok((await value(page, "state", "largest")) < 1e-6, "it is at rest");
+  assert.equal(await page.locator("h1").textContent(), NAME);
+  assert.ok((await page.title()).startsWith(NAME));
+  assert.deepEqual(await findBarriers(source, page), []);
   const [x, y] = await middleOf(page);
   await page.mouse.move(x, y);
   await page.mouse.down();
@@ -181,6 +186,17 @@ models:
   assert.match(await page.locator(".live-head p").textContent(), /^As palpate fit chose it\./);
   assert.equal(await page.locator("#live-model").inputValue(), "smoothed");
   assert.equal(await page.locator("#live-smoothing").inputValue(), "edge_node");
+  const again = page.locator("button", { hasText: "As palpate fit chose it" });
+  const engine = () => page.locator("[data-readout=engine]").textContent();
+  const [chosen, isAsChosen] = [await engine(), await again.isDisabled()];
+  assert.ok(isAsChosen, "it is as it was chosen");
+  await page.selectOption("#live-model", "springs");
+  await page.waitForFunction((before) => document.querySelector("[data-readout=engine]").textContent !== before, chosen);
+  await again.click();
+  await page.waitForFunction((before) => document.querySelector("[data-readout=engine]").textContent === before, chosen);
+  assert.equal(await page.locator("#live-model").inputValue(), "smoothed");
+  assert.ok(await again.isDisabled());
+  await isWhole(page);
   const [x, y] = await middleOf(page);
   await page.mouse.move(x, y);
   await page.mouse.down();
@@ -199,6 +215,7 @@ async function testKeyboardAndModels(browser) {
   await isWhole(page);
   for (const model of ["springs", "smoothed", "reduced"]) {
     await page.selectOption("#live-model", model);
+    assert.deepEqual(await findBarriers(source, page), []);
     await page.locator(".live-own canvas").focus();
     await page.waitForTimeout(300); // the views are made anew
     await page.keyboard.press("p");

@@ -10,7 +10,7 @@ import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, 
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
-import { startReader } from "./reader.mjs";
+import { findBarriers, startReader } from "./reader.mjs";
 
 const [root, build, wanted = ""] = process.argv.slice(2);
 const python = "/usr/bin/python3";
@@ -36,7 +36,7 @@ const realPages = real && existsSync(real) ? readdirSync(real).map((name) => joi
 const named = ["simplify", "contest", "deform", "frontier", "motion", "engine", "stability", "verify"].map(at);
 for (const file of [...named, ...realPages]) {
   const name = file.split("/").at(-2);
-  test(`${name}: opens without an error or a request, and every chart is drawn`, async () => {
+  test(`${name}: opens without an error, a request or a barrier, and every chart is drawn`, async () => {
     const { page, trouble, close } = await open(file);
     assert.ok((await page.locator("h1").innerText()).length > 5);
     assert.deepEqual(await page.locator("main > section > h2").allInnerTexts(), ["Verdict", "What was not accepted", "Charts", "Tables", "In 3D", "Provenance"]);
@@ -54,6 +54,7 @@ for (const file of [...named, ...realPages]) {
     await page.evaluate(() => scrollTo(0, 0));
     await settle(page);
     assert.deepEqual(await page.locator(".fault").allInnerTexts(), []);
+    assert.deepEqual(await findBarriers(root, page), []);
     assert.deepEqual(trouble, []);
     assert.ok(readFileSync(file).length < 5e6, "under 5 MB");
     await page.screenshot({ path: join(pictures, `${name}.png`) });
@@ -68,6 +69,7 @@ test("a narrow window has no sideways scrolling, and the dark page is dark", asy
   assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
   const ground = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number));
   assert.ok((await ground()).every((channel) => channel < 60), "dark ground");
+  assert.deepEqual(await findBarriers(root, page), []);
   await page.screenshot({ path: join(pictures, "narrow_dark.png") });
   await page.locator(".theme select").selectOption("light");
   assert.ok((await ground()).every((channel) => channel > 240), "light ground when a reader chooses it");
@@ -151,7 +153,7 @@ test("hovering a point shows its record; a click opens it with the command that 
   const { page, trouble, close } = await open(at("frontier"));
   const chart = page.locator("figure", { hasText: "What accuracy costs: first answer" });
   await chart.scrollIntoViewIfNeeded();
-  const dot = chart.locator("svg[role=img] g[aria-label=dot] path").first();
+  const dot = chart.locator(".panels g[aria-label=dot] path").first();
   await dot.waitFor();
   const box = await dot.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);

@@ -1,5 +1,5 @@
 // A reader of pages: Debian's Chromium, watched for what a page asks the network and what its console and its dialogs say.
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -21,6 +21,21 @@ export async function readPixels(page, png) {
       if (Math.abs(pixels[i] - pixels[0]) + Math.abs(pixels[i + 1] - pixels[1]) + Math.abs(pixels[i + 2] - pixels[2]) > 30) drawn++;
     return { drawn, of: pixels.length / 4, pixels: Array.from(pixels).join() };
   }, `data:image/png;base64,${png.toString("base64")}`);
+}
+
+/**
+ * What axe-core finds wrong with a page for those who read it by keyboard or by ear (WCAG 2.2 A and AA, and its own best practices): roles,
+ * names, labels, order of headings, contrast of text. A list of lines; nothing is left out.
+ */
+export async function findBarriers(root, page) {
+  const source = readFileSync(createRequire(join(root, "page", "package.json")).resolve("axe-core/axe.min.js"), "utf8");
+  await page.evaluate(source);
+  return page.evaluate(async () => {
+    const tags = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"];
+    const { violations, passes } = await axe.run(document, { runOnly: tags });
+    if (passes.length < 10) return [`only ${passes.length} rules had anything to look at`];
+    return violations.flatMap(({ id, nodes }) => nodes.map(({ html, any }) => `${id}: ${html.slice(0, 160)}: ${any.map(({ message }) => message).join("; ")}`));
+  });
 }
 
 /** A browser, and what reads pages with it. */

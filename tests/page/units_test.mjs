@@ -2,7 +2,7 @@
 //
 //     node units_test.mjs ROOT
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -245,6 +245,19 @@ test("colour scales get lighter all the way, and their table has their ends", ()
 
 test("CSV quotes what it must", () => {
   assert.equal(csvOf(["a", "b,c"], [['say "x"', 1.5], ["line\nbreak", -2]]), 'a,"b,c"\r\n"say ""x""",1.5\r\n"line\nbreak",-2\r\n');
+});
+
+test("each colour of a series stands out from the page's ground, light and dark", () => {
+  const lightOf = (colour) => {
+    const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16) / 255).map((x) => (x <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const contrast = (a, b) => (Math.max(lightOf(a), lightOf(b)) + 0.05) / (Math.min(lightOf(a), lightOf(b)) + 0.05);
+  assert.ok(Math.abs(contrast("#ffffff", "#000000") - 21) < 1e-9);
+  const style = readFileSync(join(root, "report", "page", "page.css"), "utf8");
+  for (const [dark, paper] of [[false, /:root \{ --paper: (#[0-9a-f]{6})/], [true, /data-theme="dark"\] \{ --paper: (#[0-9a-f]{6})/]].map(([dark, found]) => [dark, style.match(found)[1]])) {
+    for (const colour of styleSeries(Array.from({ length: 8 }, (_, i) => `s${i}`), dark).colours) assert.ok(contrast(colour, paper) >= 3, `${colour} on ${paper}: ${contrast(colour, paper)}`);
+  }
 });
 
 test("no two of the first forty series have the same colour and mark", () => {

@@ -48,6 +48,9 @@ class Bodies(DeformTest):
         self.assertEqual([[field.title for field in body.fields] for body in bodies[1:]], [["error against the reference", "quality"], ["quality"]])
         self.assertAlmostEqual(bodies[1].fields[0].values.max(), 2.0)  # mm
         self.assertAlmostEqual(bodies[2].displacement[3][2], 1e-3)
+        of_few = "bar/a/simplify=refined/tets_removed_ratio=0.5"
+        self.assertEqual([body.case for body in bodies], ["", "bar/a", of_few])  # as the rows of charts name them
+        self.assertEqual([body.case for body in deform_page.bodies_of(records.read_run(self.folder), {of_few})], [of_few, "", "bar/a"])
 
 
 class Rows(DeformTest):

@@ -86,7 +86,7 @@ class Content(PageTest):
         lines = [synthetic.record("kidney", "a", 70), synthetic.record("kidney", "b", 60, outcome="rejected", violations=["inverted_tets 3 > 0"])]
         synthetic.write_run(self.folder, lines, {})
         said = self.page().texts["not-accepted"]
-        self.assertIn("1 of 2 answers were not accepted", said)
+        self.assertIn("1 of 2 answers was not accepted", said)
         self.assertIn("inverted_tets 3 > 0", said)
         synthetic.write_run(self.folder, lines[:1], {})
         self.assertIn("All 1 answers were accepted", self.page().texts["not-accepted"])
@@ -225,6 +225,11 @@ class Size(PageTest):
         self.assertIn("4 of 8 meshes are left out", chosen.note)
         self.assertLessEqual(sum(map(bodies_json.size_of, [*chosen.meshes, *chosen.bodies])), 4.5 * one)
 
+    def test_the_case_of_a_body_stands_in_the_page(self):
+        bodies = [bodies_json.body_data(Body("a", "g", Bodies.MESH, case=case)) for case in ("", "kidney/a")]
+        self.assertEqual(["case" in body for body in bodies], [False, True])
+        self.assertEqual(bodies[1]["case"], "kidney/a")
+
     def test_a_mesh_that_several_bodies_share_stands_there_once(self):
         mesh = Mesh(np.random.default_rng(1).random((10, 3)), np.array([[0, 1, 2, 3], [4, 5, 6, 7]]))
         chosen = bodies_json.choose_bodies([Body(name, "g", mesh) for name in "abc"])
@@ -265,12 +270,13 @@ class Bodies(unittest.TestCase):
 
 class Parts(unittest.TestCase):
     def test_numbers_are_short_in_a_cell_and_whole_beside_it(self):
-        for value, digits, text in ((0.123456, 4, "0.1235"), (1234567, 4, "1,234,567"), (1.5e-7, 3, "1.50e-07"), (12.0, 4, "12"), (-0.5, 4, "-0.5"), (123456.7, 4, "1.235e+05"), (6386.5, 4, "6,386"),
+        for value, digits, text in ((0.123456, 4, "0.1235"), (1234567, 4, "1,234,567"), (1.5e-7, 3, "1.50e-07"), (12.0, 4, "12"), (-0.5, 4, "-0.5"), (123456.7, 4, "123,500"), (12345678.9, 4, "1.235e+07"), (6386.5, 4, "6,386"),
                                     (1e-4, 3, "0.0001")):
             self.assertEqual(table_html.number_text(value, digits), text)
         shown = table_html.table_html(Table("t", [Column("a"), Column("b", "ms")], [["x", 0.123456], ["y", None], ["z", float("nan")]]), "t")
         self.assertIn('data-value="0.123456">0.1235</td>', shown)
         self.assertNotIn("nan", shown)
+        self.assertEqual(re.findall(r'<th scope="col"( class="number")?>', shown), ["", ' class="number"'])  # heads stand over their figures
 
     def test_long_words_have_a_broad_cell_and_a_note_ends_with_a_full_stop(self):
         shown = table_html.table_html(Table("t", [Column("a"), Column("b")], [["x", "short"], ["y", "a reason " * 9]], note="No stop", file="t.csv"), "t")

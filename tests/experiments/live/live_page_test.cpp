@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -18,6 +19,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/judging/judge_record.h"
 #include "experiments/live/live_page.h"
 #include "experiments/live/live_prepare.h"
 #include "experiments/live/live_request.h"
@@ -43,15 +45,16 @@ TEST(LivePage, Base64IsThatOfTheStandard) {
 TEST(LivePage, TextsInScriptsCannotEndThem) {
   const nlohmann::json text{{"title", "</script><script>alert(1)</script><!-- \\ \" "}};
   const std::string escaped = escape_for_script(text.dump(), true);
-  EXPECT_EQ(escaped.find("</"), std::string::npos);
-  EXPECT_EQ(escaped.find("<!--"), std::string::npos);
+  EXPECT_EQ(escaped.find('<'), std::string::npos);
   EXPECT_EQ(nlohmann::json::parse(escaped), text);
+  const std::string script = escape_for_script("a = '</script>' + '<!--'; if (1 < 2) b();", false);
+  EXPECT_EQ(script, "a = '<\\/script>' + '<\\!--'; if (1 < 2) b();");
 }
 
 /// Arrays come back from the bytes where the description says.
 TEST(LivePage, PackedArraysAreWhereTheDescriptionSays) {
   LiveBodyData body;
-  body.levels.push_back({0.0, build_kuhn_cube(2, 0.1, 3), {}, {}});
+  body.levels.push_back({0.0, build_kuhn_cube(2, 0.1, 3), {}, {}, {}});
   LiveLevel& level = body.levels.front();
   level.springs = {{{0, 1}, {0, 2}, {1, 2}}, {1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}};
   level.holding.supports.push_back({{{{0, 1, 2}}, {0.25}}, 1e6, {}});
@@ -111,6 +114,40 @@ TEST(LivePrepare, LevelsShareSkinAndSupports) {
   EXPECT_EQ(body.no_table, "it was not asked for");
 }
 
+/// Whatever order the vertices of a body have, it is still the same body, and each knows its number.
+TEST(LivePrepare, VerticesKnowTheirNumbersInTheMeshThatWasGiven) {
+  const test::ScratchFolder folder;
+  TetMesh cube = build_kuhn_cube(5, 0.2, 3);
+  for (Vec3& p : cube.points) p = 0.06 * p;
+  write_medit(folder.path() / "cube.mesh", cube);
+  LiveWish wish;
+  wish.source = folder.path() / "cube.mesh";
+  wish.unit_m = 1.0;
+  wish.with_table = false;
+  const LiveBodyData body = prepare_live(wish, load_registry());
+  const LiveLevel& whole = body.levels.front();
+  ASSERT_EQ(whole.given_number.size(), cube.points.size());
+  const auto sorted = [](const TetMesh& mesh, const auto& number) {
+    std::vector<Tet> tets = mesh.tets;
+    for (Tet& tet : tets) {
+      for (Index& v : tet) v = number(v);
+      std::sort(tet.begin(), tet.end());
+    }
+    std::sort(tets.begin(), tets.end());
+    return tets;
+  };
+  EXPECT_EQ(sorted(whole.mesh, [&](Index v) { return whole.given_number[v]; }),
+            sorted(cube, [](Index v) { return v; }));
+  bool is_moved = false;
+  for (std::size_t v = 0; v < cube.points.size(); ++v) {
+    EXPECT_EQ(whole.mesh.points[v], cube.points[whole.given_number[v]]);
+    is_moved = is_moved || whole.given_number[v] != v;
+  }
+  EXPECT_TRUE(is_moved);
+  for (std::size_t k = 1; k < body.levels.size(); ++k) EXPECT_TRUE(body.levels[k].given_number.empty());
+  EXPECT_TRUE(judge_mesh(whole.mesh).violations.empty());
+}
+
 /// The folder of a fit starts with the model that its scene names; a scene that moves, with its damping and
 /// step.
 TEST(LivePrepare, AFitStartsWithWhatWasChosen) {
@@ -152,7 +189,35 @@ TEST(LivePrepare, AFitStartsWithWhatWasChosen) {
   EXPECT_EQ(moving.spring_source.at("method"), "springs.van_gelder");
   const LiveBodyData other = write("model: {finite_elements: p2}\nanalysis: static\n");
   EXPECT_EQ(other.start.at("model"), "smoothed");
-  EXPECT_THAT(other.notes, testing::Contains(HasSubstr("fem.p2")));
+  EXPECT_THAT(other.notes, testing::Contains(HasSubstr("fem.p2, does not move live")));
+  const LiveBodyData linear = write("model: {finite_elements: p1}\nanalysis: static\n");
+  EXPECT_EQ(linear.start.at("model"), "smoothed");
+  EXPECT_EQ(linear.start.at("domain"), "tet");
+  EXPECT_EQ(linear.start.at("theta"), 1.0);
+  EXPECT_THAT(linear.notes, testing::Contains(HasSubstr("the same elements")));
+}
+
+/// Quadratic elements stand in a page as the table of their answers.
+TEST(LivePrepare, QuadraticElementsStartAsTheirTable) {
+  if (!load_registry().find("reduced.compliance")) GTEST_SKIP() << "no contestant reduced.compliance";
+  const test::ScratchFolder folder;
+  TetMesh cube = build_kuhn_cube(3, 0.2, 3);
+  for (Vec3& p : cube.points) p = 0.06 * p;
+  write_medit(folder.path() / "organ.mesh", cube);
+  LiveWish wish;
+  wish.source = folder.path() / "scene.yaml";
+  for (const std::string model : {"{finite_elements: p2}", "{reduced: compliance}"}) {
+    std::ofstream(wish.source)
+        << "schema: palpate/scene/1\nmesh: {file: organ.mesh, unit_m: 1}\n"
+           "material: {young_modulus_pa: 5000, poisson_ratio: 0.3, density_kg_m3: 1000}\nclamp: "
+           "[{half_space: {normal: [0, 0, 1], share: 0.1}, elastic_pa_per_m: 1.0e6}]\n"
+           "load: [{gravity_m_s2: [0, 0, -9.81]}]\nanalysis: static\nmodel: "
+        << model << "\n";
+    const LiveBodyData body = prepare_live(wish, load_registry());
+    ASSERT_TRUE(body.table) << body.no_table;
+    EXPECT_EQ(body.start.at("model"), "reduced") << model;
+    EXPECT_EQ(body.spring_source.at("method"), "springs.isotropy_patch");
+  }
 }
 
 TEST(LivePrepare, RefusesWhatIsNoSource) {
