@@ -48,7 +48,7 @@ Skin to_cgal(const SurfaceMesh& surface) {
 TetMesh from_cgal(const Complex& complex) {
   TetMesh mesh;
   std::unordered_map<Triangulation::Vertex_handle, Index> index_of;
-  for (const auto cell : complex.cells_in_complex()) {
+  for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
     Tet tet{};
     for (int k = 0; k < 4; ++k) {
       const auto [entry, is_new] = index_of.emplace(cell->vertex(k), static_cast<Index>(mesh.points.size()));

@@ -1,6 +1,7 @@
 #include "core/simplify/surface/line_cover.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace palpate::simplify {
 namespace {
@@ -16,8 +17,8 @@ constexpr double kAtPlane = 1e-8;
 /// nothing pushed, if that is nowhere.
 bool LineCover::cut_at_ends(const SegmentEnds& part, const Vec3* b) {
   const Vec3 along = b[1] - b[0];
-  std::array<double, 4> cuts{0.0};
-  std::size_t count = 1;
+  std::array<double, 2> cuts{};
+  std::size_t count = 0;
   for (const Vec3& end : {b[0], b[1]}) {
     const double here = dot(part[0] - end, along);
     const double there = dot(part[1] - end, along);
@@ -25,14 +26,15 @@ bool LineCover::cut_at_ends(const SegmentEnds& part, const Vec3* b) {
     const double at = here / (here - there);
     if (at > kAtPlane && at < 1.0 - kAtPlane) cuts[count++] = at;
   }
-  if (count == 1) return false;
-  std::sort(cuts.begin() + 1, cuts.begin() + static_cast<std::ptrdiff_t>(count));
+  if (count == 0) return false;
+  if (count == 2 && cuts[1] < cuts[0]) std::swap(cuts[0], cuts[1]);
   Vec3 from = part[0];
-  for (std::size_t k = 1; k <= count; ++k) {
-    const Vec3 to = k == count ? part[1] : part[0] + cuts[k] * (part[1] - part[0]);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vec3 to = part[0] + cuts[k] * (part[1] - part[0]);
     open_.push_back({{from, to}, b});
     from = to;
   }
+  open_.push_back({{from, part[1]}, b});
   return true;
 }
 
