@@ -15,7 +15,7 @@ import pathlib
 import sys
 from dataclasses import dataclass
 
-from deform import convergence, cost, deform, deform_page, deform_tables, frontier, targets
+from deform import convergence, cost, counts, deform, deform_page, deform_tables, frontier, targets
 from engine import engine, engine_page
 from motion import motion, motion_page, stages
 from page import write_page
@@ -112,6 +112,8 @@ def report_displacements(run):
     names |= frontier.write_frontier(points, equals, folder) if points else set()
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
+    curves = counts.read_curves(run, sections)
+    names |= counts.write_counts(curves, folder) if curves else set()
     names |= targets.write_targets(outcomes, folder) if outcomes else set()
     remove_old(folder, names)
     if run.plan_data.get("question"):

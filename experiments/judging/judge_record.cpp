@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/judge/linear_elements/linear_elements.h"
+#include "core/judge/surface/feature_distance.h"
 #include "core/judge/surface/surface.h"
 #include "experiments/judging/kept_regions.h"
 
@@ -152,6 +153,19 @@ void add_region_figures(json& figures, const TetMesh& mesh, const TetMesh& input
   if (regions.empty() || figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0)
     return;
   figures["region_tets"] = judge::compare_in_regions(mesh, input, judge_regions(regions)).output_tets;
+}
+
+void add_feature_figures(json& figures, const TetMesh& output, const TetMesh& input, double feature_deg) {
+  if (figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0) return;
+  const judge::FeatureDistance found = judge::measure_feature_distance(
+      judge::build_boundary(input), judge::build_boundary(output), feature_deg);
+  figures["feature_edges"] = found.input_edges;
+  add_real(figures, "feature_distance_lower", found.kept.lower);
+  add_real(figures, "feature_distance_upper", found.kept.upper);
+}
+
+bool is_of_features(const std::string& measure) {
+  return measure.starts_with("feature_");
 }
 
 bool is_of_linear_elements(const std::string& measure) {

@@ -31,6 +31,14 @@ Judgement judge_output(const TetMesh& output, const TetMesh& input, std::span<co
 void add_region_figures(nlohmann::json& figures, const TetMesh& mesh, const TetMesh& input,
                         std::span<const std::string> regions);
 
+/// Adds how far the input's sharp edges are from those of an output with sound arrays
+/// (core/judge/surface/feature_distance.h): feature_edges, feature_distance_lower, feature_distance_upper.
+void add_feature_figures(nlohmann::json& figures, const TetMesh& output, const TetMesh& input,
+                         double feature_deg);
+
+/// Whether a measure is one of these.
+bool is_of_features(const std::string& measure);
+
 /// Adds what a mesh with sound arrays is worth to linear elements
 /// (core/judge/linear_elements/linear_elements.h): p1_error, p1_error_worst, stiffness_condition,
 /// scaled_condition, explicit_step; null, with the judge's reason, where there is none. It takes seconds for

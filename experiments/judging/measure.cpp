@@ -110,6 +110,13 @@ constexpr std::array kMeasures{
             "surface_distance_upper over the diagonal of the box around both boundaries"},
     Measure{"mean_surface_distance", "unit", "lower", "/judge/mean_surface_distance",
             "mean distance of the boundaries, by area, the greater of the two directions"},
+    Measure{"feature_edges", "1", "", "/judge/feature_edges",
+            "edges of the input's skin that are sharper than the plan's feature_deg"},
+    Measure{"feature_distance_lower", "unit", "lower", "/judge/feature_distance_lower",
+            "greatest distance from these edges to the output's that are sharper than half of it: no less "
+            "than this"},
+    Measure{"feature_distance_upper", "unit", "lower", "/judge/feature_distance_upper",
+            "the same: no more than this"},
     Measure{"surface_self_intersections", "1", "lower", "/judge/surface_self_intersections",
             "pairs of boundary faces that meet where they share nothing"},
     Measure{"euler_unchanged", "0 or 1", "higher", "/judge/euler_unchanged",

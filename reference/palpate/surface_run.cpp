@@ -27,6 +27,15 @@ struct SurfaceRequest {
   std::filesystem::path sizes;  ///< empty: none
 };
 
+/// 0 where none are asked for.
+double take_feature_deg(json& left) {
+  if (!left.contains("feature_deg")) return 0.0;
+  const auto degrees = take_option<double>(left, "feature_deg", &json::is_number, "a number", 0.0);
+  if (!(degrees > 0.0 && degrees < 180.0))
+    throw InputError("feature_deg", 0, "degrees between 0 and 180", std::to_string(degrees));
+  return degrees;
+}
+
 SurfaceRequest read_surface_options(const Request& request) {
   json left = request.options;
   SurfaceRequest result;
@@ -48,6 +57,7 @@ SurfaceRequest read_surface_options(const Request& request) {
                                                     "true or false", result.options.boundary_flips);
   result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
                                                         "true or false", result.options.boundary_smoothing);
+  result.options.feature_deg = take_feature_deg(left);
   result.options.sizing = take_sizing_options(request.keep, left);
   result.sizes = take_sizes_file(left);
   require_all_taken(left);
@@ -60,6 +70,22 @@ std::string contact_note(const Vec3& place) {
   std::snprintf(at.data(), at.size(), "(%.6g, %.6g, %.6g)", place.x, place.y, place.z);
   return std::string("the input's skin meets itself, one place is near ") + at.data() +
          ": no new contact was made, but the output is not promised to be free of such places";
+}
+
+/// What was kept of the sharp edges, for the notes and the report.
+void report_features(const simplify::SurfaceRunReport& report, double degrees, Response& response) {
+  std::string angle;
+  append_number(angle, degrees);
+  response.notes.push_back(report.feature_edges_in == 0
+                               ? "no edge of the skin is sharper than " + angle + " degrees"
+                               : std::to_string(report.feature_edges_in) + " edges are sharper than " +
+                                     angle + " degrees: kept as lines of " +
+                                     std::to_string(report.feature_edges_out) + " edges, with " +
+                                     std::to_string(report.feature_corners) + " corners");
+  response.report["feature_edges_in"] = report.feature_edges_in;
+  response.report["feature_edges_out"] = report.feature_edges_out;
+  response.report["feature_corners"] = report.feature_corners;
+  response.report["rejected"]["feature"] = report.surface.rejected_feature;
 }
 
 }  // namespace
@@ -105,6 +131,7 @@ Response run_surface(const Request& request) {
                        {"boundary_shape", report.surface.rejected_shape},
                        {"distance", report.surface.rejected_distance},
                        {"contact", report.surface.rejected_contact}}}};
+  if (asked.options.feature_deg > 0.0) report_features(report, asked.options.feature_deg, response);
   return response;
 }
 

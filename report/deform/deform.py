@@ -65,6 +65,7 @@ class Row:
     is_reference_kind: bool = False  # its method is one of those that the reference's belongs to: fem.p1 beside fem.p2
     marks: dict = field(default_factory=dict)
     spans: dict = field(default_factory=dict)  # of a figure whose answers differ: between what its median lies
+    tets: object = None  # of the mesh that was solved on
 
     @property
     def is_judged(self):
@@ -171,7 +172,8 @@ def read_row(group, references, reference_method):
     spans = {name: span_of(group.figures("judge", name)) for name, _, _ in ERRORS if len(set(group.figures("judge", name))) > 1}
     return Row(group.label, group.contestant, problem, str(sweep.get("simplify", "")), sweep.get("tets_removed_ratio"),
                values_of(group), own_errors, figure(record, "mesh", "vertices"), note_of(group), is_valid(reference),
-               bool(reference_method) and kind_of(group.contestant) == kind_of(reference_method), spans=spans)
+               bool(reference_method) and kind_of(group.contestant) == kind_of(reference_method), spans=spans,
+               tets=figure(record, "solved_on", "tets") or figure(record, "mesh", "tets"))
 
 
 def mark_rows(rows):

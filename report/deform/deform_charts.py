@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
-from deform import convergence, frontier_charts
+from deform import convergence, count_charts, counts, frontier_charts
 from deform.deform import (MAIN, MARGIN, NO_SIMPLIFIER, labels_of, root_mean_square, setting_of, setting_text, settings_of,
                            simplified_text)
 from shared.chart_style import FAINT, GRID, INK, STYLE, draw_legend, file_name, lay_out, save, set_time_axis, set_title
@@ -22,7 +22,7 @@ MARKS = ["o", "s", "^", "D", "v", "P", "<", "X", ">", "h", "p", "*"]
 SIZES = {"*": 1.6, "P": 1.15, "X": 1.15, "p": 1.15, "h": 1.1, "D": 0.9}  # of marks that look smaller or larger than others
 SHADE = "#ececec"
 DEFORMATION = "displacement_deformation"
-NAMES = ["error_bars", "error_time", "convergence", "simplified_error", "frontier"]
+NAMES = ["error_bars", "error_time", "convergence", "simplified_error", "error_count", "frontier"]
 
 
 def read_styles(sections):
@@ -381,6 +381,8 @@ def draw_charts(run, sections, _series, points, folder):
             drawn += draw_convergence(sections, styles, folder)
         if "simplified_error" in names:
             drawn += draw_simplified(sections, folder)
+        if "error_count" in names:
+            drawn += count_charts.draw_counts(counts.read_curves(run, sections), folder)
         if "frontier" in names and points:
             drawn += frontier_charts.draw_frontiers(run, points, folder)
     return drawn

@@ -1,6 +1,6 @@
 """What a contest of displacements has for the page of its run."""
 
-from deform import frontier, targets
+from deform import counts, frontier, targets
 from deform.deform import COARSE, ERRORS, MAIN, MARGIN, TIMES, problem_of, root_mean_square, sweep_of
 from deform.deform_tables import TITLES, reference_text, set_rows, setting_text
 from shared.page_parts import BAD, GOOD, OPEN, PLAIN, Axis, Body, Chart, Column, Field, PageParts, Section, Table
@@ -158,6 +158,25 @@ def convergence_chart(series):
                  facet="scene", shown=[Axis("own", "the reference's own error", "%", False, 100.0)])
 
 
+def count_charts(curves):
+    """Error against tetrahedra, a chart a label; a panel a scene and family of simplifiers, a curve each of its sizes."""
+    charts, name = [], counts.measure_of(curves)
+    for label in dict.fromkeys(curve.label for curve in curves):
+        rows = []
+        for curve in curves:
+            if curve.label != label:
+                continue
+            several = len({each.simplifier.label for each in curves if each.simplifier.family == curve.simplifier.family}) > 1
+            place = ", ".join([curve.problem.name, *([curve.simplifier.family] if several else [])])
+            for row in curve.rows:
+                if row.values[name] is not None:
+                    rows.append({"place": place, "sizes": curve.simplifier.sizes if several else curve.simplifier.label, "simplify": curve.simplifier.label,
+                                 "tets": row.tets, name: row.values[name], "own": row.own_errors.get(name), "hollow": row.is_coarse(name)})
+        charts.append(Chart(f"Error against tetrahedra: {label}", "lines", Axis("tets", "tetrahedra", "", True), error_axis(name), rows, series="sizes", facet="place",
+                            shown=[Axis("simplify", "simplifier"), Axis("own", "the reference's own error", "%", False, 100.0)]))
+    return charts
+
+
 # --- Tables -------------------------------------------------------------------------------------------------------------
 
 
@@ -270,6 +289,7 @@ def page_parts(run, found):
     sentence, state = verdict_of(run, sections, points, outcomes)
     on_frontier = {point.case for own in points.values() for point in own if point.on}
     charts = frontier_charts(points) if points else error_charts(run, sections)
+    charts += count_charts(counts.read_curves(run, sections))
     chart = convergence_chart(series) if series else None
     tables = [target_table(outcomes)] if outcomes else []
     tables += [frontier_table(points), equal_table(run, points)] if points else []

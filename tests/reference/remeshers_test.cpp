@@ -228,6 +228,7 @@ TEST_F(RemesherRun, ThresholdOfGmshIsHandedOn) {
 const Promise kPromises[] = {
     {"cgal.remesh", "edge_length", true, false, {{"iterations", {"2", "test"}}}},
     {"cgal.remesh_free", "edge_length", false, false, {}},
+    {"cgal.mesh_3", "cell_size", false, false, {}},
     {"cgal.collapse", "interior_size", false, true, {{"cost", {"garland_heckbert", "test"}}}},
     {"gmsh.remesh", "interior_size", true, false, {}},
     {"tetgen.coarsen", "size", true, false, {}},

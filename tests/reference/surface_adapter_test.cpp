@@ -80,6 +80,22 @@ TEST_F(SurfaceAdapter, KeepsRegions) {
   EXPECT_GT(report.at("boundary_collapses"), 0);
 }
 
+TEST_F(SurfaceAdapter, KeepsSharpEdgesByAngle) {
+  const test::ProgramResult kept =
+      run({"--ratio", "0.9", "--set", "max_surface_error_m=40", "--set", "feature_deg=45"});
+  ASSERT_EQ(kept.exit_code, 0) << kept.error;
+  EXPECT_THAT(kept.error, AllOf(HasSubstr("96 edges are sharper than 45 degrees: kept as lines of "),
+                                HasSubstr(" with 8 corners")));
+  const json report = json::parse(kept.out);
+  EXPECT_EQ(report.at("feature_edges_in"), 96);
+  EXPECT_EQ(report.at("feature_corners"), 8);
+  EXPECT_LE(distance(), 40.0);
+  const test::ProgramResult none =
+      run({"--ratio", "0.9", "--set", "max_surface_error_m=40", "--set", "feature_deg=120"});
+  ASSERT_EQ(none.exit_code, 0) << none.error;
+  EXPECT_THAT(none.error, HasSubstr("no edge of the skin is sharper than 120 degrees"));
+}
+
 TEST_F(SurfaceAdapter, RefusesWhatMakesNoSense) {
   const auto refused = [&](const std::vector<std::string>& extra, const std::string& part) {
     const test::ProgramResult result = run(extra);
@@ -91,6 +107,8 @@ TEST_F(SurfaceAdapter, RefusesWhatMakesNoSense) {
   refused({"--set", "unit_m=0"}, "unit_m");
   refused({"--set", "boundary_size=100"}, "boundary_size");
   refused({"--set", "max_error=1"}, "max_error");
+  for (const char* degrees : {"0", "180", "-10", "400", "nan", "sharp"})
+    refused({"--set", std::string("feature_deg=") + degrees}, "feature_deg");
   refused({"--fusions", "3"}, "only at tets, ratio, limit");
 }
 

@@ -4,7 +4,7 @@ import unittest
 
 from support import ReportTest
 import synthetic
-from deform import deform_page
+from deform import deform, deform_page
 from shared import records
 from synthetic import deformed, reference_record
 
@@ -382,6 +382,54 @@ class Charts(DeformTest):
         rows, out = self.run_deform(lines)
         self.assertIn("bar, nu 0.25, 1,503 vertices, refined -22%", out)
         self.assertIn("reference: extrapolated", out.split("refined -22%")[1])
+
+    def graded_lines(self):
+        """Two scenes, one method, three counts: a simplifier of one size and one graded by its loads, whose errors are known."""
+        lines = []
+        for scene, factor in (("bar", 1.0), ("rod", 2.0)):
+            lines.append(reference_record(scene, sweep={"poisson_ratio": 0.25}))
+            none = deformed(scene, "a", 0.01 * factor, sweep={"poisson_ratio": 0.25, "simplify": "none"})
+            lines.append(none)
+            for simplify, gain in (("refined", 1.0), ("refined_near", 0.8)):
+                for ratio in (0.3, 0.5, 0.85):
+                    sweep = {"poisson_ratio": 0.25, "simplify": simplify, "tets_removed_ratio": ratio}
+                    line = deformed(scene, "a", 0.02 * factor * gain / (1 - ratio), sweep=sweep,
+                                    solved_on={"name": "x", "vertices": 9, "tets": round(8000 * (1 - ratio))})
+                    line["judge"]["displacement_deformation"] = 1.5 * line["judge"]["displacement_l2"]
+                    lines.append(line)
+        return lines
+
+    SIMPLIFY = ["none", {"method": "palpate.refined", "label": "refined"},
+                {"method": "palpate.refined", "label": "refined_near", "grade": {"near": ["loads"]}}]
+
+    def test_error_against_tetrahedra_of_one_size_and_graded(self):
+        drawn = self.draw(self.graded_lines(), charts=["error_count"], simplify=self.SIMPLIFY)
+        self.assertEqual(sorted(drawn), ["error_count_a_nu_0.25.png", "error_count_a_nu_0.25.svg"])
+        self.assertEqual(self.draw(self.graded_lines(), charts=["error_count"], simplify=self.SIMPLIFY), drawn)
+        rows = self.table("error_count.csv")
+        self.assertEqual(len(rows), 12)
+        points = {(row["scene"], row["sizes"], int(row["tets"])): float(row["displacement_deformation"]) for row in rows}
+        self.assertAlmostEqual(points["rod", "near loads", 1200], 1.5 * 0.04 * 0.8 / 0.15)
+        for (scene, sizes, tets), error in points.items():
+            if sizes == "near loads":
+                self.assertAlmostEqual(error / points[scene, "one size", tets], 0.8)
+        self.assertEqual({row["family"] for row in rows}, {"refined"})
+
+    def test_a_curve_takes_two_counts_and_a_simplifier_in_the_plan_or_not(self):
+        lines = [line for line in self.graded_lines() if (line.get("sweep") or {}).get("tets_removed_ratio") in (None, 0.5)]
+        self.assertEqual(self.draw(lines, charts=["error_count"], simplify=self.SIMPLIFY), {})
+        self.assertFalse((self.folder / "tables" / "error_count.csv").exists())
+        self.assertEqual(len(self.draw(self.graded_lines(), charts=["error_count"])), 2)  # a plan of which nothing is known
+        self.assertEqual({row["sizes"] for row in self.table("error_count.csv")}, {"one size"})
+
+    def test_the_page_has_the_curves(self):
+        synthetic.write_run(self.folder, self.graded_lines(), {**synthetic.DEFORM, "simplify": self.SIMPLIFY})
+        run = records.read_run(self.folder)
+        sections = deform.read_sections(run)
+        charts = [chart for chart in deform_page.page_parts(run, (sections, [], {})).sections[0].parts if chart.title.startswith("Error against tetrahedra")]
+        self.assertEqual([(chart.title, chart.kind, len(chart.rows)) for chart in charts], [("Error against tetrahedra: a", "lines", 12)])
+        self.assertEqual({row["sizes"] for row in charts[0].rows}, {"one size", "near loads"})
+        self.assertEqual({row["place"] for row in charts[0].rows}, {"bar, nu 0.25, refined", "rod, nu 0.25, refined"})
 
     def test_figures_of_which_none_can_be_drawn(self):
         self.assertEqual(self.draw([reference_record("bar"), deformed("bar", "a", None)]), {})

@@ -62,11 +62,15 @@ Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& r
       tools_(tools),
       smoother_(mesh, scores_),
       flipper_(mesh, scores_, rule),
-      trial_(mesh, scores_, trial_rule(rule)) {}
+      trial_(mesh, scores_, trial_rule(rule)) {
+  if (!is_strict()) return;
+  smoother_.set_least_of_worst(1.0);
+  set_rule(rule);
+}
 
 void Repairer::set_rule(const FlipRule& rule) {
   FlipRule own = rule;
-  if (many_are_bad_) own.least_of_worst = 1.0;
+  if (is_strict()) own.least_of_worst = 1.0;
   flipper_.set_rule(own);
   trial_.set_rule(trial_rule(own));
 }
@@ -80,7 +84,7 @@ void Repairer::set_manner(double threshold) {
       static_cast<double>(bad) / static_cast<double>(std::max<std::uint64_t>(1, mesh_.alive));
   many_are_bad_ = share > kFewBad;
   scores_ = scores_.with_gain_offset(many_are_bad_ ? kGainOffsetOfMany : kGainOffset);
-  smoother_.set_least_of_worst(many_are_bad_ ? 1.0 : kLeastOfWorst);
+  smoother_.set_least_of_worst(is_strict() ? 1.0 : kLeastOfWorst);
   set_rule(flipper_.rule());
 }
 
@@ -248,7 +252,7 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
     }
   }
   // What the trial itself has made may be anything: the smoothing is what makes it good.
-  const double least = many_are_bad_ ? std::min(score, worst_beside()) : 0.0;
+  const double least = is_strict() ? std::min(score, worst_beside()) : 0.0;
   double growth = trial_.growth();
   for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
     double gained = 0.0;

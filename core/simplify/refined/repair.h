@@ -17,6 +17,7 @@ struct RepairTools {
   bool face_removal = true;
   bool compound_moves = true;  ///< a flip that is good only once the vertices around it have moved
   bool edge_splits = true;     ///< a new vertex in the middle of an edge of a tet that nothing else helps
+  bool never_worse = false;    ///< no repair leaves a tet worse than the worst that it found around
 };
 
 /// How often each was made.
@@ -68,6 +69,7 @@ class Repairer {
 
  private:
   void remember_more();
+  bool is_strict() const { return many_are_bad_ || tools_.never_worse; }
   bool is_worth_it(const RepairSuccess& means) const { return !many_are_bad_ || means.is_worth_it(); }
   bool try_flips(Index t, const Tet& tet);
   bool try_moves(const Tet& tet, int steps);

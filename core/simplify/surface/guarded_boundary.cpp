@@ -70,7 +70,7 @@ std::uint64_t hash_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
 
 }  // namespace
 
-GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error)
+GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, double feature_deg)
     : faces_(collect_faces(mesh)),
       of_vertex_(mesh.points.size()),
       alive_(faces_.size()),
@@ -90,12 +90,15 @@ GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error)
     covered_by_[f] = {f};
     enter_grid(f, input_[f]);
   }
+  if (feature_deg > 0.0) lines_ = FeatureLines(mesh, faces_, feature_deg, at_least_rounding(max_error, mesh));
 }
 
 void GuardedBoundary::raise_bound(const WorkingMesh& mesh, double max_error) {
-  const CoverTest raised(at_least_rounding(max_error, mesh));
+  const double limit = at_least_rounding(max_error, mesh);
+  const CoverTest raised(limit);
   require(raised.limit_sq() >= cover_.limit_sq(), "guarded boundary: a bound may only grow");
   cover_ = raised;
+  if (!lines_.is_empty()) lines_.raise_limit(limit);
 }
 
 void GuardedBoundary::renumber(const std::vector<Index>& new_number, std::size_t vertices) {
@@ -105,6 +108,7 @@ void GuardedBoundary::renumber(const std::vector<Index>& new_number, std::size_t
     for (Index& v : faces_[f]) v = new_number[v];
     link(f);
   }
+  lines_.renumber(new_number, vertices);
 }
 
 void GuardedBoundary::link(Index f) {

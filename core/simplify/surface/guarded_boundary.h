@@ -10,6 +10,7 @@
 #include "core/simplify/sizing/triangle_tree.h"
 #include "core/simplify/surface/cover_check.h"
 #include "core/simplify/surface/face_contact.h"
+#include "core/simplify/surface/feature_lines.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -39,8 +40,9 @@ enum class BoundaryVerdict {
 class GuardedBoundary {
  public:
   /// Takes the boundary of the mesh as the input's skin. `max_error` in the mesh's unit; below rounding
-  /// (1e-13 of the largest coordinate) it is taken for that.
-  GuardedBoundary(const WorkingMesh& mesh, double max_error);
+  /// (1e-13 of the largest coordinate) it is taken for that. Edges sharper than `feature_deg` are lines to
+  /// keep (FeatureLines), within the same bound; 0: none.
+  GuardedBoundary(const WorkingMesh& mesh, double max_error, double feature_deg = 0.0);
 
   /// Changes the bound for what comes. It may only grow: what was proven for a smaller one still holds.
   void raise_bound(const WorkingMesh& mesh, double max_error);
@@ -53,6 +55,11 @@ class GuardedBoundary {
   bool is_alive(Index f) const { return faces_[f][0] != kNoIndex; }
   const Triangle& face(Index f) const { return faces_[f]; }
   std::span<const Index> faces_of(Index v) const { return of_vertex_[v]; }
+
+  /// The sharp edges to keep. The guard does not ask them by itself: a collapse along one does
+  /// (permits_collapse), and nothing else may take away or move what has a rank.
+  const FeatureLines& lines() const { return lines_; }
+  FeatureLines& lines() { return lines_; }
 
   /// The middle of a face that is in contact with another one now, if there is one. Time: linear in the faces
   /// where few meet.
@@ -89,6 +96,7 @@ class GuardedBoundary {
   std::vector<Triangle> faces_;
   std::vector<std::vector<Index>> of_vertex_;
   std::size_t alive_ = 0;
+  FeatureLines lines_;
 
   std::vector<TriangleCorners> input_;
   TriangleTree tree_;

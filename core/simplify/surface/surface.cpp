@@ -61,11 +61,13 @@ struct Run {
         room(field.is_empty() ? volume : graded_volume(input, field)),
         mesh(build_working_mesh(std::move(input), field)),
         level(given.sparing ? 0 : kErrorLevels.size() - 1),
-        boundary(mesh, kErrorLevels[level] * given.max_surface_error),
+        boundary(mesh, kErrorLevels[level] * given.max_surface_error, given.feature_deg),
         scores(scale_of_ideal_volume(1.0), field) {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
     report.boundary_faces_in = boundary.size();
+    report.feature_edges_in = boundary.lines().size();
+    report.feature_corners = boundary.lines().corners();
     report.input_contact = boundary.find_contact(mesh);
     for (Index f = 0; f < boundary.slots(); ++f) {
       const Triangle& t = boundary.face(f);
@@ -261,6 +263,10 @@ void validate_options(const SurfaceOptions& options) {
   if (!(options.boundary_size > 0.0 && std::isfinite(options.boundary_size))) {
     throw InputError("boundary_size", 0, "a number above 0", std::to_string(options.boundary_size));
   }
+  if (!(options.feature_deg >= 0.0 && options.feature_deg < 180.0)) {
+    throw InputError("feature_deg", 0, "degrees from 0 (none) to less than 180",
+                     std::to_string(options.feature_deg));
+  }
 }
 
 SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
@@ -290,6 +296,7 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
     StepLengthener(run.mesh, run.scores, window_of(run, target)).run(kStepRounds);
   }
   run.report.boundary_faces_out = run.boundary.size();
+  run.report.feature_edges_out = run.boundary.lines().size();
   mesh = extract_mesh(std::move(run.mesh));
   SurfaceRunReport report = std::move(run.report);
   report.inner.collapses += refined.collapses.collapses;

@@ -25,6 +25,7 @@ struct SurfaceOptions {
   double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
   bool boundary_flips = true;      ///< of edges
   bool boundary_smoothing = true;  ///< boundary vertices move along the skin too
+  double feature_deg = 0.0;        ///< edges sharper than this are kept as lines (FeatureLines); 0: none
   SizingOptions sizing;
 };
 
@@ -36,15 +37,18 @@ struct SurfaceRunReport {
   std::uint64_t tets_out = 0;
   std::uint64_t boundary_faces_in = 0;
   std::uint64_t boundary_faces_out = 0;
-  double volume_drift_relative = 0.0;  ///< |V_out - V_in| / V_in
-  std::optional<Vec3> input_contact;   ///< a place where the input's skin meets itself, if there is one
-  std::string stop;                    ///< "tets", "ratio" or "limit"
+  double volume_drift_relative = 0.0;   ///< |V_out - V_in| / V_in
+  std::uint64_t feature_edges_in = 0;   ///< sharper than feature_deg
+  std::uint64_t feature_edges_out = 0;  ///< what their lines have become
+  std::uint64_t feature_corners = 0;    ///< vertices where they end, meet or turn: these stay
+  std::optional<Vec3> input_contact;    ///< a place where the input's skin meets itself, if there is one
+  std::string stop;                     ///< "tets", "ratio" or "limit"
   SurfaceReport surface;
   CollapseReport inner;
 };
 
 /// Throws: InputError for a ratio outside [0, 1), a bound that is negative or not finite, a boundary_size
-/// that is not above 0, an effort out of range, or a stop by fusions.
+/// that is not above 0, a feature_deg outside [0, 180), an effort out of range, or a stop by fusions.
 void validate_options(const SurfaceOptions& options);
 
 /// Simplifies a mesh. Every tet stays positive by exact orientation, mesh and boundary stay manifolds of the
@@ -58,6 +62,10 @@ void validate_options(const SurfaceOptions& options);
 /// that does not reach the count, the boundary gives way further than planned. Flips and moves in the skin
 /// and repairs inside follow. Without a stop, the bound decides how coarse the boundary gets, and the inside
 /// follows in the same proportion.
+///
+/// Features: with feature_deg, the sharp edges of the input's skin stay as lines. Their corners stay to the
+/// bit; each line stays one, and the two-sided Hausdorff distance of all lines to the input's is within the
+/// same bound.
 ///
 /// Sparing: an eighth of the bound is tried first, then a quarter, half and all of it, each only if the one
 /// before did not get the boundary as coarse as wanted.

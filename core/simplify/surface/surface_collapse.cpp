@@ -74,6 +74,11 @@ bool is_frozen(const WorkingMesh& mesh, Index v) {
   return (mesh.vertex_flags[v] & kFrozen) != 0;
 }
 
+/// How much a vertex is held: frozen ones stay like corners.
+FeatureRank hold_on(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
+  return is_frozen(mesh, v) ? FeatureRank::kCorner : boundary.lines().rank(v);
+}
+
 class BoundaryCollapser {
  public:
   BoundaryCollapser(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
@@ -126,7 +131,13 @@ class BoundaryCollapser {
     return edge.refused_at == 0 || std::max(changed_at_[edge.a], changed_at_[edge.b]) >= edge.refused_at;
   }
 
-  bool may_collapse(Index a, Index b) const { return !is_frozen(mesh_, a) || !is_frozen(mesh_, b); }
+  FeatureRank hold(Index v) const { return hold_on(mesh_, boundary_, v); }
+
+  /// The end that is held less goes; from a line along it only.
+  bool may_collapse(Index a, Index b) const {
+    const FeatureRank least = std::min(hold(a), hold(b));
+    return least == FeatureRank::kNone || (least == FeatureRank::kOnLine && boundary_.lines().is_line(a, b));
+  }
 
   /// The link condition of the boundary: the ends' common neighbours on it are the two apexes of the edge's
   /// faces, and not both ends have a face with these apexes: that would be the skin of a single tet.
@@ -191,6 +202,10 @@ class BoundaryCollapser {
     const Vec3 best = planes_.best_place();
     places = {origin + best, mesh_.points[survivor], mesh_.points[gone]};
     if (planes_.cost(places[2] - origin) < planes_.cost(places[1] - origin)) std::swap(places[1], places[2]);
+    // A straight edge is kept to the bit by its ends.
+    const bool is_on_line = hold(gone) == FeatureRank::kOnLine;
+    if (is_on_line && boundary_.lines().is_straight_at(mesh_, gone, survivor))
+      std::swap(places[0], places[1]);
     return 3;
   }
 
@@ -202,8 +217,8 @@ class BoundaryCollapser {
   bool try_collapse(Index a, Index b) {
     Index gone = a;
     Index survivor = b;
-    if (is_frozen(mesh_, gone)) std::swap(gone, survivor);
-    const bool survivor_moves = !is_frozen(mesh_, survivor);
+    if (hold(gone) > hold(survivor)) std::swap(gone, survivor);
+    const bool survivor_moves = hold(gone) == hold(survivor);
     if (!boundary_stays_manifold(gone, survivor) || !meets_link_condition(mesh_, gone, survivor, marks_)) {
       ++report_.rejected_link;
       return false;
@@ -218,23 +233,33 @@ class BoundaryCollapser {
     const std::size_t count = list_places(gone, survivor, survivor_moves, places);
     BoundaryVerdict verdict = BoundaryVerdict::kAllowed;
     bool any_shape = false;
+    bool any_line = hold(gone) == FeatureRank::kNone;
     for (std::size_t i = 0; i < count; ++i) {
       if (!is_well_shaped(places[i])) continue;
       any_shape = true;
       change_.to = places[i];
+      if (!line_permits(gone, survivor)) continue;
+      any_line = true;
       verdict = boundary_.check(mesh_, change_);
       if (verdict != BoundaryVerdict::kAllowed) continue;
       collapse(gone, survivor);
       return true;
     }
     ++(!any_shape                             ? report_.rejected_shape
+       : !any_line                            ? report_.rejected_feature
        : verdict == BoundaryVerdict::kContact ? report_.rejected_contact
                                               : report_.rejected_distance);
     return false;
   }
 
+  bool line_permits(Index gone, Index survivor) {
+    return hold(gone) == FeatureRank::kNone ||
+           boundary_.lines().permits_collapse(mesh_, gone, survivor, change_.to);
+  }
+
   void collapse(Index gone, Index survivor) {
     boundary_.apply(mesh_, change_);
+    if (hold(gone) == FeatureRank::kOnLine) boundary_.lines().collapse(gone, survivor);
     apply_collapse(mesh_, gone, survivor, change_.to);
     ++report_.collapses;
     for (const Index t : mesh_.star(survivor)) {
@@ -295,7 +320,8 @@ void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRu
   StarQuality star;
   BoundaryChange change;
   for (Index v = 0; v < mesh.points.size(); ++v) {
-    if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v) || is_frozen(mesh, v)) continue;
+    if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v)) continue;
+    if (hold_on(mesh, boundary, v) != FeatureRank::kNone) continue;
     const Vec3 from = mesh.points[v];
     star.start(scores.at(from), from);
     add_star(mesh, v, kNoIndex, star);

@@ -29,17 +29,19 @@ struct SurfaceReport {
   std::uint64_t rejected_shape = 0;     ///< a tet would be inverted or too bad
   std::uint64_t rejected_distance = 0;  ///< the skins would be farther apart than the bound, or might be
   std::uint64_t rejected_contact = 0;   ///< the skin would run into itself
+  std::uint64_t rejected_feature = 0;   ///< a sharp edge to keep would be too far from the input's
 };
 
 /// Collapses boundary edges, the shortest first (relative to the wanted size), until a target is reached or
 /// nothing more can go. The new vertex is put where the planes of the faces around are nearest while the
-/// volume is kept, or at one of the ends. Source: Lindstrom and Turk, IEEE Visualization 1998, for the
-/// volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
+/// volume is kept, or at one of the ends. A vertex on a feature line goes along the line only, and the line
+/// stays within its limit; what collapses onto a line does not move it. Source: Lindstrom and Turk, IEEE
+/// Visualization 1998, for the volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
 void collapse_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report);
 
 /// One sweep over the boundary vertices: each is moved towards the middle of its faces, within the tangent
-/// plane, if the tets around it get better by it.
+/// plane, if the tets around it get better by it. Vertices on feature lines stay.
 void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                      SurfaceReport& report);
 

@@ -118,6 +118,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
 }
 
 bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
+  if (boundary_.lines().is_line(a, b)) return false;
   EdgeFan fan;
   if (!find_fan(a, b, fan)) return false;
   scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));

@@ -43,7 +43,8 @@ class BoundaryFlipper {
   /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
   std::uint64_t pass(double threshold);
 
-  /// Flips edge (a, b) if the worst tet there gets better by it and the skin's guard permits it.
+  /// Flips edge (a, b) if it is no feature edge, the worst tet there gets better by it and the skin's guard
+  /// permits it.
   bool try_flip(Index a, Index b, double threshold);
 
  private:

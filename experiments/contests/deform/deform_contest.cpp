@@ -281,7 +281,7 @@ const ContestKind& deform_contest() {
       {"scenes", "reference", "simplify", "scene_sets", "targets", "frontier", "beside", "charts"},
       {"scenes", "reference"},
       {},
-      {"error_bars", "error_time", "convergence", "simplified_error", "frontier"},
+      {"error_bars", "error_time", "convergence", "simplified_error", "error_count", "frontier"},
       read_deform_plan,
       cross_cases,
       [](const ContestSetting& setting) -> std::unique_ptr<Contest> {

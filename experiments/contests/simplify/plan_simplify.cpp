@@ -1,5 +1,6 @@
 #include "experiments/contests/simplify/plan_simplify.h"
 
+#include "experiments/judging/judge_record.h"
 #include "experiments/judging/kept_regions.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_mesh.h"
@@ -74,6 +75,21 @@ std::vector<Comparison> read_comparisons(const YamlValue& value,
   return comparisons;
 }
 
+/// A measure of sharp edges, wherever the plan names one, needs the angle.
+void require_feature_deg(const YamlFields& fields, const Plan& plan, const SimplifyPart& part) {
+  const auto check = [](const YamlValue& at, const std::string& name) {
+    if (is_of_features(name)) at.fail("the measure \"" + name + "\" needs the plan's \"feature_deg\"");
+  };
+  if (const auto measure = fields.find("measure")) {
+    for (const YamlValue& item : measure->items()) check(item, item.text());
+  }
+  if (const auto accept = fields.find("accept")) {
+    for (const auto& [name, entry] : accept->entries()) check(entry, name);
+  }
+  if (part.claim) check(fields.need("claim"), part.claim->measure);
+  for (const std::string& name : plan.compared) check(fields.need("comparisons"), name);
+}
+
 }  // namespace
 
 void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {
@@ -96,6 +112,13 @@ void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& re
     part->comparisons = read_comparisons(*comparisons, plan.contestants, plan.run);
   for (const Comparison& comparison : part->comparisons)
     plan.compared.insert(plan.compared.end(), comparison.measures.begin(), comparison.measures.end());
+  if (const auto degrees = fields.find("feature_deg")) {
+    part->feature_deg = degrees->number(0.0, 180.0);
+    if (*part->feature_deg == 0.0 || *part->feature_deg == 180.0)
+      degrees->fail_expected("degrees between 0 and 180");
+  } else {
+    require_feature_deg(fields, plan, *part);
+  }
   plan.part = std::move(part);
 }
 

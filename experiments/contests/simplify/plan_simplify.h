@@ -37,13 +37,15 @@ struct Comparison {
 struct SimplifyPart : ContestPart {
   std::vector<std::string> region;  ///< whose tets are counted in every output; keeps nothing by itself
   std::optional<Claim> claim;
+  std::optional<double> feature_deg;  ///< sharper edges of the input are looked for in every output
   std::optional<double> equal_count;  ///< answers are ranked within this share of the count asked for
   std::vector<Comparison> comparisons;
 };
 
 /// Reads it: see ContestKind::read. Throws: InputError with file and line, also where a label is compared
-/// with itself, a measure has no better side, a time factor is given without a label to time against, or
-/// times are compared in a plan with fewer than 9 repeats or without a warm-up.
+/// with itself, a measure has no better side or is of sharp edges without "feature_deg", a time factor is
+/// given without a label to time against, or times are compared in a plan with fewer than 9 repeats or
+/// without a warm-up.
 void read_simplify_plan(const YamlFields& fields, Plan& plan, const Registry& registry);
 
 }  // namespace palpate::experiments

@@ -68,7 +68,9 @@ class SimplifyContest : public Contest {
     const auto judge = [&](const std::filesystem::path& file) {
       const TetMesh output = read_mesh(file, ReadOrientation::kKeep).mesh;
       Judgement judgement = judge_output(output, mesh.mesh, facts.contestant.keep);
-      add_region_figures(judgement.figures, output, mesh.mesh, part_of<SimplifyPart>(facts.plan).region);
+      const SimplifyPart& part = part_of<SimplifyPart>(facts.plan);
+      add_region_figures(judgement.figures, output, mesh.mesh, part.region);
+      if (part.feature_deg) add_feature_figures(judgement.figures, output, mesh.mesh, *part.feature_deg);
       if (asks_for_linear_elements(facts.plan)) add_linear_element_figures(judgement.figures, output);
       return judgement.figures;
     };
@@ -120,7 +122,7 @@ class SimplifyContest : public Contest {
 const ContestKind& simplify_contest() {
   static const ContestKind kind{
       "simplify",
-      {"meshes", "region", "equal_count", "claim", "comparisons", "charts"},
+      {"meshes", "region", "feature_deg", "equal_count", "claim", "comparisons", "charts"},
       {"meshes"},
       {},
       {"histograms", "overview", "timing", "quality_time", "quality_distance", "scaling", "cut_away"},

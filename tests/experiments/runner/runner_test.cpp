@@ -95,6 +95,19 @@ TEST(Runner, OutcomesOfBadContestants) {
   EXPECT_EQ(records.at("cube/crash")[0].at("null_reasons").at("kernel_s"), "crashed");
 }
 
+TEST(Runner, SharpEdgesAreLookedForInEveryOutput) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("\n  - {method: test.copy, label: same}",
+                                     "feature_deg: 40\nmeasure: [feature_edges, feature_distance_upper]\n"
+                                     "accept: {feature_distance_upper: {max: 0}}\n");
+  run_quietly(fixture, plan, fixture.folder() / "run");
+  const auto records = records_by_case(fixture.folder() / "run");
+  const json& same = records.at("cube/same").front();
+  EXPECT_EQ(same.at("outcome"), "accepted") << same.dump();
+  EXPECT_EQ(same.at("judge").at("feature_edges"), 48);  // twelve edges of four cells
+  EXPECT_EQ(same.at("judge").at("feature_distance_upper"), 0.0);
+}
+
 TEST(Runner, ABrokenPromiseToKeepARegionIsAViolation) {
   const test::ExperimentFixture fixture;
   // 384 tets in [0, 1]^3; half_space 0 0 -1 -0.9 is z >= 0.9, the top layer of 96.

@@ -10,10 +10,13 @@
 #include <cstdlib>
 #include <functional>
 #include <iostream>
+#include <map>
+#include <set>
 #include <string>
 
 #include "core/base/error.h"
 #include "core/judge/mesh/judge.h"
+#include "core/judge/surface/feature_distance.h"
 #include "core/judge/surface/surface.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
@@ -83,6 +86,26 @@ void expect_sound(const TetMesh& output, const TetMesh& input, bool same_boundar
   }
 }
 
+/// The input's sharp edges, by the judge, are within the bound of edges of the output, and where three or
+/// more meet, or one ends, there is a vertex still.
+void expect_lines(const TetMesh& output, const TetMesh& input, const SurfaceOptions& options,
+                  double diagonal) {
+  const SurfaceMesh skin = judge::build_boundary(input);
+  const auto sharp = judge::list_sharp_edges(skin, options.feature_deg);
+  const auto all = judge::list_sharp_edges(judge::build_boundary(output), -1.0);
+  EXPECT_LE(judge::measure_edge_distance(sharp, all).lower, options.max_surface_error + 1e-12 * diagonal);
+  using Place = std::array<double, 3>;
+  const auto place = [](const Vec3& p) { return Place{p.x, p.y, p.z}; };
+  std::map<Place, int> edges_at;
+  for (const auto& [a, b] : sharp) {
+    ++edges_at[place(a)];
+    ++edges_at[place(b)];
+  }
+  std::set<Place> left;
+  for (const Vec3& p : output.points) left.insert(place(p));
+  for (const auto& [at, edges] : edges_at) EXPECT_TRUE(edges == 2 || left.contains(at));
+}
+
 SizingOptions random_sizing(const TetMesh& mesh, SplitMix64& random) {
   SizingOptions sizing;
   if (random.below(4) == 0) {
@@ -145,8 +168,12 @@ void run_surface(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
   options.sizing = sizing;
   options.effort = static_cast<int>(random.below(2));
   const BoundingBox box = bounding_box(mesh.points);
-  options.max_surface_error = 0.05 * random.uniform() * length(box.high - box.low);
+  const double diagonal = length(box.high - box.low);
+  options.max_surface_error = 0.05 * random.uniform() * diagonal;
+  if (random.below(2) == 0) options.feature_deg = 20.0 + 80.0 * random.uniform();
+  const TetMesh input = options.feature_deg > 0.0 ? mesh : TetMesh();
   const SurfaceRunReport report = simplify_surface(mesh, options);
+  if (options.feature_deg > 0.0) expect_lines(mesh, input, options, diagonal);
   done.collapses += report.surface.collapses + report.inner.collapses;
   done.flips += report.surface.flips;
   done.moves += report.surface.moves;

@@ -1,0 +1,96 @@
+"""Error against the number of tetrahedra: what each simplifier leaves of a scene's answer, count by count.
+
+Simplifiers of one method and one setting that differ only in `grade` (docs/graded.md) are one family: sizes by the scene beside one size.
+"""
+
+import json
+from dataclasses import dataclass
+
+from deform.deform import ERRORS, MAIN, NO_SIMPLIFIER
+from shared.tables import write_csv
+
+DEFORMATION = "displacement_deformation"
+ONE_SIZE = "one size"
+
+
+@dataclass(frozen=True)
+class Simplifier:
+    """One of the plan's."""
+
+    label: str
+    family: str  # label of the first with the same method and setting
+    sizes: str  # what the wanted sizes are: "one size", "near loads", "by a pilot", ...
+
+
+@dataclass
+class Curve:
+    """A label on the meshes of one simplifier, from many tetrahedra to few. `rows` are judged; `whole` is the row on the mesh as it is."""
+
+    problem: object
+    label: str
+    simplifier: Simplifier
+    rows: list
+    whole: object
+
+
+def sizes_text(grade):
+    if not isinstance(grade, dict):
+        return ONE_SIZE
+    near = grade.get("near") or []
+    parts = [f"near {', '.join(str(place) for place in near)}"] if near else []
+    return " + ".join(parts + (["by a pilot"] if "pilot" in grade else [])) or ONE_SIZE
+
+
+def read_simplifiers(plan_data):
+    """Those of the plan by their labels; `none` is not among them."""
+    found, families = {}, {}
+    given = plan_data.get("simplify")
+    for entry in given if isinstance(given, list) else []:
+        entry = entry if isinstance(entry, dict) else {"method": str(entry)}
+        label = str(entry.get("label", entry.get("method")))
+        if label == NO_SIMPLIFIER:
+            continue
+        setting = (str(entry.get("method")), json.dumps(entry.get("set"), sort_keys=True), json.dumps(entry.get("keep")))
+        found[label] = Simplifier(label, families.setdefault(setting, label), sizes_text(entry.get("grade")))
+    return found
+
+
+def read_curves(run, sections):
+    """All curves with at least two counts, in the order of the plan."""
+    simplifiers = read_simplifiers(run.plan_data)
+    curves, wholes = {}, {}
+    for section in sections:
+        for row in section.rows:
+            if not row.is_judged or row.tets is None:
+                continue
+            if section.simplify == NO_SIMPLIFIER:
+                wholes[row.problem, row.label] = row
+            elif section.simplify and section.ratio is not None:
+                simplifier = simplifiers.get(section.simplify) or Simplifier(section.simplify, section.simplify, ONE_SIZE)
+                key = (row.problem, row.label, simplifier)
+                curves.setdefault(key, Curve(*key, [], None)).rows.append(row)
+    for (problem, label, _), curve in curves.items():
+        curve.whole = wholes.get((problem, label))
+        curve.rows.sort(key=lambda row: -row.tets)
+    place = {label: k for k, label in enumerate(simplifiers)}
+    found = [curve for curve in curves.values() if len({row.tets for row in curve.rows}) > 1]
+    return sorted(found, key=lambda curve: place.get(curve.simplifier.label, len(place)))
+
+
+def measure_of(curves):
+    """What is shown: the error of the deformation, or, in runs of before it was judged, the L2 error."""
+    return DEFORMATION if any(row.values.get(DEFORMATION) for curve in curves for row in curve.rows) else MAIN
+
+
+def write_counts(curves, folder):
+    """One line a point."""
+    names = [name for name, _, _ in ERRORS]
+    rows = []
+    for curve in curves:
+        for row in curve.rows:
+            problem, simplifier = curve.problem, curve.simplifier
+            rows.append([problem.scene, problem.poisson_ratio, problem.wanted_vertices, curve.label, simplifier.label, simplifier.family, simplifier.sizes,
+                         row.ratio, row.tets, *(row.values[name] for name in names), row.own_errors.get(DEFORMATION)])
+    write_csv(folder / "error_count.csv", ["scene", "poisson_ratio", "vertices", "label", "simplify", "family", "sizes", "tets_removed_ratio", "tets",
+                                           *names, "reference_error_deformation"], rows)
+    return {"error_count.csv"}
