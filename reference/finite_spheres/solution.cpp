@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "core/base/error.h"
-#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "core/dynamics/linear_algebra/linear_solver.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::reference {

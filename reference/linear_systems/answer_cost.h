@@ -8,8 +8,8 @@
 #include <span>
 
 #include "core/base/stopwatch.h"
-#include "core/dynamics/linear_algebra/sparse_factor.h"
 #include "core/dynamics/linear_algebra/block_matrix.h"
+#include "core/dynamics/linear_algebra/sparse_factor.h"
 
 namespace palpate::reference {
 

@@ -67,6 +67,7 @@ std::vector<FitPoint> points_with(const std::vector<double>& costs, const std::v
 /// Costs of what take_finalists takes, round by round until nothing is left.
 std::vector<std::vector<double>> rounds_of(const std::vector<FitPoint>& points, std::size_t count) {
   std::vector<const FitPoint*> good;
+  good.reserve(points.size());
   for (const FitPoint& point : points) good.push_back(&point);
   std::vector<std::vector<double>> rounds;
   while (!good.empty()) {
