@@ -3,13 +3,13 @@
 //     node live_bench.mjs SOURCE_DIR PAGE.html [SECONDS]
 import { createRequire } from "node:module";
 import { availableParallelism, cpus, loadavg } from "node:os";
-import { join } from "node:path";
+import { resolve } from "node:path";
 
 const [source, file, seconds = "5"] = process.argv.slice(2);
-const { chromium } = createRequire(join(source, "page/package.json"))("playwright-core");
+const { chromium } = createRequire(resolve(source, "page/package.json"))("playwright-core");
 const browser = await chromium.launch({ executablePath: process.env.PALPATE_CHROMIUM ?? "/usr/bin/chromium", args: ["--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"] });
 const page = await browser.newPage({ viewport: { width: 1200, height: 800 } });
-await page.goto(`file://${file}`);
+await page.goto(`file://${resolve(file)}`);
 const isWhole = () => page.waitForFunction(() => document.querySelector("[data-readout=state]")?.textContent === "whole", null, { timeout: 120_000 });
 await isWhole();
 
