@@ -2,14 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/dynamics/integrators/curvature_pairs.h"
 #include "core/dynamics/linear_algebra/laplace_factor.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 
 namespace palpate::dynamics {
 namespace {
+
+/// A correction that ends on the other side, with more than this share of the slope that it began with, goes
+/// too far. (-1 is where a quadratic energy would be what it was.)
+constexpr double kTooFar = 0.9;
+constexpr int kMostTries = 20;
 
 bool is_held(std::uint8_t bits, std::size_t axis) {
   return ((static_cast<unsigned>(bits) >> axis) & 1U) != 0;
@@ -33,7 +41,8 @@ std::vector<ScalarEntry> build_entries(const MotionModel& model, double h) {
     entries.push_back({a, b, -weight});
   }
   for (const StrainTerm& term : elastic.strain_terms) {
-    const double modulus = 2.0 * std::max(term.moduli.mu_pa, 0.0) + std::max(term.moduli.lambda_pa, 0.0);
+    const double modulus =
+        2.0 * std::max(term.moduli.mu_pa, 0.0) + 1.5 * std::max(term.moduli.lambda_pa, 0.0);
     for (std::size_t s = 0; s < term.op.domains(); ++s) {
       const double weight = (1.0 + model.strain_damping_s / h) * modulus * term.op.volume_m3[s];
       const auto vertices = term.op.vertices_of(s);
@@ -59,7 +68,8 @@ std::vector<ScalarEntry> build_entries(const MotionModel& model, double h) {
 }  // namespace
 
 struct PrefactoredStep::Work {
-  Work(const MotionForces& forces, const StepSolverOptions& given) : options(given), goal(forces, given) {
+  Work(const MotionForces& forces, const StepSolverOptions& given)
+      : options(given), goal(forces, given), pairs(forces.held_bits().size()) {
     const std::vector<std::uint8_t>& held = forces.held_bits();
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::vector<Index>& number = numbers.at(axis);
@@ -72,7 +82,8 @@ struct PrefactoredStep::Work {
         if (numbers.at(other) == number) same_as.at(axis) = other;
       }
     }
-    for (std::vector<Vec3>* field : {&velocity, &imbalance, &change, &before}) field->resize(held.size());
+    for (std::vector<Vec3>* field : {&velocity, &imbalance, &imbalance_before, &change, &before})
+      field->resize(held.size());
   }
 
   /// Without the rows of what is held along each axis.
@@ -90,31 +101,77 @@ struct PrefactoredStep::Work {
       factors.at(axis) = factor_laplace(free.at(axis), left);
     }
     step_s = h;
+    pairs.clear();
   }
 
-  /// change = A^-1 imbalance in the free components, zero in the others.
-  void correct() {
-    std::fill(change.begin(), change.end(), Vec3{});
+  /// A^-1 of the free components of `field`, in place; zero in the others.
+  void apply_inverse(std::span<Vec3> field) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (same_as.at(axis) != axis || free.at(axis) == 0) continue;
+      if (same_as.at(axis) != axis) continue;
       const std::vector<Index>& number = numbers.at(axis);
       right.resize(free.at(axis));
       for (std::size_t v = 0; v < number.size(); ++v) {
-        if (number[v] != kNoIndex) right[number[v]] = imbalance[v];
+        if (number[v] != kNoIndex) right[number[v]] = field[v];
       }
-      solve(factors.at(axis), right, scratch, right);
+      if (free.at(axis) > 0) solve(factors.at(axis), right, scratch, right);
       for (std::size_t v = 0; v < number.size(); ++v) {
-        if (number[v] == kNoIndex) continue;
-        const Vec3& found = right[number[v]];
-        if (same_as[0] == axis) change[v].x = found.x;
-        if (same_as[1] == axis) change[v].y = found.y;
-        if (same_as[2] == axis) change[v].z = found.z;
+        const Vec3 found = number[v] == kNoIndex ? Vec3{} : right[number[v]];
+        if (same_as[0] == axis) field[v].x = found.x;
+        if (same_as[1] == axis) field[v].y = found.y;
+        if (same_as[2] == axis) field[v].z = found.z;
       }
+    }
+  }
+
+  /// Takes `u`, the inertial guess, back along the way from the start of the step where inertia does not pay
+  /// for what forces would stand against at its end: what few iterations leave of that would be energy
+  /// gained. `look` finds what is out of balance at `u`; at the guess it is known. Returns: whether it did.
+  bool shorten_guess(const MotionForces& forces, const MotionState& state, double h, std::span<Vec3> u,
+                     const std::function<double()>& look) {
+    double slope = 0.0;  // at the start, but for the forces there
+    for (std::size_t v = 0; v < u.size(); ++v) change[v] = h * state.velocity_m_s[v];
+    clear_held(forces.held_bits(), change);
+    for (std::size_t v = 0; v < u.size(); ++v)
+      slope += forces.model().mass_kg[v] / (h * h) * dot(change[v], change[v]);
+    double left = dot_of(imbalance, change);
+    if (left >= -kTooFar * slope) return false;
+    std::copy(u.begin(), u.end(), before.begin());
+    double share = 1.0;
+    for (int tries = 0; tries < kMostTries && !(left >= -kTooFar * slope); ++tries) {
+      share *= std::isfinite(left) ? slope / (slope - left) : 0.1;
+      std::copy(before.begin(), before.end(), u.begin());
+      add_scaled(u, share - 1.0, change);
+      look();
+      left = dot_of(imbalance, change);
+    }
+    return true;
+  }
+
+  /// What the correction by `share` of the change has shown of the curvature.
+  void keep_pair(double share) {
+    for (std::size_t v = 0; v < change.size(); ++v) {
+      change[v] = share * change[v];
+      imbalance_before[v] = imbalance_before[v] - imbalance[v];
+    }
+    pairs.keep(change, imbalance_before);
+  }
+
+  /// The correction that is tried next, downhill in what is out of balance.
+  ///
+  /// Returns:  imbalance . change in J.
+  double find_change() {
+    for (;;) {
+      std::copy(imbalance.begin(), imbalance.end(), change.begin());
+      pairs.apply(change, [this](std::span<Vec3> field) { apply_inverse(field); });
+      const double slope = dot_of(imbalance, change);
+      if (slope > 0.0 || pairs.is_empty()) return slope;
+      pairs.clear();
     }
   }
 
   StepSolverOptions options;
   StepGoal goal;
+  CurvaturePairs pairs;
   double step_s = 0.0;
   std::size_t steps = 0;
   std::array<std::vector<Index>, 3> numbers;  ///< of the free vertices along each axis
@@ -125,6 +182,7 @@ struct PrefactoredStep::Work {
   std::vector<Vec3> right;
   std::vector<Vec3> velocity;
   std::vector<Vec3> imbalance;
+  std::vector<Vec3> imbalance_before;
   std::vector<Vec3> change;
   std::vector<Vec3> before;
 };
@@ -152,27 +210,33 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
     return norm_of(work.imbalance);
   };
   const double first = look();
-  double residual = first;
+  bool is_shortened = work.shorten_guess(forces, state, step_s, u, look);
+  double residual = norm_of(work.imbalance);
   result.solved = false;
-  double share = 1.0;
   const bool is_looked_at = is_leftover_due(work.steps++);
   while (result.iterations < work.options.iterations) {
     result.solved = work.goal.is_met(residual, first, u, step_s);
     if (result.solved) break;
-    work.correct();
+    const double slope = work.find_change();
     std::copy(u.begin(), u.end(), work.before.begin());
-    add_scaled(u, share, work.change);
+    std::copy(work.imbalance.begin(), work.imbalance.end(), work.imbalance_before.begin());
+    add_scaled(u, 1.0, work.change);
     ++result.iterations;
-    if (tolerance == 0.0 && result.iterations == work.options.iterations && !is_looked_at) break;
-    double found = look();
-    // Not along the gradient of the residual: some growth is no harm, much of it is no way to go.
-    constexpr double kTooMuch = 2.0;
-    for (; !(found <= kTooMuch * residual) && share > 1e-3; found = look()) {
-      share *= 0.5;
+    const bool is_last = result.iterations == work.options.iterations;
+    if (tolerance == 0.0 && is_last && !is_looked_at && !is_shortened) break;
+    residual = look();
+    double share = 1.0;
+    for (int tries = 0; tries < kMostTries; ++tries) {
+      const double left = dot_of(work.imbalance, work.change);
+      if (left >= -kTooFar * slope) break;
+      // Where the slope is zero, if it falls evenly.
+      share *= std::isfinite(left) ? std::max(slope / (slope - left), 0.1) : 0.1;
+      is_shortened = true;
       std::copy(work.before.begin(), work.before.end(), u.begin());
       add_scaled(u, share, work.change);
+      residual = look();
     }
-    residual = found;
+    work.keep_pair(share);
   }
   if (!result.solved) result.solved = tolerance == 0.0 || work.goal.is_met(residual, first, u, step_s);
   if (tolerance > 0.0 || is_looked_at) result.residual_relative = first > 0.0 ? residual / first : 0.0;

@@ -280,8 +280,8 @@ struct VertexDescentStep::Work {
 
   /// A change halved until it raises the energy no more; none if it always does.
   Vec3 shorten(const MotionState& state, std::span<const Vec3> u, std::size_t v, Vec3 change) const {
-    constexpr int kMostHalvings = 40;
-    for (int k = 0; k < kMostHalvings; ++k) {
+    constexpr int kMostEnergyHalvings = 40;
+    for (int k = 0; k < kMostEnergyHalvings; ++k) {
       if (raise(state, u, v, change) <= 0.0) return change;
       change = 0.5 * change;
     }
