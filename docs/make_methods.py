@@ -50,9 +50,6 @@ NOT_AT_LARGEST = {
 }
 IN_THE_PLAN = "in the plan now, but not when the run behind this page was made"
 
-# Scenes that named no law once, and so had smoothed elements' own at large strain. Records say their laws since the scenes name them.
-ONCE_UNNAMED = ("edge_node_corotated", "edge_node_bdf2", "edge_node_projective", "edge_node_vbd")
-
 
 def judged(run, label, vertices):
     """The accepted records of a label at a number of vertices."""
@@ -198,15 +195,6 @@ def why_not_run(groups, size):
     return f"\n\nNot run at {size:.0f} vertices: " + "; ".join(f"{', '.join(kinds)} ({reason})" for reason, kinds in reasons.items()) + "."
 
 
-def wrong_laws(groups):
-    """What to say of rows whose scenes named no law when they were run; nothing where none is so old."""
-    kinds = [kind for kind in ONCE_UNNAMED if any(group.mesh == f"methods_{kind}" and not (record.get("report") or {}).get("laws")
-                                                  for group in groups for record in group.accepted())]
-    if not kinds:
-        return ""
-    return f"\n\n{', '.join(f'`{kind}`' for kind in kinds)}: the run behind these rows had the neo-Hookean law, as their scenes named none (a fault); now they name the corotated one."
-
-
 def in_motion(runs):
     sizes = sorted({size for run in runs for size in sizes_of(run, ("options", "vertices"))})
     groups = [group for run in runs for group in run.groups]
@@ -223,7 +211,7 @@ def in_motion(runs):
             row += motion_cells(records) if records else [reason_of(every[0]) if every else "not run", "", "", ""]
         rows.append(row)
     spread = spread_of([record for group in groups for record in group.accepted()], "kernel_s")
-    text = table(header, rows) + wrong_laws(groups) + why_not_run(groups, sizes[-1])
+    text = table(header, rows) + why_not_run(groups, sizes[-1])
     return text if spread is None else f"{text}\n\nThe widest spread of a case's repeats: {100 * spread:.0f}% of their median."
 
 
@@ -264,7 +252,7 @@ def page_text(runs):
     kinds = table(["kind", "small strain", "large strain", "motion", "pads", "cutting while it runs", "what stands against it"], [list(kind) for kind in KINDS])
     return f"""# Which method for which organ
 
-Made by `docs/make_methods.sh`; don't edit. Every figure comes from a record of the plans that stand above its table; what a method can do at all is told in words.
+Made by `docs/make_methods.sh`; don't edit. Every figure comes from a record of the plans that stand above its table (`results/published` has them); what a method can do at all is told in words.
 
 ## What each can do
 

@@ -66,15 +66,6 @@ class MethodsPage(ReportTest):
         self.assertEqual(len(rows), 1, start)
         return [cell.strip() for cell in rows[0].strip("|").split("|")]
 
-    def test_rows_whose_scenes_named_no_law_are_said(self):
-        kept = self.runs()
-        old = stepped("methods_edge_node_bdf2", 1503, 10, 1.0)
-        self.assertEqual(self.make([kept[0], self.write("methods_in_motion", [old], "engine"), *kept[2:]]), (0, ""))
-        self.assertIn("`edge_node_bdf2`: the run behind these rows had the neo-Hookean law", self.page.read_text(encoding="utf-8"))
-        new = {**old, "report": {**old["report"], "laws": ["corotated"]}}
-        self.assertEqual(self.make([kept[0], self.write("methods_in_motion", [new], "engine"), *kept[2:]]), (0, ""))
-        self.assertNotIn("had the neo-Hookean law", self.page.read_text(encoding="utf-8"))
-
     def test_every_figure_is_of_a_record(self):
         self.assertEqual(self.make(self.runs()), (0, ""))
         # root of (9 + 16) / 2 percent; the median of 0.2, 0.3 and 0.2 s

@@ -1,4 +1,4 @@
-"""Every figure that results/published/figures.yaml lists is on its page, and comes out of the archived records again.
+"""Every figure that results/published/figures.yaml lists is on its page, and comes out of the archived records again; docs/methods.md does as a whole.
 
 An entry:
 
@@ -26,7 +26,8 @@ import unittest
 import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "report"))
+sys.path[:0] = [str(ROOT / "report"), str(ROOT / "docs")]
+import make_methods
 import make_report
 from archive import archive
 
@@ -104,8 +105,14 @@ class Published(unittest.TestCase):
                     self.assertTrue(agrees(figure["text"], value), f"{figure['text']} is {value!r} in the records: {figure}")
 
     def test_every_archive_is_behind_a_figure_or_a_table(self):
-        used = {entry["run"] for entry in self.entries}
+        used = {entry["run"] for entry in self.entries} | set(make_methods.PLANS)
         self.assertEqual(set(self.runs) - used, set())
+
+    def test_the_page_of_methods_is_what_its_archives_make_of_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "methods.md"
+            self.assertEqual(make_methods.main([*(str(self.runs[plan]) for plan in make_methods.PLANS), "-o", str(page)]), 0)
+            self.assertEqual(page.read_text(encoding="utf-8"), (ROOT / "docs" / "methods.md").read_text(encoding="utf-8"))
 
     def test_no_archive_names_a_place_of_the_machine_that_it_was_made_on(self):
         for name, run in self.runs.items():
