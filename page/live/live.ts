@@ -1,5 +1,7 @@
 // The page: an organ under the finger, and beside it what finite elements say to the same finger.
-import { isDrawnBySoftware, linkCameras, OrganView } from "../view/organ_view";
+import { linkCameras } from "../view/linked_cameras";
+import { OrganView } from "../view/organ_view";
+import { isDrawnBySoftware } from "../view/renderer";
 import { checkBody, decodeBase64, f64, tableVertices, u32 } from "./body_data";
 import { Controls, type Wishes } from "./controls";
 import { Finger } from "./finger";

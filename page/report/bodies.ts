@@ -1,5 +1,6 @@
 // Bodies side by side in 3D: which ones, how they are shown and coloured, cut, played, and saved as pictures.
-import { linkCameras, OrganView, type ViewMode } from "../view/organ_view";
+import { linkCameras } from "../view/linked_cameras";
+import { OrganView, type ViewMode } from "../view/organ_view";
 import { frameOf } from "../view/framing";
 import { Playback } from "../view/playback";
 import { DISPLACEMENT, displacementRange, largestFrame, lengthsOf, moved, sharedRange, unpackBody, unpackMesh, type Body } from "./body_data";

@@ -7,6 +7,7 @@ import { frameOf, type CutPlane, type Frame } from "./framing";
 import { drawLegend, showLegend } from "./legend";
 import { organMaterial, scaleTexture } from "./organ_material";
 import { pickTriangle, type Hit } from "./pick";
+import { openRenderer, stopIdle, whenIdle } from "./renderer";
 import { TriangleSoup } from "./triangle_soup";
 import type { OrganMesh } from "./skin";
 
@@ -415,48 +416,4 @@ export class OrganView {
     this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
     this.controls.update();
   }
-}
-
-function openRenderer(canvas: HTMLCanvasElement): THREE.WebGLRenderer {
-  const antialias = !isDrawnBySoftware();
-  if (!canvas.getContext("webgl2", { antialias })) throw new Error("this browser has no WebGL 2, so nothing is drawn in 3D");
-  return new THREE.WebGLRenderer({ canvas, antialias });
-}
-
-// Safari has no idle time of its own.
-const hasIdle = typeof requestIdleCallback === "function";
-function whenIdle(act: () => void): number {
-  return hasIdle ? requestIdleCallback(act, { timeout: 100 }) : window.setTimeout(act, 20);
-}
-
-function stopIdle(idle: number): void {
-  if (hasIdle) cancelIdleCallback(idle);
-  else clearTimeout(idle);
-}
-
-let software: boolean | null = null;
-/** Whether the processor draws: smooth edges double the time of each picture then, and pictures take what else runs its time. */
-export function isDrawnBySoftware(): boolean {
-  if (software !== null) return software;
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = gl ? String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return (software = /swiftshader|llvmpipe|softpipe|software/i.test(name));
-}
-
-/** Makes views turn together. Returns what undoes it. */
-export function linkCameras(views: readonly OrganView[]): () => void {
-  let busy = false;
-  const undo = views.map((view) => {
-    const follow = () => {
-      if (busy) return;
-      busy = true;
-      for (const other of views) if (other !== view) other.copyCamera(view);
-      busy = false;
-    };
-    view.cameraListeners.add(follow);
-    return () => view.cameraListeners.delete(follow);
-  });
-  return () => undo.forEach((each) => each());
 }
