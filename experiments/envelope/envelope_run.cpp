@@ -55,8 +55,9 @@ class Envelope {
     if (at_one) {
       result_.at_one = *at_one;
       for (const EnvelopeAxis axis : result_.axes)
-        result_.borders.push_back(
-            find_border(*at_one, most_factor(axis), [&](double factor) { return look_at(axis, factor); }));
+        result_.borders.push_back(find_border(
+            *at_one, most_factor(axis), [&](double factor) { return look_at(axis, factor); },
+            options_.resolution));
     }
     result_.is_interrupted = options_.stop_flag != nullptr && *options_.stop_flag != 0;
     result_.wall_s = watch_.seconds();

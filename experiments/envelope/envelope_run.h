@@ -17,6 +17,7 @@ namespace palpate::experiments {
 struct EnvelopeOptions {
   std::filesystem::path folder;  ///< that palpate fit has written
   double time_limit_s = 1800.0;
+  double resolution = kEnvelopeResolution;  ///< of each border
   const volatile std::sig_atomic_t* stop_flag = nullptr;
 };
 

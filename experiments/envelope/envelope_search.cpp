@@ -6,7 +6,8 @@
 namespace palpate::experiments {
 
 EnvelopeBorder find_border(const EnvelopeProbe& at_one, double most,
-                           const std::function<std::optional<EnvelopeProbe>(double)>& probe) {
+                           const std::function<std::optional<EnvelopeProbe>(double)>& probe,
+                           double resolution) {
   EnvelopeBorder border;
   const auto look = [&](const EnvelopeProbe& found) {
     border.probes.push_back(found);
@@ -20,7 +21,7 @@ EnvelopeBorder find_border(const EnvelopeProbe& at_one, double most,
   double next = most;
   while (border.holds_to) {
     if (border.holds_to >= most) break;
-    if (border.fails_at && *border.fails_at / *border.holds_to <= kEnvelopeResolution) break;
+    if (border.fails_at && *border.fails_at / *border.holds_to <= resolution) break;
     const std::optional<EnvelopeProbe> found = probe(next);
     if (!found) {
       border.is_complete = false;

@@ -29,14 +29,15 @@ struct EnvelopeBorder {
   bool is_complete = true;            ///< false: stopped before the two were within the resolution
 };
 
-/// How close the two sides of a border are brought.
+/// How close the two sides of a border are brought where nothing else is asked for: their ratio.
 inline constexpr double kEnvelopeResolution = 1.1;
 
 /// Given what is found at 1, looks at `most`, then halves the logarithm between the greatest factor that
-/// holds and the least that does not, until they are within kEnvelopeResolution. It takes for granted that
+/// holds and the least that does not, until their ratio is at most `resolution`. It takes for granted that
 /// there is one border: all probes are kept, so that another one can be seen. `probe` gives nothing where it
-/// was stopped: then the border stays as wide as it is. Requires: most > 1.
+/// was stopped: then the border stays as wide as it is. Requires: most > 1, resolution > 1.
 EnvelopeBorder find_border(const EnvelopeProbe& at_one, double most,
-                           const std::function<std::optional<EnvelopeProbe>(double)>& probe);
+                           const std::function<std::optional<EnvelopeProbe>(double)>& probe,
+                           double resolution = kEnvelopeResolution);
 
 }  // namespace palpate::experiments

@@ -96,6 +96,7 @@ int fit_model(const FitArguments& arguments) {
 struct EnvelopeArguments {
   std::string folder;
   double time_limit_s = 1800.0;
+  double within = kEnvelopeResolution - 1.0;
   bool as_json = false;
 };
 
@@ -127,6 +128,7 @@ int measure_envelope(const EnvelopeArguments& arguments) {
   EnvelopeOptions options;
   options.folder = arguments.folder;
   options.time_limit_s = arguments.time_limit_s;
+  options.resolution = 1.0 + arguments.within;
   options.stop_flag = catch_stop_signals();
   Progress progress;
   const EnvelopeResult result = run_envelope(options, registry, progress);
@@ -157,6 +159,12 @@ void add_envelope_command(CLI::App& app, int& exit_code) {
                    "Seconds after which it stops with what is known (1800)")
       ->check(number_from(1.0, 1e6))
       ->type_name("S");
+  command
+      ->add_option(
+          "--within", arguments->within,
+          "Share to which each border is brought in (0.1); 1 is a factor of two, with four looks for seven")
+      ->check(number_from(0.01, 10.0))
+      ->type_name("SHARE");
   command->add_flag("--json", arguments->as_json, "Print envelope.json");
   command->footer(
       "Writes envelope.json, envelope.md and a chart into FIT, and the key envelope into its scene.yaml:\n"

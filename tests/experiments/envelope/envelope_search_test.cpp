@@ -40,6 +40,20 @@ TEST(FindBorder, LiesBetweenWhatHoldsAndWhatDoesNot) {
   }
 }
 
+TEST(FindBorder, IsBroughtInNoFartherThanAskedFor) {
+  for (const double resolution : {1.01, 1.5, 2.0, 11.0}) {
+    int asked = 0;
+    const auto probe = [&](double factor) -> std::optional<EnvelopeProbe> {
+      ++asked;
+      return probe_at(factor, 7.0);
+    };
+    const EnvelopeBorder found = find_border(probe_at(1.0, 7.0), 100.0, probe, resolution);
+    EXPECT_LE(*found.fails_at / *found.holds_to, resolution);
+    EXPECT_GT(*found.fails_at / *found.holds_to, std::sqrt(resolution));
+    EXPECT_EQ(asked, 1 + std::ceil(std::log2(std::log(100.0) / std::log(resolution))));
+  }
+}
+
 TEST(FindBorder, WhatHoldsEverywhereHasNoFailure) {
   const EnvelopeBorder found =
       find_border(probe_at(1.0, 1e9), 30.0, [](double factor) { return probe_at(factor, 1e9); });
