@@ -43,7 +43,12 @@ class ModalTrials {
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return *steppings[a].modes < *steppings[b].modes; });
     std::vector<SteppingTry> tries(steppings.size());
-    std::string why = find_truth(steppings.front());
+    std::string why;
+    try {
+      why = find_truth(steppings.front());
+    } catch (const InputError& error) {
+      why = std::string("its motion was not verified: ") + error.what();
+    }
     for (const std::size_t k : order) {
       tries[k].stepping = steppings[k];
       tries[k].step_s = step_s_;
@@ -119,7 +124,7 @@ class ModalTrials {
       const Stopwatch watch;
       ProbeHistory finer = step_whole(any, 0.5 * step_s_, most_s - watch_.seconds(), why);
       if (!why.empty()) break;
-      rest_of_truth_ = kRestOfOrderTwo * difference_at_rows(truth_, finer);
+      rest_of_truth_ = kRestOfOrderTwo * history_difference(truth_, finer);
       truth_ = std::move(finer);
       step_s_ *= 0.5;
       if (2.0 * watch.seconds() > most_s - watch_.seconds()) break;
@@ -152,6 +157,8 @@ class ModalTrials {
                             : "its motion is not finite";
     } catch (const InputError& error) {
       tried.why_not = error.what();  // more modes than the body has, say
+    } catch (const UnavailableError& error) {
+      tried.why_not = error.what();  // modes that are not found
     }
   }
 

@@ -26,9 +26,9 @@ std::string why_no_modes(const Scene& scene, const std::vector<FitStepping>& ste
 ///
 ///   |u - v_h| + |v_2h - v_h| / 3,
 ///
-/// relative to v_h, over the whole time and all probes, u in steps of h too and by a straight line between
-/// its rows. Costs are those of three further runs through the motion, with sixty displacements of all
-/// vertices a simulated second; what the modes take to be found is `setup_s`, apart.
+/// relative to v_h, over the whole time and all probes, u in steps of h too. Costs are those of three further
+/// runs through the motion, with sixty displacements of all vertices a simulated second; what the modes take
+/// to be found is `setup_s`, apart.
 ///
 /// Returns: one a stepping, in their order. Throws: as simulate, but for what modes cannot take.
 std::vector<SteppingTry> try_modes(const SteppingTask& task, const std::vector<FitStepping>& steppings,
