@@ -45,9 +45,9 @@ struct SteppingTry {
   bool is_auto = false;             ///< it is the one that `time_step_s: auto` takes
   std::optional<double> error;      ///< of that step
   std::vector<double> cost_s;       ///< of that step, one a run
+  std::string why_not;              ///< empty: verified at that step
   std::optional<double> setup_s{};  ///< of modes: what they take to be found, which is in no cost
   std::uint64_t memory_bytes = 0;   ///< of modes: the most that their run took; 0: not measured
-  std::string why_not;              ///< empty: verified at that step
 
   /// The median; infinite without a run.
   double cost() const;

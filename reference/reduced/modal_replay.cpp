@@ -181,16 +181,16 @@ class ModalReplay {
 
   void step_through(dynamics::ModalPhase& moving, std::size_t k) {
     for (std::uint64_t step = 1; step <= plan_.phases[k].steps && is_running(); ++step) {
-      if (stop_flag_ != nullptr && *stop_flag_ != 0) figures_.outcome = "interrupted";
-      if (options_.replay.stop_after_s > 0.0 && clock_.seconds() > options_.replay.stop_after_s)
-        figures_.outcome = "timed_out";
-      if (!is_running()) break;
       time_s_ = end_of(k, step);
       const Stopwatch stepping;
       moving.advance(plan_.phases[k].step_s, time_s_);
       stepping_s_ += stepping.seconds();
       ++steps_;
       if (steps_ % strides_.row == 0 || steps_ == all_steps_) look(moving, phases_[k], time_s_);
+      if (steps_ == all_steps_ || !is_running()) break;
+      if (stop_flag_ != nullptr && *stop_flag_ != 0) figures_.outcome = "interrupted";
+      if (options_.replay.stop_after_s > 0.0 && clock_.seconds() > options_.replay.stop_after_s)
+        figures_.outcome = "timed_out";
     }
   }
 

@@ -18,7 +18,8 @@ namespace palpate::reference {
 /// (steps alone), kernel_samples_s (all steps again, as often as the option `timings` says), field_s (a
 /// displacement of all vertices), left_out_at_phases as moving_reduced.modal, and of the state what
 /// engine.replay says. `catch_stop` is called once the modes are there; what it returns ends the steps when
-/// it turns non-zero ("interrupted"), the option stop_after_s ends them by the clock ("timed_out"). Throws:
+/// it turns non-zero ("interrupted"), the option stop_after_s ends them by the clock ("timed_out"); one is
+/// taken in any case. Throws:
 /// InputError for a body that is not held in every phase, and as ModalPhase.
 Response run_modal_replay(const Request& request,
                           const std::function<const volatile std::sig_atomic_t*()>& catch_stop = {});

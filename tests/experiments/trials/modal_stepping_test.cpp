@@ -12,6 +12,8 @@
 #include <numbers>
 
 #include "core/mesh/io/medit.h"
+#include "experiments/scene_reader/scene_problem.h"
+#include "experiments/text/yaml_value.h"
 #include "experiments/trials/motion_trial.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
