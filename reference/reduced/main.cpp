@@ -3,8 +3,8 @@
 #include <csignal>
 
 #include "reference/reduced/compliance_run.h"
-#include "reference/reduced/modal_replay.h"
-#include "reference/reduced/modal_run.h"
+#include "reference/reduced/modes/modal_replay.h"
+#include "reference/reduced/modes/modal_run.h"
 #include "reference/reduced/pod_run.h"
 #include "reference/reduced/tick_run.h"
 

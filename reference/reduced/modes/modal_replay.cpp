@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_replay.h"
+#include "reference/reduced/modes/modal_replay.h"
 
 #include <algorithm>
 #include <array>
@@ -20,9 +20,9 @@
 #include "reference/elastic_models/motion_files.h"
 #include "reference/elastic_models/stepped_motion.h"
 #include "reference/elastic_models/tick_report.h"
-#include "reference/reduced/modal_body.h"
-#include "reference/reduced/modal_cost.h"
-#include "reference/reduced/modal_options.h"
+#include "reference/reduced/modes/modal_body.h"
+#include "reference/reduced/modes/modal_cost.h"
+#include "reference/reduced/modes/modal_options.h"
 
 namespace palpate::reference {
 namespace {

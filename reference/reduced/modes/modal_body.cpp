@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_body.h"
+#include "reference/reduced/modes/modal_body.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

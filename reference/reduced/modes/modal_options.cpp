@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_options.h"
+#include "reference/reduced/modes/modal_options.h"
 
 #include <vector>
 

@@ -12,9 +12,9 @@
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/tick_report.h"
-#include "reference/reduced/modal_body.h"
-#include "reference/reduced/modal_options.h"
-#include "reference/reduced/modal_run.h"
+#include "reference/reduced/modes/modal_body.h"
+#include "reference/reduced/modes/modal_options.h"
+#include "reference/reduced/modes/modal_run.h"
 
 namespace palpate::reference {
 namespace {

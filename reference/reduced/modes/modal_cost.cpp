@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_cost.h"
+#include "reference/reduced/modes/modal_cost.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_run.h"
+#include "reference/reduced/modes/modal_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +15,9 @@
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/stepped_motion.h"
 #include "reference/linear_systems/factor.h"
-#include "reference/reduced/modal_body.h"
-#include "reference/reduced/modal_cost.h"
-#include "reference/reduced/modal_options.h"
+#include "reference/reduced/modes/modal_body.h"
+#include "reference/reduced/modes/modal_cost.h"
+#include "reference/reduced/modes/modal_options.h"
 
 namespace palpate::reference {
 namespace {
