@@ -49,8 +49,9 @@ class FitModes : public testing::Test {
   json fit(const std::string& require) {
     text_.rest += "require: {" + require + "}\n";
     folder().add("scene.yaml", text_.yaml());
-    const auto result =
-        run_program({"fit", path("scene.yaml"), "-o", path("fit"), "--candidates", path("candidates.yaml")});
+    // The elements stepped whole take seconds to start, and a busy machine makes minutes of them.
+    const auto result = run_program({"fit", path("scene.yaml"), "-o", path("fit"), "--candidates",
+                                     path("candidates.yaml"), "--time-limit", "3000"});
     EXPECT_EQ(result.exit_code, 0) << result.error;
     std::ifstream file(folder() / "fit" / "fit.json");
     return json::parse(file);
