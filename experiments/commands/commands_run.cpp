@@ -175,8 +175,8 @@ void check_scene(const std::string& file, const Registry& registry) {
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
     const ScratchFolder scratch;
-    ContestantTask task = start_moving_task("engine.replay", build_moving_body(placed, made.mesh, registry),
-                                            made.mesh, registry, scratch.file("body"));
+    ContestantTask task = start_replay(build_moving_body(placed, made.mesh, registry), made.mesh, registry,
+                                       scratch.file("body"));
     task.options["setup_only"] = true;
     run_moving_task(task, scene.analysis_where);
   } else {

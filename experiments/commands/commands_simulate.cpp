@@ -121,6 +121,9 @@ void print_motion(const json& report) {
     const json& value = report.at(key);
     return value.is_number() ? short_number(value.get<double>()) + unit : std::string("none");
   };
+  const auto add = [&](TextTable& table, const char* text, const char* key) {
+    if (report.contains(key)) table.add({text, report.at(key).dump()});
+  };
   TextTable table({"measure", "value"}, "lr");
   table.add({"method", report.at("method").get<std::string>()});
   table.add({"integrator", report.at("integrator").get<std::string>()});
@@ -128,7 +131,13 @@ void print_motion(const json& report) {
                            report.at("precision").get<std::string>() + " precision"});
   table.add({"outcome", report.at("outcome").get<std::string>()});
   table.add({"vertices", report.at("vertices").dump()});
-  table.add({"springs", report.at("springs").dump()});
+  add(table, "springs", "springs");
+  add(table, "modes", "modes");
+  if (report.contains("holdings")) {
+    add(table, "holdings with modes of their own", "holdings");
+    table.add({"set-up: elements and modes", duration_text(report.at("setup_s").get<double>())});
+    table.add({"displacement left out where loads come or go", number("left_out_at_phases", "")});
+  }
   table.add({"time step", number("time_step_s", " s")});
   table.add({"longest stable step at rest", number("stable_step_s", " s")});
   table.add({"steps", report.at("steps").dump()});
@@ -137,9 +146,9 @@ void print_motion(const json& report) {
   table.add({"largest displacement", number("max_displacement_m", " m")});
   table.add({"displacement at the end", number("end_displacement_m", " m")});
   table.add({"peak speed", number("peak_speed_m_s", " m/s")});
-  table.add({"speeds cut to the limit", report.at("speeds_cut").dump()});
+  add(table, "speeds cut to the limit", "speeds_cut");
   table.add({"inverted tetrahedra, most", report.at("inverted_tets_most").dump()});
-  table.add({"springs of length zero", report.at("zero_length_springs").dump()});
+  add(table, "springs of length zero", "zero_length_springs");
   table.add({"hash of the last state", report.at("state_hash").get<std::string>()});
   std::cout << table.text();
   const json& files = report.at("files");
@@ -159,7 +168,7 @@ void print_remarks(const json& report, double timeout_s) {
   if (outcome == "unsolved")
     print_note("the solver did not come to its tolerance in " + report.at("steps_unsolved").dump() + " of " +
                report.at("steps").dump() + " steps; a shorter step may do");
-  const json& share = report.at("rounding_gain_over_kinetic");
+  const json share = report.value("rounding_gain_over_kinetic", json());
   constexpr double kNoticed = 0.01;
   if (share.is_number() && share.get<double>() > kNoticed)
     print_note("single precision: rounding of positions adds about " +
@@ -213,7 +222,7 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   const ScratchFolder scratch;
   const auto run = [&](const Scene& which, const char* name) {
     const reference::MovingBody body = build_moving_body(place_scene(which, made.mesh), made.mesh, registry);
-    ContestantTask task = start_moving_task("engine.replay", body, made.mesh, registry, scratch.file(name));
+    ContestantTask task = start_replay(body, made.mesh, registry, scratch.file(name));
     task.folder_out = fs::absolute(arguments.out);
     task.threads = arguments.threads;
     task.stop_flag = stop_flag;

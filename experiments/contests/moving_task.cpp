@@ -32,6 +32,17 @@ ContestantTask start_moving_task(const std::string& method, const reference::Mov
   return start_task(method, reference::moving_body_to_json(body), mesh, registry, folder);
 }
 
+ContestantTask start_replay(const reference::MovingBody& body, const TetMesh& mesh, const Registry& registry,
+                            const std::filesystem::path& folder) {
+  if (body.model.method != reference::kModalModel)
+    return start_moving_task("engine.replay", body, mesh, registry, folder);
+  ContestantTask task = start_moving_task("reduced.modal_replay", body, mesh, registry, folder);
+  for (const char* key : {"elements", "modes", "correction", "factor"})
+    task.options[key] = body.model.options.at(key);
+  task.options["time_step_s"] = *body.stepping.time_step_s;
+  return task;
+}
+
 ContestantAnswer run_moving_task(const ContestantTask& task, const std::string& where) {
   ContestantAnswer answer = run_contestant(task);
   if (answer.outcome == "bad_input") throw InputError(where + ": " + answer.message);

@@ -24,6 +24,11 @@ ContestantTask start_moving_task(const std::string& method, const reference::Mov
                                  const TetMesh& mesh, const Registry& registry,
                                  const std::filesystem::path& folder);
 
+/// Asks for the motion of a body from start to end: engine.replay, or reduced.modal_replay with the options
+/// of the body's modes and the scene's step. Throws: as start_moving_task.
+ContestantTask start_replay(const reference::MovingBody& body, const TetMesh& mesh, const Registry& registry,
+                            const std::filesystem::path& folder);
+
 /// Runs it, and returns an answer that is "ok" or "interrupted". Throws: InputError that starts with `where`
 /// for what the engine refuses, UnavailableError for any other end.
 ContestantAnswer run_moving_task(const ContestantTask& task, const std::string& where);

@@ -7,6 +7,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/text/yaml_value.h"
 #include "reference/door/json_file.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -56,6 +57,11 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
                        "nothing whose borders could be looked for");
     out.choice.model.label = choice.at("label").get<std::string>();
     out.choice.model.method = choice.at("method").get<std::string>();
+    if (out.choice.model.method == reference::kModalModel)
+      throw InputError(
+          fit_file.string() +
+          ": the choice is reduced.modal, whose motion was verified on its own scene alone: what "
+          "its modes leave of other motions no envelope measures");
     out.choice.model.set = choice.at("set");
     if (out.choice.model.set.contains("frozen"))
       out.choice.model.set["frozen"] =

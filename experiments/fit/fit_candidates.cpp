@@ -71,12 +71,12 @@ FitModel read_fit_model(const YamlValue& value, const Registry& registry) {
 }
 
 FitStepping read_fit_stepping(const YamlValue& value) {
-  const YamlFields fields = value.fields({"label", "integrator", "precision", "solver"});
+  const YamlFields fields = value.fields({"label", "integrator", "precision", "solver", "modes"});
   FitStepping stepping;
   stepping.label = fields.need("label").identifier();
   const YamlValue integrator = fields.need("integrator");
-  std::vector<std::string> known;
-  known.reserve(dynamics::kIntegrators.size());
+  std::vector<std::string> known{kModalIntegrator};
+  known.reserve(dynamics::kIntegrators.size() + 1);
   for (const auto kind : dynamics::kIntegrators) known.emplace_back(dynamics::integrator_name(kind));
   stepping.integrator = integrator.text();
   require_known(integrator, "integrator", stepping.integrator, known);
@@ -86,6 +86,14 @@ FitStepping read_fit_stepping(const YamlValue& value) {
     stepping.single_precision = precision->text() == "single";
   }
   if (const auto solver = fields.find("solver")) stepping.solver = solver->json();
+  const bool is_modal = stepping.integrator == kModalIntegrator;
+  const auto modes = fields.find("modes");
+  if (is_modal != modes.has_value())
+    value.fail(std::string("\"modes\" and the integrator ") + kModalIntegrator + " go together");
+  if (!is_modal) return stepping;
+  stepping.modes = static_cast<std::size_t>(modes->integer(1, 1000));
+  if (fields.find("precision") || fields.find("solver"))
+    value.fail("exact steps have neither precision nor solver");
   return stepping;
 }
 
@@ -151,6 +159,10 @@ FitCandidates read_candidates(const std::filesystem::path& path, const Registry&
       fields.need("models"), labels, [&](const YamlValue& item) { return read_fit_model(item, registry); });
   if (const auto steppings = fields.find("steppings"))
     candidates.steppings = read_labelled<FitStepping>(*steppings, labels, read_fit_stepping);
+  const auto is_whole = [](const FitStepping& stepping) { return !stepping.modes; };
+  if (!candidates.steppings.empty() &&
+      std::none_of(candidates.steppings.begin(), candidates.steppings.end(), is_whole))
+    fields.need("steppings").fail_expected("at least one that is not of modes");
   if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");
   return candidates;
 }

@@ -36,6 +36,8 @@ json describe_stepping(const SteppingTry& tried) {
            {"cost_samples_s", tried.cost_s},
            {"why_not", tried.why_not}};
   if (!own.solver.is_null()) out["solver"] = own.solver;
+  if (own.modes) out["modes"] = *own.modes;
+  if (tried.setup_s) out["setup_s"] = *tried.setup_s;
   return out;
 }
 
@@ -171,8 +173,14 @@ void add_steppings(const json& choice, std::ostringstream& text) {
   text << "\nStepped by `" << chosen.at("integrator").get<std::string>() << "` in "
        << chosen.at("precision").get<std::string>() << " precision, " << seconds_of(chosen.at("time_step_s"))
        << " a step, which leaves " << percent_of(chosen.at("motion_error"))
-       << " of the scene's motion, what is held at rest with it (at most; in the error above).\n"
-       << "\n| tried on the motion | step | error | a simulated second | not taken, since |\n"
+       << " of the scene's motion, what is held at rest with it (at most; in the error above).\n";
+  if (chosen.contains("modes"))
+    text << "\n"
+         << chosen.at("modes") << " modes, held against the same finite elements stepped whole. They take "
+         << seconds_of(chosen.value("setup_s", json()))
+         << " to be found, which is in no time here; a simulated second has sixty displacements of all "
+            "vertices.\n";
+  text << "\n| tried on the motion | step | error | a simulated second | not taken, since |\n"
           "|---|---|---|---|---|\n";
   for (const json& tried : choice.at("steppings")) {
     const bool is_chosen = tried.at("label") == chosen.at("label");

@@ -117,7 +117,7 @@ void keep_error_places(const Scene& scene, json& out) {
 json contestant_json(const FitCandidate& candidate, const FitPlan& plan, bool is_large) {
   const FitModel& model = candidate.model;
   json set = model.set;
-  const bool reports_cost = model.method != "reduced.compliance";
+  const bool reports_cost = !model.method.starts_with("reduced.");
   const bool asks_answers = plan.work == FitWork::kFurther || plan.measures_answers;
   if (asks_answers && reports_cost && !is_large) set["cost"] = true;
   if (plan.work == FitWork::kSecond) set["step_cost"] = true;

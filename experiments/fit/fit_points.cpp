@@ -8,6 +8,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/text/terminal.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 namespace {
@@ -149,6 +150,27 @@ std::vector<const FitPoint*> take_finalists(std::vector<const FitPoint*>& good, 
   std::vector<const FitPoint*> taken(good.begin(), last);
   good.erase(good.begin(), last);
   return taken;
+}
+
+bool is_modal(const FitCandidate& candidate) {
+  return candidate.model.method == reference::kModalModel;
+}
+
+const FitPoint* take_modal_finalist(std::vector<const FitPoint*>& good, double at_most) {
+  constexpr double kRestHalf = 0.5;  // of the tolerance
+  auto taken = good.end();
+  for (auto at = good.begin(); at != good.end(); ++at) {
+    if (!is_modal((*at)->candidate)) continue;
+    if ((*at)->worst_error() <= kRestHalf * at_most) {
+      taken = at;
+      break;
+    }
+    if (taken == good.end() || (*at)->worst_error() < (*taken)->worst_error()) taken = at;
+  }
+  if (taken == good.end()) return nullptr;
+  const FitPoint* found = *taken;
+  good.erase(taken);
+  return found;
 }
 
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require) {

@@ -51,6 +51,14 @@ std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points
 /// back-substitution each, so that one whose explicit steps are dear may still be the cheapest to move.
 std::vector<const FitPoint*> take_finalists(std::vector<const FitPoint*>& good, std::size_t count);
 
+/// Whether a candidate is one of modes.
+bool is_modal(const FitCandidate& candidate);
+
+/// Takes one of modes out of `good` (cheapest first) as a finalist: the cheapest whose error at rest is at
+/// most half of what is allowed, so that its motion may have the other half; where there is none, the one
+/// with the least error. What was not taken stays. Null if there is none of modes.
+const FitPoint* take_modal_finalist(std::vector<const FitPoint*>& good, double at_most);
+
 /// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
 /// and over the budget; of equals the cheapest. Null without any figure.
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require);

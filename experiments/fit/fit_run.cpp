@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
@@ -14,6 +15,7 @@
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "experiments/scene_reader/scene_problem.h"
+#include "experiments/trials/modal_stepping.h"
 #include "experiments/trials/motion_stepping.h"
 #include "experiments/trials/motion_trial.h"
 
@@ -28,6 +30,7 @@ constexpr std::size_t kFinalists = 4;
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
 constexpr double kMotionShare = 0.6;  ///< of the time that is left, for the motion of another finalist
+constexpr double kModalShare = 0.5;   ///< ... for that of modes: others wait
 constexpr double kRestShare = 0.1;    ///< of the time limit: no other one's is begun with less
 /// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
 constexpr std::size_t kMostTetsForThirdLevel = 12'000;
@@ -70,6 +73,7 @@ class Fit {
     plan.folder = options_.out / "search";
     plan.work = result_.work;
     plan.scenes.push_back(static_scene(result_.scene));
+    drop_modes();
     plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
     if (plan.candidates.empty())
       throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
@@ -87,6 +91,25 @@ class Fit {
     plan.enough = kEnoughShare * require().at_most;
     plan.measures_answers = is_stepped();
     return plan;
+  }
+
+  /// Leaves out models of modes that the scene's motion is none for; what the scene needs beside is looked at
+  /// with all others.
+  void drop_modes() {
+    auto& models = candidates_.models;
+    models.erase(std::remove_if(models.begin(), models.end(),
+                                [&](const FitModel& model) {
+                                  if (model.method != reference::kModalModel) return false;
+                                  std::string why = model.cannot(result_.work, require().needs);
+                                  if (!why.empty()) return false;  // is said of it as of all others
+                                  why = why_no_modes(result_.scene, candidates_.steppings, model.set,
+                                                     registry_);
+                                  if (!why.empty())
+                                    result_.dropped.push_back(model.label + " (" + model.method +
+                                                              ") are not tried: " + why);
+                                  return !why.empty();
+                                }),
+                 models.end());
   }
 
   bool is_known(const std::string& simplifier) const {
@@ -132,8 +155,15 @@ class Fit {
       plan.folder = options_.out / ("check_" + std::to_string(round));
       plan.measures_answers = false;
       plan.candidates.clear();
-      for (const FitPoint* finalist : take_finalists(good, kFinalists))
+      const FitPoint* modal = take_modal_finalist(good, require().at_most);
+      std::vector<const FitPoint*> others;
+      std::copy_if(good.begin(), good.end(), std::back_inserter(others),
+                   [](const FitPoint* point) { return !is_modal(point->candidate); });
+      for (const FitPoint* finalist : take_finalists(others, kFinalists)) {
         plan.candidates.push_back(finalist->candidate);
+        good.erase(std::find(good.begin(), good.end(), finalist));
+      }
+      if (modal != nullptr) plan.candidates.push_back(modal->candidate);
       for (std::size_t k = 1; k <= kOtherLoads; ++k)
         plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
       run_stage(plan, left_s());
@@ -160,7 +190,8 @@ class Fit {
   /// Holds still what hardly moves of the choice, if that is cheaper and within the tolerance.
   void freeze(const FitPlan& check) {
     FitPoint& choice = *result_.choice;
-    if (!choice.stepping || left_s() <= kRestShare * options_.time_limit_s) return;
+    if (!choice.stepping || is_modal(choice.candidate)) return;
+    if (left_s() <= kRestShare * options_.time_limit_s) return;
     progress_.show("still parts of " + choice.candidate.name());
     const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
     FreezeTask task;
@@ -217,18 +248,28 @@ class Fit {
       task.mesh = check.folder / "run" / "problems" / point.mesh / "in.mesh";
       task.probes_m = choose_probes(result_.scene, task.mesh, kTrialProbes);
       task.most_error = require().at_most - point.worst_error();
-      task.time_limit_s = is_first ? left_s() : kMotionShare * left_s();
+      const bool of_modes = is_modal(point.candidate);
+      task.time_limit_s = of_modes ? kModalShare * left_s() : is_first ? left_s() : kMotionShare * left_s();
       task.folder = check.folder / "motion" / plan_label(point.candidate);
       task.stop_flag = options_.stop_flag;
-      point.steppings = try_steppings(task, candidates_.steppings, registry_);
-      is_first = false;
+      point.steppings = of_modes ? try_modes(task, steppings_of(true), registry_)
+                                 : try_steppings(task, steppings_of(false), registry_);
+      is_first = is_first && of_modes;
       if (const SteppingTry* best = choose_stepping(point.steppings)) {
         point.stepping = *best;
+        point.memory_bytes = std::max(point.memory_bytes, best->memory_bytes);
       } else {
-        point.failure = "no step leaves so little of its motion: " + point.steppings.front().stepping.label +
-                        " " + point.steppings.front().why_not;
+        const SteppingTry& last = of_modes ? point.steppings.back() : point.steppings.front();
+        point.failure = "no step leaves so little of its motion: " + last.stepping.label + " " + last.why_not;
       }
     }
+  }
+
+  std::vector<FitStepping> steppings_of(bool modes) const {
+    std::vector<FitStepping> own;
+    std::copy_if(candidates_.steppings.begin(), candidates_.steppings.end(), std::back_inserter(own),
+                 [&](const FitStepping& stepping) { return stepping.modes.has_value() == modes; });
+    return own;
   }
 
   /// Runs those that meet the tolerance some times more on the scene itself: which is the cheapest is told by

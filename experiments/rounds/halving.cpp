@@ -144,11 +144,14 @@ void HalvingRecords::add(std::size_t index, const json& record) {
   Repeat repeat;
   repeat.number = record.at("repeat").get<int>();
   const json kernel = record.value("kernel_s", json());
-  if (kernel.is_number())
-    repeat.times_s["first"] =
-        kernel.get<double>() + number_of(record, "solved_on", "simplify_s").value_or(0.0);
+  const double simplify_s = number_of(record, "solved_on", "simplify_s").value_or(0.0);
+  if (kernel.is_number()) repeat.times_s["first"] = kernel.get<double>() + simplify_s;
   if (const auto time = number_of(record, "report", "answer_s")) repeat.times_s["further"] = *time;
-  if (const auto time = number_of(record, "report", "simulated_second_s")) repeat.times_s["second"] = *time;
+  if (const auto time = number_of(record, "report", "simulated_second_s")) {
+    repeat.times_s["second"] = *time;
+    if (const auto setup = number_of(record, "report", "identify_s"))
+      repeat.times_s["second_setup"] = simplify_s + *setup + *time;
+  }
   own.repeats.push_back(std::move(repeat));
 }
 

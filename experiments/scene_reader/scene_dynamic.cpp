@@ -21,11 +21,15 @@ double read_not_negative(const YamlValue& value) {
   return number;
 }
 
-dynamics::IntegratorKind read_integrator(const YamlValue& value) {
-  std::vector<std::string> known;
+void read_integrator(const YamlValue& value, SceneDynamic& out) {
+  std::vector<std::string> known{reference::kExponential};
+  out.is_exponential = value.text() == known.front();
+  if (out.is_exponential) return;
   for (const dynamics::IntegratorKind kind : dynamics::kIntegrators) {
     known.emplace_back(dynamics::integrator_name(kind));
-    if (known.back() == value.text()) return kind;
+    if (known.back() != value.text()) continue;
+    out.integrator = kind;
+    return;
   }
   value.fail("unknown integrator \"" + value.text() + "\"" + nearest_hint(value.text(), known));
 }
@@ -119,7 +123,7 @@ SceneDynamic read_dynamic(const YamlValue& value) {
   if (const auto preset = fields.find("preset")) {
     apply_preset(*preset, fields, out);
   } else {
-    out.integrator = read_integrator(fields.need("integrator"));
+    read_integrator(fields.need("integrator"), out);
     const YamlValue step = fields.need("time_step_s");
     if (step.text() != "auto") out.time_step_s = read_above_zero(step);
   }

@@ -18,14 +18,44 @@ BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const Sce
   return resolve_problem(part, mesh);
 }
 
+/// Of modes: what neither they nor their exact steps can take.
+void check_modal(const Scene& scene) {
+  const SceneDynamic& dynamic = scene.dynamic;
+  const auto refuse = [&](const std::string& expected, const std::string& found) {
+    throw InputError(scene.analysis_where + ": " + reference::kModalModel, 0, expected, found);
+  };
+  if (scene.strain == StrainSize::kLarge) refuse("small strain: modes are linear", "strain: large");
+  if (!dynamic.is_exponential)
+    refuse(std::string("integrator: ") + reference::kExponential + ", the exact steps of modes",
+           dynamics::integrator_name(dynamic.integrator));
+  if (!dynamic.time_step_s) refuse("time_step_s: a number of seconds, as no exact step is too long", "auto");
+  if (dynamic.engine != reference::EngineChoice::kAuto || dynamic.single_precision)
+    refuse("no engine and double precision", dynamic.single_precision
+                                                 ? "precision: single"
+                                                 : std::string("engine: ") + engine_name(dynamic.engine));
+  if (dynamic.mass_per_vertex_kg) refuse("the material's masses", "mass_per_vertex_kg");
+  if (dynamic.speed_limit_m_s) refuse("no speed limit", "speed_limit_m_s");
+  if (dynamic.damping_spring_n_s_per_m > 0.0 || dynamic.damping_vertex_n_s_per_m > 0.0 ||
+      dynamic.spring_damping != dynamics::SpringDamping::kAxial)
+    refuse("damping by stiffness_s and mass_per_s", "damping of springs or vertices");
+}
+
 /// The scene's own model, without the options that only a static solution has.
 reference::MovingModel read_moving_model(const Scene& scene, const Registry& registry) {
   const MethodEntry entry = find_model(scene, registry);
   reference::MovingModel model;
   model.method = scene.model->method;
-  if (!model.method.starts_with("springs.") && !model.method.starts_with("smoothed."))
+  const bool is_modal = model.method == reference::kModalModel;
+  if (!model.method.starts_with("springs.") && !model.method.starts_with("smoothed.") && !is_modal)
     throw InputError(scene.file.string() + ": model: " + model.method +
-                     " solves static scenes alone; springs and smoothed models move");
+                     " solves static scenes alone; springs, smoothed models and " + reference::kModalModel +
+                     " move");
+  if (is_modal) check_modal(scene);
+  if (scene.dynamic.is_exponential && !is_modal)
+    throw InputError(scene.analysis_where + ": integrator", 0,
+                     "one that steps " + model.method + "; " + reference::kExponential + " steps " +
+                         reference::kModalModel + " alone",
+                     reference::kExponential);
   model.options = resolve_options(*entry.method, scene.model->set);
   for (const char* key : kStaticOptions) {
     const auto given = scene.model->set.find(key);

@@ -25,6 +25,7 @@ void FitStepping::apply(const nlohmann::json& step, nlohmann::json& scene) const
   dynamic["time_step_s"] = step;
   if (single_precision) dynamic["precision"] = "single";
   if (!solver.is_null()) dynamic["solver"] = solver;
+  if (modes) scene["model"]["modes"] = *modes;
 }
 
 double SteppingTry::cost() const {

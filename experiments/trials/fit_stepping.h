@@ -1,6 +1,8 @@
 // How a fitted scene's motion is stepped: which integrator, at which step, and what that costs.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -12,15 +14,19 @@ namespace palpate::experiments {
 /// What all others are held against.
 inline constexpr const char* kExplicitIntegrator = "symplectic_euler";
 
-/// An integrator as a fit tries it.
+/// The exact steps of modes.
+inline constexpr const char* kModalIntegrator = "exponential";
+
+/// An integrator as a fit tries it; of a model of modes, how many of them.
 struct FitStepping {
   std::string label;
-  std::string integrator;         ///< as a scene names it
-  bool single_precision = false;  ///< of the plain engine or the tet engine
-  nlohmann::json solver;          ///< as a scene has it; null: its own
+  std::string integrator;              ///< as a scene names it
+  bool single_precision = false;       ///< of the plain engine or the tet engine
+  nlohmann::json solver;               ///< as a scene has it; null: its own
+  std::optional<std::size_t> modes{};  ///< of kModalIntegrator: how many of the lowest
 
   /// Puts it into a moving scene, with this step (s, or "auto") in place of the scene's. Integrator,
-  /// precision, engine and solver of the scene are replaced.
+  /// precision, engine and solver of the scene are replaced, and the number of its model's modes.
   void apply(const nlohmann::json& step, nlohmann::json& scene) const;
 };
 
@@ -35,11 +41,13 @@ struct SteppedMotion {
 /// What came of an integrator.
 struct SteppingTry {
   FitStepping stepping;
-  double step_s = 0.0;          ///< the last that was looked at
-  bool is_auto = false;         ///< it is the one that `time_step_s: auto` takes
-  std::optional<double> error;  ///< of that step
-  std::vector<double> cost_s;   ///< of that step, one a run
-  std::string why_not;          ///< empty: verified at that step
+  double step_s = 0.0;              ///< the last that was looked at
+  bool is_auto = false;             ///< it is the one that `time_step_s: auto` takes
+  std::optional<double> error;      ///< of that step
+  std::vector<double> cost_s;       ///< of that step, one a run
+  std::string why_not;              ///< empty: verified at that step
+  std::optional<double> setup_s{};  ///< of modes: what they take to be found, which is in no cost
+  std::uint64_t memory_bytes = 0;   ///< of modes: the most that their run took; 0: not measured
 
   /// The median; infinite without a run.
   double cost() const;

@@ -21,12 +21,26 @@ using nlohmann::json;
 
 constexpr std::size_t kLargestAnswer = std::size_t{256} << 20U;
 constexpr std::size_t kAnswerDepth = 16;
+constexpr double kSameTime = 1e-9;      // of the duration: rows of that distance are at one time
+constexpr double kSetupGraceS = 1.0;    // s
+constexpr double kPicturesPerS = 60.0;  // of a simulated second
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 /// What `fine` has at a time between its rows `k` and `k` + 1.
 double between(const ProbeHistory& fine, std::size_t k, std::size_t column, double time_s) {
   const double share = (time_s - fine.time_s[k]) / (fine.time_s[k + 1] - fine.time_s[k]);
   return (1.0 - share) * fine.row[k][column] + share * fine.row[k + 1][column];
+}
+
+/// As run_moving_task, but a run that was ended by its time-out is one of the outcomes.
+ContestantAnswer run_timed(const ContestantTask& task, const std::string& where) {
+  constexpr double kNoTimeout = 1e8;
+  if (!(task.timeout_s < kNoTimeout)) return run_moving_task(task, where);
+  ContestantAnswer answer = run_contestant(task);
+  if (answer.outcome == "bad_input") throw InputError(where + ": " + answer.message);
+  if (answer.outcome == "unavailable")
+    throw UnavailableError(task.method.method->name + ": " + answer.message);
+  return answer;
 }
 
 }  // namespace
@@ -112,8 +126,29 @@ json choose_probes(const Scene& scene, const fs::path& fitted_mesh, std::size_t 
   return spread_probes(chosen, count);
 }
 
-MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settings,
-                             const Registry& registry) {
+double difference_at_rows(const ProbeHistory& of, const ProbeHistory& truth) {
+  if (of.time_s.size() < 2) return std::numeric_limits<double>::infinity();
+  const double slack_s = kSameTime * truth.time_s.back();
+  double off = 0.0;
+  double size = 0.0;
+  std::size_t k = 0;
+  for (std::size_t row = 0; row < truth.time_s.size(); ++row) {
+    const double time_s = truth.time_s[row];
+    while (k + 2 < of.time_s.size() && of.time_s[k + 1] < time_s) ++k;
+    if (time_s > of.time_s[k + 1] + slack_s || of.row[k].size() != truth.row[row].size())
+      return std::numeric_limits<double>::infinity();
+    for (std::size_t c = 0; c < truth.row[row].size(); ++c) {
+      const double there = between(of, k, c, time_s);
+      off += (there - truth.row[row][c]) * (there - truth.row[row][c]);
+      size += truth.row[row][c] * truth.row[row][c];
+    }
+  }
+  if (off == 0.0) return 0.0;
+  const double share = std::sqrt(off / size);
+  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+}
+
+PlacedTrial place_trial(const json& scene_json, const TrialSettings& settings) {
   create_folder(settings.folder);
   json placed = scene_json;
   placed["mesh"] = {{"file", fs::absolute(settings.mesh).lexically_normal().string()}, {"unit_m", 1}};
@@ -125,20 +160,38 @@ MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settin
             .string();
   write_file_atomically(settings.folder / "scene.yaml", placed.dump(1) + "\n");
   const Scene scene = read_scene(settings.folder / "scene.yaml");
-  const TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
-  const reference::MovingBody body = build_moving_body(place_scene(scene, mesh), mesh, registry);
-  ContestantTask task = start_moving_task("engine.replay", body, mesh, registry, settings.folder / "body");
+  TetMesh mesh = build_scene_mesh(scene.mesh).mesh;
+  Scene on_mesh = place_scene(scene, mesh);
+  return {std::move(on_mesh), std::move(mesh)};
+}
+
+MotionTrial run_motion_trial(const json& scene_json, const TrialSettings& settings,
+                             const Registry& registry) {
+  const PlacedTrial placed = place_trial(scene_json, settings);
+  const reference::MovingBody body = build_moving_body(placed.scene, placed.mesh, registry);
+  ContestantTask task = start_replay(body, placed.mesh, registry, settings.folder / "body");
   task.stop_flag = settings.stop_flag;
   task.options["stop_after_s"] = settings.timeout_s;
-  const ContestantAnswer answer = run_moving_task(task, scene.analysis_where);
+  const bool is_modal = body.model.method == reference::kModalModel;
+  if (is_modal) {
+    task.options["timings"] = settings.timings;
+    task.timeout_s = settings.timeout_s + kSetupGraceS;  // modes are found to their end, or not at all
+  }
+  const ContestantAnswer answer = run_timed(task, placed.scene.analysis_where);
   MotionTrial trial;
-  trial.outcome = answer.outcome == "interrupted" ? "interrupted" : answer.report.value("outcome", "");
+  trial.outcome = answer.outcome == "ok" ? answer.report.value("outcome", "") : answer.outcome;
+  trial.memory_bytes = answer.peak_rss_bytes.value_or(0);
   if (answer.report.is_object()) {
     trial.step_s = answer.report.value("time_step_s", 0.0);
     trial.kernel_s = answer.report.value("kernel_s", 0.0);
     trial.simulated_s = answer.report.value("simulated_s", 0.0);
+    trial.setup_s = answer.report.value("setup_s", 0.0);
     const json force = answer.report.value("frozen_force_most_n", json());
     trial.frozen_force_n = force.is_number() ? force.get<double>() : 0.0;
+    if (is_modal) {
+      trial.pictures_s = kPicturesPerS * answer.report.at("field_s").get<double>();
+      trial.again_s = answer.report.at("kernel_samples_s").get<std::vector<double>>();
+    }
   }
   if (trial.outcome == "completed") trial.history = read_probe_history(answer.output);
   return trial;

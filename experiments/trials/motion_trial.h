@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -29,10 +30,21 @@ struct MotionTrial {
   double kernel_s = 0.0;        ///< of the clock, for its steps with all that they factor
   double simulated_s = 0.0;     ///< how far it came
   double frozen_force_n = 0.0;  ///< the most on a part that is held at rest
-  ProbeHistory history;         ///< of a completed one
+  double setup_s = 0.0;         ///< before the first step; reported, and in no other time
+  double pictures_s = 0.0;      ///< of modes: the displacement of all vertices, 60 times a simulated second
+  std::vector<double> again_s;  ///< the steps' time of further runs through the same motion
+  std::uint64_t memory_bytes = 0;  ///< the most that it took
+  ProbeHistory history;            ///< of a completed one
 
   /// Time of the clock for a simulated second.
-  double second_s() const { return kernel_s / simulated_s; }
+  double second_s() const { return second_of(kernel_s); }
+  double second_of(double kernel) const { return kernel / simulated_s + pictures_s; }
+};
+
+/// A trial's scene on its mesh.
+struct PlacedTrial {
+  Scene scene;
+  TetMesh mesh;
 };
 
 /// What a run is asked for beside its scene.
@@ -41,6 +53,7 @@ struct TrialSettings {
   std::filesystem::path folder;  ///< is made; scene and answer go there
   double timeout_s = 120.0;      ///< of the clock
   const volatile std::sig_atomic_t* stop_flag = nullptr;
+  int timings = 0;  ///< of modes: further runs through the motion, for their time
 };
 
 /// |u_h - u_h/4| is 3/4 of the error that a step of h leaves of a motion stepped with order 1, and nearer to
@@ -71,6 +84,14 @@ ProbeHistory read_probe_history(const std::filesystem::path& file);
 /// by a straight line; rows past the end of `fine` are left out. 0 where neither moves; infinite where only
 /// `coarse` does, or it has something that is no number. Cost: linear.
 double history_difference(const ProbeHistory& coarse, const ProbeHistory& fine);
+
+/// The same at the rows of `truth`, with `of` between its own rows by a straight line: what is not seen
+/// between two rows counts. Relative to `truth`; infinite where `of` ends before it does.
+double difference_at_rows(const ProbeHistory& of, const ProbeHistory& truth);
+
+/// Makes the folder, writes the scene to it with the mesh in place of its own, and reads it back. Throws: as
+/// read_scene.
+PlacedTrial place_trial(const nlohmann::json& scene, const TrialSettings& settings);
 
 /// Runs the scene, which is written below the folder. Throws: as simulate.
 MotionTrial run_motion_trial(const nlohmann::json& scene, const TrialSettings& settings,

@@ -102,8 +102,9 @@ MovingModel read_model(const json& value, const std::string& where) {
   const Members members(value, where, {"method", "options", "volume_force_of_n_per_m", "is_material"});
   MovingModel model;
   model.method = members.text("method");
-  if (!model.method.starts_with("springs.") && !model.method.starts_with("smoothed."))
-    members.fail("method", "springs.NAME or smoothed.NAME", model.method);
+  if (!model.method.starts_with("springs.") && !model.method.starts_with("smoothed.") &&
+      model.method != kModalModel)
+    members.fail("method", std::string("springs.NAME, smoothed.NAME or ") + kModalModel, model.method);
   model.options = members.need("options");
   if (!model.options.is_object()) members.fail("options", "an object", model.options);
   model.volume_force_of_n_per_m = members.number_if_there("volume_force_of_n_per_m");
@@ -118,7 +119,8 @@ MotionStepping read_stepping(const json& value, const std::string& where) {
        "frames", "mass_per_vertex_kg", "damping_spring_n_s_per_m", "damping_vertex_n_s_per_m",
        "spring_damping", "iterations", "tolerance", "substeps"});
   MotionStepping out;
-  out.integrator = members.parsed("integrator", dynamics::parse_integrator);
+  out.is_exponential = members.text("integrator") == kExponential;
+  if (!out.is_exponential) out.integrator = members.parsed("integrator", dynamics::parse_integrator);
   out.time_step_s = members.number_if_there("time_step_s");
   out.safety = members.number("safety", false);
   if (out.safety > 1.0) members.fail("safety", "at most 1", out.safety);
@@ -163,18 +165,19 @@ json moving_body_to_json(const MovingBody& body) {
                 {"options", body.model.options},
                 {"is_material", body.model.is_material}};
   put("volume_force_of_n_per_m", body.model.volume_force_of_n_per_m, model);
-  json steps = {{"integrator", dynamics::integrator_name(stepping.integrator)},
-                {"safety", stepping.safety},
-                {"engine", engine_name(stepping.engine)},
-                {"precision", stepping.single_precision ? "single" : "double"},
-                {"allow_unstable", stepping.allow_unstable},
-                {"frames", stepping.frames},
-                {"damping_spring_n_s_per_m", stepping.damping_spring_n_s_per_m},
-                {"damping_vertex_n_s_per_m", stepping.damping_vertex_n_s_per_m},
-                {"spring_damping", dynamics::spring_damping_name(stepping.spring_damping)},
-                {"iterations", stepping.solver.iterations},
-                {"tolerance", stepping.solver.tolerance},
-                {"substeps", stepping.substeps}};
+  json steps = {
+      {"integrator", stepping.is_exponential ? kExponential : dynamics::integrator_name(stepping.integrator)},
+      {"safety", stepping.safety},
+      {"engine", engine_name(stepping.engine)},
+      {"precision", stepping.single_precision ? "single" : "double"},
+      {"allow_unstable", stepping.allow_unstable},
+      {"frames", stepping.frames},
+      {"damping_spring_n_s_per_m", stepping.damping_spring_n_s_per_m},
+      {"damping_vertex_n_s_per_m", stepping.damping_vertex_n_s_per_m},
+      {"spring_damping", dynamics::spring_damping_name(stepping.spring_damping)},
+      {"iterations", stepping.solver.iterations},
+      {"tolerance", stepping.solver.tolerance},
+      {"substeps", stepping.substeps}};
   put("time_step_s", stepping.time_step_s, steps);
   put("speed_limit_m_s", stepping.speed_limit_m_s, steps);
   put("mass_per_vertex_kg", stepping.mass_per_vertex_kg, steps);

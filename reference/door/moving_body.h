@@ -24,6 +24,7 @@ const char* engine_name(EngineChoice engine);
 /// How a body is stepped, and what it has beside the problem's masses and shares of damping.
 struct MotionStepping {
   dynamics::IntegratorKind integrator = dynamics::IntegratorKind::kSymplecticEuler;
+  bool is_exponential = false;        ///< the exact steps of modes; `integrator` says nothing then
   std::optional<double> time_step_s;  ///< nothing: the predicted bound times `safety`
   double safety = 0.9;
   EngineChoice engine = EngineChoice::kAuto;
@@ -41,7 +42,12 @@ struct MotionStepping {
   dynamics::SpringDamping spring_damping = dynamics::SpringDamping::kAxial;
 };
 
-/// The model that moves: springs.NAME or smoothed.NAME with the options that make it.
+/// What the stepping of modes is called where an integrator is named.
+inline constexpr const char* kExponential = "exponential";
+/// The model of modes.
+inline constexpr const char* kModalModel = "reduced.modal";
+
+/// The model that moves: springs.NAME, smoothed.NAME or reduced.modal with the options that make it.
 struct MovingModel {
   std::string method;
   nlohmann::json options = nlohmann::json::object();
@@ -66,7 +72,8 @@ struct MovingBody {
 ///                 "mass_per_vertex_kg": 1, "damping_spring_n_s_per_m": 0, "damping_vertex_n_s_per_m": 0,
 ///                 "spring_damping": "axial", "iterations": 1000, "tolerance": 1e-8, "substeps": 1}}
 ///
-/// What is optional and not there is left out; the last three may be, too.
+/// What is optional and not there is left out; the last three may be, too. The integrator of modes is
+/// "exponential".
 nlohmann::json moving_body_to_json(const MovingBody& body);
 
 /// Reads it back and checks it: the motion as motion_from_json, names that are known, numbers that are finite

@@ -11,7 +11,7 @@
 #include "reference/door/json_file.h"
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
-#include "reference/door/result_folder.h"
+#include "reference/elastic_models/motion_files.h"
 #include "reference/elastic_models/tick_report.h"
 #include "reference/engine/model_file.h"
 #include "reference/engine/motion_replay.h"
@@ -24,88 +24,15 @@ namespace {
 using nlohmann::json;
 
 constexpr double kThesisTickS = 5e-3;  ///< the thesis takes one step at each tick of its timer (4.2.9)
-constexpr double kMostSeconds = 1e9;
 constexpr std::int64_t kMostCount = 536'870'912;
-constexpr std::int64_t kMostFrames = 1'000'000;
 
-/// The text of a CSV as columns and rows; an empty cell is null.
-void add_table(const std::string& csv, json& out) {
-  out["columns"] = json::array();
-  out["rows"] = json::array();
-  std::size_t at = 0;
-  bool is_head = true;
-  while (at < csv.size()) {
-    const std::size_t end = csv.find('\n', at);
-    json row = json::array();
-    for (std::size_t k = at; k <= end;) {
-      const std::size_t stop = std::min(csv.find(',', k), end);
-      const std::string cell = csv.substr(k, stop - k);
-      row.push_back(is_head ? json(cell) : (cell.empty() ? json(nullptr) : json(std::stod(cell))));
-      k = stop + 1;
-    }
-    if (is_head) {
-      out["columns"] = row;
-    } else {
-      out["rows"].push_back(row);
-    }
-    is_head = false;
-    at = end + 1;
-  }
-}
-
-/// To a micrometre's thousandth: for pictures.
-json rounded(const std::vector<Vec3>& field) {
-  json out = json::array();
-  for (const Vec3& u : field) {
-    for (const double x : {u.x, u.y, u.z}) out.push_back(std::round(1e9 * x) / 1e9);
-  }
-  return out;
-}
-
-/// What engine.replay is asked beside its body.
-struct ReplayOptions {
-  double stop_after_s = 0.0;  ///< 0: never
-  double most_output_bytes = 0.0;
-  bool setup_only = false;
-  std::uint64_t frames = 0;  ///< in place of the scene's; 0: the scene's
-};
-
-ReplayOptions take_replay_options(json& left) {
-  ReplayOptions out;
-  out.stop_after_s = take_number(left, "stop_after_s", 0.0, kMostSeconds, 0.0);
-  out.most_output_bytes = 1e9 * take_number(left, "max_output_gb", 0.0, kMostSeconds, kMostOutputBytes / 1e9);
-  out.setup_only = take_option<bool>(left, "setup_only", &json::is_boolean, "true or false", false);
-  out.frames = static_cast<std::uint64_t>(take_whole(left, "frames", 0, kMostFrames, 0));
-  return out;
-}
-
-/// The JSON that engine.replay leaves.
-json describe_output(const MotionOutput& output) {
-  json written{{"schema", "palpate/engine/1"}, {"kind", "replay"}, {"frames", json::array()}};
-  add_table(output.history_csv(), written);
-  for (const MotionFrame& frame : output.frames())
-    written["frames"].push_back(
-        {{"time_s", frame.time_s}, {"displacement_m", rounded(frame.displacement_m)}});
-  return written;
-}
-
-/// What stands there when rows and frames are in a folder.
-json describe_folder() {
-  return {{"schema", "palpate/engine/1"},
-          {"kind", "replay"},
-          {"columns", json::array()},
-          {"rows", json::array()},
-          {"frames", json::array()}};
-}
-
-/// Makes the folder ready: room enough, and nothing of an earlier run.
-void clear_folder(const Request& request, const MovingTask& task, const MotionSetup& setup,
-                  const MotionOutput& output, double most_bytes) {
-  const Strides strides(task.body, setup.steps);
+/// Makes the folder ready for the rows and frames of a motion.
+void prepare_folder(const Request& request, const MovingTask& task, const MotionSetup& setup,
+                    const MotionOutput& output, double most_bytes) {
+  const Strides strides(task.body.motion.samples, task.body.stepping.frames, setup.steps);
   const std::uint64_t frames = strides.frame == 0 ? 0 : setup.steps / strides.frame + 2;
   const std::uint64_t rows = setup.steps / strides.row + 2 + setup.phases.size();
-  require_room(request.folder, estimate_output_bytes(task.mesh, frames, rows, output.columns()), most_bytes);
-  remove_earlier_results(request.folder);
+  clear_folder(request.folder, task.mesh, output.files(), rows, frames, most_bytes);
 }
 
 Response answer_replay(MovingTask task, const Request& request, json& left,
@@ -125,7 +52,7 @@ Response answer_replay(MovingTask task, const Request& request, json& left,
     response.report = {{"outcome", "set_up"}, {"time_step_s", setup.step_s}, {"steps_planned", setup.steps}};
     return response;
   }
-  if (!request.folder.empty()) clear_folder(request, task, setup, output, options.most_output_bytes);
+  if (!request.folder.empty()) prepare_folder(request, task, setup, output, options.most_output_bytes);
   MotionStops stops;
   stops.stop_flag = stop_flag;
   if (options.stop_after_s > 0.0) stops.timeout_s = options.stop_after_s - clock.seconds();
@@ -139,10 +66,10 @@ Response answer_replay(MovingTask task, const Request& request, json& left,
   response.report["tick_real_time_factor"] = setup.step_s / kThesisTickS;
   response.report["kind"] = "replay";
   response.report["setup_s"] = setup_s;
-  response.report["frames_written"] = output.frame_count();
-  output.finish();
-  const json written = request.folder.empty() ? describe_output(output) : describe_folder();
-  write_file_atomically(request.output, written.dump() + "\n");
+  response.report["frames_written"] = output.files().frame_count();
+  output.files().finish();
+  write_file_atomically(request.output,
+                        describe_replay(output.files(), !request.folder.empty()).dump() + "\n");
   return response;
 }
 

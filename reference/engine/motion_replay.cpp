@@ -30,7 +30,10 @@ class MotionRunner {
  public:
   MotionRunner(const MovingBody& body, const MotionSetup& setup, MotionOutput& output,
                const MotionStops& stops)
-      : setup_(setup), output_(output), strides_(body, setup.steps), stops_(stops) {}
+      : setup_(setup),
+        output_(output),
+        strides_(body.motion.samples, body.stepping.frames, setup.steps),
+        stops_(stops) {}
 
   void run() {
     state_ = start_at_rest(setup_.phases.front().model);
@@ -56,7 +59,7 @@ class MotionRunner {
              {"kernel_s", kernel_s},
              {"simulated_s", state_.time_s},
              {"real_time_factor", number_or_null(state_.time_s / kernel_s)},
-             {"max_displacement_m", output_.max_displacement_m()},
+             {"max_displacement_m", output_.files().max_displacement_m()},
              {"end_displacement_m", number_or_null(farthest)},
              {"peak_speed_m_s", report_.peak_speed_m_s},
              {"zero_length_springs", report_.zero_length_springs},
@@ -94,7 +97,7 @@ class MotionRunner {
     const double gain =
         static_cast<double>(report_.steps) * dynamics::rounding_gain_per_step(setup_.phases.front().model);
     out["rounding_gain_j"] = number_or_null(gain);
-    out["rounding_gain_over_kinetic"] = number_or_null(gain / output_.max_kinetic_j());
+    out["rounding_gain_over_kinetic"] = number_or_null(gain / output_.files().max_kinetic_j());
   }
 
   bool should_stop() {
@@ -156,13 +159,6 @@ class MotionRunner {
 };
 
 }  // namespace
-
-Strides::Strides(const MovingBody& body, std::uint64_t steps)
-    : row(std::max<std::uint64_t>(1, (steps + body.motion.samples - 1) / body.motion.samples)) {
-  const std::uint64_t frames = body.stepping.frames;
-  if (frames > 0) frame = std::max<std::uint64_t>(1, steps / frames);
-  if (frame > 0) row = std::min(row, frame);
-}
 
 json run_motion_setup(const MovingBody& body, const TetMesh& mesh, const MotionSetup& setup,
                       const MotionStops& stops, MotionOutput& output) {

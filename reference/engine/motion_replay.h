@@ -20,14 +20,6 @@ struct MotionStops {
   MotionProgress* progress = nullptr;                     ///< told at each row of the history; may be null
 };
 
-/// How often rows and frames are taken, in steps.
-struct Strides {
-  std::uint64_t row = 1;
-  std::uint64_t frame = 0;  ///< 0: none
-
-  Strides(const MovingBody& body, std::uint64_t steps);
-};
-
 /// Runs a setup of `body` on its mesh; `output` takes rows and frames. However a run ends, the last state is
 /// in history and frames, unless it is not finite.
 ///

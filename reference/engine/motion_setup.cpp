@@ -170,6 +170,9 @@ std::vector<std::string> list_laws(const dynamics::ElasticModel& model) {
 }
 
 dynamics::ElasticModel build_elastic(const MovingBody& body, const TetMesh& mesh, Response& response) {
+  if (body.model.method == kModalModel || body.stepping.is_exponential)
+    throw InputError("model", 0, "springs.NAME or smoothed.NAME: modes are stepped by reduced.modal_replay",
+                     body.model.method);
   nlohmann::json left = body.model.options;
   const StrainSize strain = body.motion.body.strain;
   const ModelRequest wanted = take_model_request(body.model.method, strain, left);

@@ -1,11 +1,13 @@
 """Error against work: what each model on each mesh of a scene costs and how far it is off, and which of them nothing beats.
 
 A point is one label on one mesh of a scene (made at some size, simplified by some share). Its error is taken at the vertices of
-the mesh that was made, against that mesh's own reference. Work is one of three:
+the mesh that was made, against that mesh's own reference. Work is one of four:
 
-  first    the first displacement: simplifier, identification, assembly, factors, solve
-  further  the displacement of another load once all of that is there
-  second   a simulated second of explicit steps, nine tenths of the stable step each, undamped
+  first         the first displacement: simplifier, identification, assembly, factors, solve
+  further       the displacement of another load once all of that is there
+  second        a simulated second of explicit steps, nine tenths of the stable step each, undamped; of modes, a thousand exact steps and
+                sixty displacements of all vertices
+  second_setup  the same with what has to be there before the first step: simplifier, and identification (of modes: all that finds them)
 
 A point is off the frontier if another is surely faster (their 95% intervals of the median don't meet) and has no greater error,
 or is better by more than both references leave open, and no slower in the median. What is within noise of the frontier is on it.
@@ -23,7 +25,9 @@ from shared.records import figure, median, present
 from shared.tables import align, first_reason, percent_text, write_csv
 
 MEASURE = "displacement_deformation"
-WORKS = [("first", "first answer"), ("further", "further answer"), ("second", "simulated second")]
+WORKS = [("first", "first answer"), ("further", "further answer"), ("second", "simulated second"),
+         ("second_setup", "simulated second with its set-up")]
+MODES = "modes"  # the engine of a simulated second that is stepped by them
 
 
 @dataclass(frozen=True)
@@ -50,6 +54,7 @@ class Point:
     own_errors: dict
     works: dict  # by the names of WORKS; None where there is none
     note: str = ""
+    engine: str = ""  # that steps a simulated second
     halved_by: str = ""  # the case that beat it when its other repeats were left out
     on: set = field(default_factory=set)  # (work, measure) of the frontiers that it is on
 
@@ -79,12 +84,19 @@ def work_of(values, more=0.0):
     return Work(median(values) + more, max(0.0, low + more), high + more)
 
 
+def second_with_setup(record):
+    """A simulated second and what its model took to be made; None where one of the two is not told."""
+    parts = [figure(record, "report", name) for name in ("simulated_second_s", "identify_s")]
+    return None if None in parts else sum(parts)
+
+
 def works_of(group):
     records = group.accepted()
     simplify_s = median(present(figure(record, "solved_on", "simplify_s") for record in records)) or 0.0
     return {"first": work_of(present(figure(record, "kernel_s") for record in records), simplify_s),
             "further": work_of(present(figure(record, "report", "answer_s") for record in records)),
-            "second": work_of(present(figure(record, "report", "simulated_second_s") for record in records))}
+            "second": work_of(present(figure(record, "report", "simulated_second_s") for record in records)),
+            "second_setup": work_of(present(second_with_setup(record) for record in records), simplify_s)}
 
 
 def mesh_text(record):
@@ -124,7 +136,8 @@ def read_point(group, references, families, of_simplifiers):
     return Point(problem.scene, problem.poisson_ratio, group.label, family_of(group, record, families, of_simplifiers), mesh_text(record),
                  tets if tets is not None else figure(record, "mesh", "tets"), str(record.get("case", "")),
                  {name: median(group.figures("judge", name)) for name, _, _ in ERRORS},
-                 own_errors_of(references.get(problem), record), works_of(group), note)
+                 own_errors_of(references.get(problem), record), works_of(group), note,
+                 str((record.get("report") or {}).get("step_engine") or ""))
 
 
 def is_beaten(point, other, work, measure):
@@ -272,6 +285,8 @@ def frontier_text(run, scenes, rows):
         out.append(targets_text(outcomes))
     if halving_text(scenes):
         out.append(halving_text(scenes))
+    if modes_text(scenes):
+        out.append(modes_text(scenes))
     lost = [point for points in scenes.values() for point in points if point.note]
     if lost:
         out.append("Not on any frontier, since there is no answer:\n\n"
@@ -279,6 +294,16 @@ def frontier_text(run, scenes, rows):
                            [[scene_text((point.scene, point.poisson_ratio)), point.label, point.mesh, point.note[:90]] for point in lost]))
     out.append(f"A point again: palpate run PLAN --case ID, with the ID that tables/frontier.csv has. {COARSE}: the reference is not {MARGIN:g} times better.")
     return "\n\n".join(out)
+
+
+def modes_text(scenes):
+    """What the error of a simulated second by modes does not have in it, or an empty text."""
+    labels = sorted({point.label for points in scenes.values() for point in points if point.engine == MODES})
+    if not labels:
+        return ""
+    return (f"Stepped by modes: {', '.join(labels)}. Their errors are those of the body at rest, where the static correction makes any number of "
+            "modes as exact as their elements: what the modes leave out of a motion is in none of them. The plan dynamic_error has motions, and "
+            "palpate fit holds modes against the same elements stepped whole.")
 
 
 def judge_targets(run, scenes):

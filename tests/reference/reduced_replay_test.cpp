@@ -2,6 +2,7 @@
 // engine asks for.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "reference/door/json_file.h"
@@ -47,17 +48,38 @@ TEST_F(ModalReplay, IsTheMotionOfTheContestOfMotions) {
   const json file = read_json_file(answer.output);
   EXPECT_EQ(file.at("kind"), "replay");
   ASSERT_EQ(file.at("rows").size(), motion.rows.size());
-  for (std::size_t k = 0; k < motion.rows.size(); ++k) {
-    for (std::size_t c = 0; c < motion.columns.size(); ++c) {
-      EXPECT_EQ(file.at("columns")[c], motion.columns[c]);
-      EXPECT_EQ(file.at("rows")[k][c].get<double>(), motion.rows[k][c]) << k << motion.columns[c];
-    }
+  const json& columns = file.at("columns");
+  for (std::size_t c = 0; c < motion.columns.size(); ++c) {
+    const auto at = std::find(columns.begin(), columns.end(), motion.columns[c]);
+    ASSERT_NE(at, columns.end()) << motion.columns[c];
+    for (std::size_t k = 0; k < motion.rows.size(); ++k)
+      EXPECT_EQ(file.at("rows")[k][static_cast<std::size_t>(at - columns.begin())].get<double>(),
+                motion.rows[k][c])
+          << k << motion.columns[c];
   }
   EXPECT_EQ(answer.report.at("outcome"), "completed");
   EXPECT_EQ(answer.report.at("holdings"), 3);  // each pad by itself, and none
   EXPECT_EQ(answer.report.at("inverted_tets_most"), 0);
   EXPECT_NEAR(answer.report.at("simulated_s").get<double>(), 1.0, 1e-12);
   EXPECT_EQ(file.at("frames").size(), 11U);
+}
+
+/// What is timed again is the motion's steps; where there is no time one step is taken.
+TEST_F(ModalReplay, StepsAreTimedAgainAndEndWhereTheyAreAskedTo) {
+  const ContestantAnswer timed = replay({{"modes", 5}, {"elements", "p1"}, {"timings", 3}});
+  ASSERT_EQ(timed.outcome, "ok") << timed.message;
+  ASSERT_EQ(timed.report.at("kernel_samples_s").size(), 3U);
+  for (const json& seconds : timed.report.at("kernel_samples_s")) EXPECT_GT(seconds.get<double>(), 0.0);
+  EXPECT_GT(timed.report.at("field_s").get<double>(), 0.0);
+  EXPECT_GT(timed.report.at("setup_s").get<double>(), timed.report.at("field_s").get<double>());
+  const ContestantAnswer plain = replay({{"modes", 5}, {"elements", "p1"}});
+  EXPECT_EQ(timed.report.at("state_hash"), plain.report.at("state_hash"));
+  EXPECT_EQ(read_json_file(timed.output), read_json_file(plain.output));
+  const ContestantAnswer stopped = replay({{"modes", 5}, {"elements", "p1"}, {"stop_after_s", 1e-9}});
+  ASSERT_EQ(stopped.outcome, "ok") << stopped.message;
+  EXPECT_EQ(stopped.report.at("outcome"), "timed_out");
+  EXPECT_EQ(stopped.report.at("steps"), 1);
+  EXPECT_EQ(replay({{"setup_only", true}}).report.at("outcome"), "set_up");
 }
 
 TEST_F(ModalReplay, TheFarthestVertexIsTheRodsEnd) {

@@ -62,6 +62,27 @@ class Points(FrontierTest):
         points, _ = self.run_frontier([reference(own=0.0001), *lines])
         self.assertNotIn("displacement_deformation", points["bad"]["on_first"])
 
+    def test_a_simulated_second_counts_its_set_up_apart(self):
+        lines = [reference(), *repeats("quick", 0.05, 1.0, spread=0.001), *repeats("exact", 0.05, 1.0, spread=0.001)]
+        for line in lines[1:]:
+            is_modes = line["label"] == "quick"
+            line["report"] |= {"simulated_second_s": 0.01 if is_modes else 0.5, "identify_s": 4.0 if is_modes else 0.2,
+                               "step_engine": "modes" if is_modes else "tets"}
+            line["solved_on"] = {**line.get("solved_on", {}), "simplify_s": 0.3}
+        points, out = self.run_frontier(lines)
+        self.assertAlmostEqual(float(points["quick"]["second_s"]), 0.01)
+        self.assertAlmostEqual(float(points["quick"]["second_setup_s"]), 4.31)
+        self.assertAlmostEqual(float(points["exact"]["second_setup_s"]), 1.0)
+        on = [{label for label, row in points.items() if "displacement_deformation" in row[f"on_{work}"]} for work in ("second", "second_setup")]
+        self.assertEqual(on, [{"quick"}, {"exact"}])
+        self.assertIn("Stepped by modes: quick. Their errors are those of the body at rest", out.replace("\n", " "))
+        for line in lines[1:]:
+            del line["report"]["identify_s"]
+            line["report"]["step_engine"] = "tets"
+        points, out = self.run_frontier(lines)
+        self.assertEqual((points["quick"]["second_setup_s"], points["quick"]["on_second_setup"]), ("", ""))
+        self.assertNotIn("Stepped by modes", out)
+
     def test_too_few_repeats_beat_nobody(self):
         points, _ = self.run_frontier([reference(), *repeats("quick", 0.05, 0.1, count=3), *repeats("bad", 0.05, 9.0, count=3)])
         self.assertIn("displacement_deformation", points["bad"]["on_first"])

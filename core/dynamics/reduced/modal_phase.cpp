@@ -155,6 +155,16 @@ struct ModalPhase::Parts {
     return force;
   }
 
+  /// The shapes times amounts at the first nodes.
+  std::vector<Vec3> field_of(const Vector& w, std::size_t first) const {
+    require(first <= nodes, "as many nodes");
+    const Vector numbers = shapes.topRows(signed_index(3 * first)) * w;
+    std::vector<Vec3> out(first);
+    for (std::size_t node = 0; node < first; ++node)
+      out[node] = to_vec3(numbers.segment(signed_index(3 * node), 3));
+    return out;
+  }
+
   void build(const ElementMatrices& body, int order, const FactorMaker& make_factor);
   void build_system(const Matrix& stiff, const Matrix& participation);
   void build_measures(int order, const Matrix& massive, const Matrix& stiff,
@@ -338,16 +348,16 @@ Vec3 ModalPhase::displacement_of(Index node) const {
 }
 
 NodeState ModalPhase::state() const {
-  const Parts& p = *parts_;
-  const auto w = p.amounts();
-  const Vector u = p.shapes * w[0];
-  const Vector v = p.shapes * w[1];
-  NodeState out{std::vector<Vec3>(p.nodes), std::vector<Vec3>(p.nodes)};
-  for (std::size_t node = 0; node < p.nodes; ++node) {
-    out.displacement_m[node] = to_vec3(u.segment(signed_index(3 * node), 3));
-    out.velocity_m_s[node] = to_vec3(v.segment(signed_index(3 * node), 3));
-  }
-  return out;
+  return state_of_first(parts_->nodes);
+}
+
+NodeState ModalPhase::state_of_first(std::size_t nodes) const {
+  const auto w = parts_->amounts();
+  return {parts_->field_of(w[0], nodes), parts_->field_of(w[1], nodes)};
+}
+
+std::vector<Vec3> ModalPhase::displacements_of_first(std::size_t nodes) const {
+  return parts_->field_of(parts_->amounts()[0], nodes);
 }
 
 std::vector<double> ModalPhase::frequencies_hz() const {

@@ -75,6 +75,10 @@ class ModalPhase {
   Vec3 group_force(std::size_t group) const;
   Vec3 displacement_of(Index node) const;
   NodeState state() const;
+  /// Of the first `nodes` alone: nodes x 3 x (modes + groups) products, twice.
+  NodeState state_of_first(std::size_t nodes) const;
+  /// Their displacements alone.
+  std::vector<Vec3> displacements_of_first(std::size_t nodes) const;
   /// Of the modes, in Hz, rising.
   std::vector<double> frequencies_hz() const;
   const std::vector<ModalGroup>& groups() const;

@@ -66,8 +66,8 @@ void check_frontier(const YamlFields& fields, Plan& plan) {
   for (const YamlValue& item : targets->items()) {
     const YamlFields target = item.fields({"work", "against", "at", "factor"});
     const std::string work = target.need("work").text();
-    if (work != "first" && work != "further" && work != "second")
-      target.need("work").fail_expected("first, further or second");
+    if (work != "first" && work != "further" && work != "second" && work != "second_setup")
+      target.need("work").fail_expected("first, further, second or second_setup");
     check_family(target.need("against"), families);
     target.need("at").number(kLeastError, kMostError);
     target.need("factor").number(0.0, 1e9);

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/mesh/io/medit.h"
-#include "reference/engine/motion_output.h"
+#include "reference/elastic_models/motion_files.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/motion_command.h"
 #include "tests/support/scene_text.h"

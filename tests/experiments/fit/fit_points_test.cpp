@@ -88,6 +88,25 @@ TEST(FitFinalists, OneWithADearExplicitStepAndACheapSolveIsAmongThem) {
   EXPECT_TRUE(take_finalists(none, 4).empty());
 }
 
+/// Of modes one a round is looked at, and its motion needs room: the cheapest with half of the tolerance
+/// left, else the most accurate.
+TEST(FitFinalists, OneOfModesLeavesHalfOfTheToleranceToItsMotion) {
+  std::vector<FitPoint> points = points_with({1, 2, 3, 4, 5}, {0, 0, 0, 0, 0});
+  const std::vector<double> errors{0.045, 0.001, 0.02, 0.03, 0.001};
+  std::vector<const FitPoint*> good;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    points[k].error = {errors[k]};
+    points[k].own_error = {0.004};
+    if (k != 1) points[k].candidate.model.method = "reduced.modal";
+    good.push_back(&points[k]);
+  }
+  std::vector<double> taken;
+  for (const FitPoint* found = nullptr; (found = take_modal_finalist(good, 0.05)) != nullptr;)
+    taken.push_back(found->cost());
+  EXPECT_EQ(taken, (std::vector<double>{3, 5, 4, 1}));
+  EXPECT_EQ(good, (std::vector<const FitPoint*>{&points[1]}));
+}
+
 TEST_F(FitChoice, TheCheapestWithinTheToleranceIsTaken) {
   const auto points = read({reference_of("scene_0", 0.001), answer("a", "scene_0", 0.2, 0.1),
                             answer("b", "scene_0", 0.04, 0.3), answer("c", "scene_0", 0.01, 0.9)});

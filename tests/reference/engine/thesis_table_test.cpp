@@ -58,7 +58,7 @@ class ThesisTable41 : public testing::Test {
   static nlohmann::json run(const Body& body, std::vector<MotionReturn>& returns) {
     reference::MotionOutput output({}, body.moving.motion, body.mesh);
     nlohmann::json report = run_motion_setup(body.moving, body.mesh, body.setup, {600.0, nullptr}, output);
-    returns = find_returns(body.moving.motion, read_levels(output.history_csv()));
+    returns = find_returns(body.moving.motion, read_levels(output.files().history_csv()));
     return report;
   }
 

@@ -91,7 +91,7 @@ const BadFrontier kBadFrontiers[] = {
     {"work",
      "frontier: {families: {a: [near], b: [test.unrefined]}, against: [b], at: [0.1], targets: [{work: "
      "third, against: b, at: 0.1, factor: 2}]}",
-     8, "first, further or second"},
+     8, "first, further, second or second_setup"},
 };
 
 INSTANTIATE_TEST_SUITE_P(All, FrontierErrors, testing::ValuesIn(kBadFrontiers),

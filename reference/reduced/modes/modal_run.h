@@ -1,5 +1,5 @@
-// reduced.modal at rest (contest deform), moving_reduced.modal in motion, reduced.modal_ticks and
-// reduced.modal_replay (contest engine).
+// reduced.modal at rest (contest deform), moving_reduced.modal in motion, and reduced.modal_ticks (contest
+// engine).
 #pragma once
 
 #include "reference/door/adapter.h"
@@ -22,14 +22,5 @@ Response run_modal_motion(const Request& request);
 /// InputError for loads that come or go, another number of tools than one, a body that is left free, and as
 /// ModalPhase.
 Response run_modal_ticks(const Request& request);
-
-/// A dynamic scene from start to end. Of its stepping, the number of frames is used alone; a large strain is
-/// taken for a small one, with a note.
-///
-/// The answer is that of engine.replay with the columns of a motion's history and largest_displacement_m,
-/// rms_displacement_m and largest_speed_m_s. Its report has setup_s (elements, and the modes of each holding
-/// once), kernel_s (steps alone), inverted_tets_most and peak_speed_m_s over the rows, and left_out_at_phases
-/// as moving_reduced.modal. Throws: InputError for a body that is not held in every phase, and as ModalPhase.
-Response run_modal_replay(const Request& request);
 
 }  // namespace palpate::reference

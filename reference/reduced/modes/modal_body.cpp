@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_body.h"
+#include "reference/reduced/modes/modal_body.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -23,23 +23,28 @@ ModalBody::ModalBody(const TetMesh& mesh, const MotionProblem& problem, int orde
       space_(dynamics::build_element_space(mesh, order)),
       matrices_(build_element_matrices(mesh, space_, problem.body.material)) {}
 
-dynamics::ModalPhase ModalBody::build_phase(const LoadPhase& phase, dynamics::ModalOptions modal) const {
-  const auto group_of = [&](const BoundaryProblem& part, const dynamics::TimeProfile& profile) {
-    return ModalGroup{build_node_loads(mesh_, space_, part, BodyForces::kInclude), profile};
-  };
+void ModalBody::require_held(const LoadPhase& phase) const {
   BoundaryProblem all = problem_.body;  // what holds in this phase
-  std::vector<ModalGroup> groups{group_of(problem_.body, {})};
   for (const std::size_t k : phase.loads) {
-    const MotionLoad& load = problem_.loads[k];
-    groups.push_back(group_of(load.part, load.profile));
-    all.supports.insert(all.supports.end(), load.part.supports.begin(), load.part.supports.end());
-    all.held.insert(all.held.end(), load.part.held.begin(), load.part.held.end());
+    const BoundaryProblem& part = problem_.loads[k].part;
+    all.supports.insert(all.supports.end(), part.supports.begin(), part.supports.end());
+    all.held.insert(all.held.end(), part.held.begin(), part.held.end());
   }
   const auto free = find_free_motions(mesh_, resisted_axes(mesh_, all));
   if (!free.empty())
     throw InputError(
         "problem", 0, "supports or held faces that stop every rigid motion in each phase",
         rigid_motion_text(free[0]) + " left free from " + nlohmann::json(phase.from_s).dump() + " s");
+}
+
+dynamics::ModalPhase ModalBody::build_phase(const LoadPhase& phase, dynamics::ModalOptions modal) const {
+  require_held(phase);
+  const auto group_of = [&](const BoundaryProblem& part, const dynamics::TimeProfile& profile) {
+    return ModalGroup{build_node_loads(mesh_, space_, part, BodyForces::kInclude), profile};
+  };
+  std::vector<ModalGroup> groups{group_of(problem_.body, {})};
+  for (const std::size_t k : phase.loads)
+    groups.push_back(group_of(problem_.loads[k].part, problem_.loads[k].profile));
   modal.modes = std::max(modal.modes, problem_.frequencies);
   modal.damping_stiffness_s = problem_.damping_stiffness_s;
   modal.damping_mass_per_s = problem_.damping_mass_per_s;

@@ -1,4 +1,4 @@
-#include "reference/reduced/modal_run.h"
+#include "reference/reduced/modes/modal_run.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,9 @@
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/stepped_motion.h"
 #include "reference/linear_systems/factor.h"
-#include "reference/reduced/modal_body.h"
+#include "reference/reduced/modes/modal_body.h"
+#include "reference/reduced/modes/modal_cost.h"
+#include "reference/reduced/modes/modal_options.h"
 
 namespace palpate::reference {
 namespace {
@@ -25,39 +27,23 @@ using dynamics::ModalGroup;
 using dynamics::ModalPhase;
 using nlohmann::json;
 
-struct ModalRunOptions {
-  int order = 2;
+/// Of moving_reduced.modal.
+struct MovingOptions {
+  ModalBodyOptions body;
   double time_step_s = 1e-3;
-  std::string factor;
-  dynamics::ModalOptions modal;
 };
 
-ModalRunOptions take_modal_options(const Request& request, bool moves) {
-  const std::string name = moves ? "moving_reduced.modal" : "reduced.modal";
+void require_method(const Request& request, const std::string& name) {
   if (request.method != name) throw InputError("method", 0, name, request.method);
-  json left = request.options;
-  ModalRunOptions options;
-  options.order = take_choice(left, "elements", {"p2", "p1"}) == 0 ? 2 : 1;
-  options.modal.modes = static_cast<std::size_t>(take_whole(left, "modes", 1, 1000, 60));
-  options.modal.correction = take_option<bool>(left, "correction", &json::is_boolean, "true or false", true);
-  if (moves) options.time_step_s = take_number(left, "time_step_s", 1e-9, 1e6, options.time_step_s);
-  const std::vector<std::string> factors{"auto", "cholmod", "eigen"};
-  options.factor = factors[take_choice(left, "factor", factors)];
-  require_all_taken(left);
-  return options;
-}
-
-void refuse_large(StrainSize strain, const std::string& method) {
-  if (strain == StrainSize::kLarge) throw InputError("strain", 0, "small: " + method + " is linear", "large");
 }
 
 /// Takes a body through its phases.
 class ModalMotion {
  public:
-  ModalMotion(const MotionTask& task, const ModalRunOptions& options)
+  ModalMotion(const MotionTask& task, const MovingOptions& options)
       : task_(task),
         options_(options),
-        body_(task.mesh, task.problem, options.order, options.factor),
+        body_(task.mesh, task.problem, options.body.order, options.body.factor),
         history_{history_columns(task.problem), {}},
         plan_(plan_steps(task.problem, options.time_step_s, kMostModalSteps)) {}
 
@@ -67,7 +53,7 @@ class ModalMotion {
     const std::vector<LoadPhase> phases = find_phases(task_.problem);
     for (std::size_t k = 0; k < phases.size(); ++k) {
       const Stopwatch setting_up;
-      ModalPhase moving = body_.build_phase(phases[k], options_.modal);
+      ModalPhase moving = body_.build_phase(phases[k], options_.body.modal);
       setup_s_ += setting_up.seconds();
       left_out_ = std::max(left_out_, moving.start(state, phases[k].from_s));
       if (k == 0) add_row(moving, phases[k], phases[k].from_s);
@@ -87,7 +73,7 @@ class ModalMotion {
     out["us_per_step"] = steps_ > 0 ? 1e6 * stepping_s_ / static_cast<double>(steps_) : 0.0;
     out["unknowns"] = 3 * body_.space().nodes();
     out["left_out_at_phases"] = left_out_;
-    out["mode_bytes"] = std::size_t{24} * body_.space().nodes() * options_.modal.modes;
+    out["mode_bytes"] = std::size_t{24} * body_.space().nodes() * options_.body.modal.modes;
     if (task_.problem.frequencies > 0)
       out["frequencies_hz"] =
           std::vector<double>(frequencies_.begin(),
@@ -132,7 +118,7 @@ class ModalMotion {
   }
 
   const MotionTask& task_;
-  const ModalRunOptions& options_;
+  const MovingOptions& options_;
   ModalBody body_;
   MotionHistory history_;
   MotionStates states_{task_.problem.duration_s, task_.mesh.points.size()};
@@ -149,7 +135,11 @@ class ModalMotion {
 }  // namespace
 
 Response run_modal_at_rest(const Request& request) {
-  const ModalRunOptions options = take_modal_options(request, false);
+  require_method(request, "reduced.modal");
+  json left = request.options;
+  const ModalBodyOptions options = take_modal_options(left);
+  const bool with_steps = take_option<bool>(left, "step_cost", &json::is_boolean, "true or false", false);
+  require_all_taken(left);
   const DeformTask task = read_deform_task(request);
   refuse_large(task.problem.strain, request.method);
   dynamics::require_no_rigid_motion(task.mesh, dynamics::build_loads(task.mesh, task.problem));
@@ -178,18 +168,24 @@ Response run_modal_at_rest(const Request& request) {
                      {"residual_relative", 0.0},
                      {"modes", options.modal.modes},
                      {"unknowns", 3 * space.nodes()}};
+  if (with_steps) report_step_cost(modal, task.mesh.points.size(), response.report);
   write_displacement(request.output, u);
   return response;
 }
 
 Response run_modal_motion(const Request& request) {
-  const ModalRunOptions options = take_modal_options(request, true);
+  require_method(request, "moving_reduced.modal");
+  json left = request.options;
+  MovingOptions options;
+  options.body = take_modal_options(left);
+  options.time_step_s = take_number(left, "time_step_s", 1e-9, 1e6, options.time_step_s);
+  require_all_taken(left);
   const MotionTask task = read_motion_task(request);
   refuse_large(task.problem.body.strain, request.method);
   Response response;
   response.report = {{"method", request.method},
                      {"integrator", "exponential"},
-                     {"modes", options.modal.modes},
+                     {"modes", options.body.modal.modes},
                      {"vertices", task.mesh.points.size()}};
   ModalMotion motion(task, options);
   const Stopwatch start;

@@ -19,6 +19,9 @@ class ModalBody {
   /// `order` 1 or 2; `factor` as choose_factor reads it. Mesh and problem must outlive it.
   ModalBody(const TetMesh& mesh, const MotionProblem& problem, int order, std::string factor);
 
+  /// Throws: InputError for a body that is left free in a phase.
+  void require_held(const LoadPhase& phase) const;
+
   /// The modes of the body in what holds it in a phase; group 0 are the loads of the body itself, group k + 1
   /// is the phase's load k. `modal` has modes and correction; damping comes from the problem, and there are
   /// as many modes as it asks frequencies of. Throws: InputError for a body that is left free, and as
