@@ -115,13 +115,14 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     const double score_now = flipper_.known_score(t);
     if (score_now >= compound_threshold) continue;
     const bool is_split_wanted = score_now < kSplitThreshold;
-    if (hopeless_at_[t] != score_now) {
+    if (double{hopeless_at_[t]} != score_now) {
       if (is_worth_it(compound_) && compound_.note(try_compound(tet, score_now, steps))) continue;
       if (is_split_wanted && is_worth_it(shifted_) && shifted_.note(try_shifted_flips(tet, score_now, steps)))
         continue;
       remember_more();
       const Index slot = find_tet(mesh_, tet);
-      hopeless_at_[slot] = given_up_at_[slot] = flipper_.known_score(slot);
+      flipper_.known_score(slot);
+      hopeless_at_[slot] = given_up_at_[slot] = mesh_.score[slot];
     }
     if (is_split_wanted && is_worth_it(split_)) split_.note(try_splits(tet, score_now, steps));
   }

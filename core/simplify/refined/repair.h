@@ -93,9 +93,9 @@ class Repairer {
   RepairSuccess shifted_;
   RepairSuccess split_;
   StarQuality star_;
-  std::vector<std::pair<double, Index>> bad_;
-  std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
-  std::vector<double> hopeless_at_;  ///< the score at which compound moves helped nothing either
+  std::vector<std::pair<float, Index>> bad_;
+  std::vector<float> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
+  std::vector<float> hopeless_at_;  ///< the score at which compound moves helped nothing either
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
 };

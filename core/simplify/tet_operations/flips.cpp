@@ -96,14 +96,14 @@ double best_ring_filling(const RingValues& value, std::size_t size, std::vector<
 }
 
 double Flipper::known_score(Index t) {
-  double& score = mesh_.score[t];
+  float& score = mesh_.score[t];
   if (score == WorkingMesh::kNoScore) {
     const Tet& tet = mesh_.tets[t];
     const Vec3& a = mesh_.points[tet[0]];
     score = std::max(
-        0.0, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
+        0.0F, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
   }
-  return score;
+  return double{score};
 }
 
 double Flipper::worth(const ScoreScale& scale, double score) const {
@@ -197,9 +197,9 @@ void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues&
   for (std::size_t i = 0; i + 2 < n; ++i) {
     for (std::size_t k = i + 1; k + 1 < n; ++k) {
       for (std::size_t j = k + 1; j < n; ++j, ++at) {
-        const double worst = std::min(scores_a_[at], scores_b_[at]);
+        const double worst = double{std::min(scores_a_[at], scores_b_[at])};
         value[i][k][j] = worst > 0.0 && worst >= least_score
-                             ? worth(scale, scores_a_[at]) + worth(scale, scores_b_[at])
+                             ? worth(scale, double{scores_a_[at]}) + worth(scale, double{scores_b_[at]})
                              : kForbidden;
       }
     }
@@ -254,7 +254,8 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   star_.close();
   star_.scores(mesh_.points[p], fresh_scores_);
   double sum = 0.0;
-  for (const double score : fresh_scores_) {
+  for (const float fresh : fresh_scores_) {
+    const double score = double{fresh};
     if (score <= 0.0 || score < rule_.least_of_worst * before.worst) return false;
     sum += worth(scale, score);
   }

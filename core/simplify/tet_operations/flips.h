@@ -111,10 +111,10 @@ class Flipper {
   StarQuality star_;
   RingValues value_{};
   std::vector<RingTriangle> triangles_;
-  std::vector<double> scores_a_;
-  std::vector<double> scores_b_;
+  std::vector<float> scores_a_;
+  std::vector<float> scores_b_;
   std::vector<Tet> fresh_;
-  std::vector<double> fresh_scores_;
+  std::vector<float> fresh_scores_;
   std::vector<Tet> removed_;
   std::vector<Index> added_;
   double growth_ = 0.0;

@@ -43,7 +43,7 @@ class Smoother {
   Index star_tet_ = kNoIndex;  ///< one of the star
   Vec3 place_;
   StarFigures figures_;
-  std::vector<double> scores_;
+  std::vector<float> scores_;  ///< of the star at `place_`
 };
 
 }  // namespace palpate::simplify
