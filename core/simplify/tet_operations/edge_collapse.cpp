@@ -5,19 +5,26 @@
 #include <utility>
 #include <vector>
 
-#include "core/simplify/tet_operations/edge_heap.h"
+#include "core/simplify/tet_operations/shortest_edges.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
 namespace palpate::simplify {
 namespace {
 
+/// So many edges are held at first: a collapse takes five or six tets away, and some are refused.
+std::size_t edges_for(const WorkingMesh& mesh, const CollapseOptions& options) {
+  constexpr std::uint64_t kTetsPerEdge = 4;
+  constexpr std::size_t kAlways = 1024;
+  const std::uint64_t more = mesh.alive > options.target ? mesh.alive - options.target : 0;
+  return kAlways + static_cast<std::size_t>(more / kTetsPerEdge);
+}
+
 class Collapser {
  public:
   Collapser(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options)
-      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field()) {}
+      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field(), edges_for(mesh, options)) {}
 
   CollapseReport run() {
-    enter_all();
     std::uint64_t before = 0;
     do {
       before = report_.collapses;
@@ -28,18 +35,6 @@ class Collapser {
   }
 
  private:
-  void enter_all() {
-    edges_.reserve(8 * mesh_.points.size());
-    for (Index a = 0; a < mesh_.points.size(); ++a) {
-      if (!mesh_.is_vertex_alive(a)) continue;
-      collect_neighbours(a);
-      for (const Index b : neighbours_) {
-        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) edges_.append(a, b);
-      }
-    }
-    edges_.heapify();
-  }
-
   void empty_heap() {
     while (mesh_.alive > options_.target) {
       const std::optional<WaitingEdge> edge = edges_.pop();
@@ -118,23 +113,15 @@ class Collapser {
     }
     apply_collapse(mesh_, gone, survivor, place_);
     ++report_.collapses;
-    edges_.renew(survivor);
-    edges_.renew(gone);
-    collect_neighbours(survivor);
-    for (const Index w : neighbours_) enter(survivor, w);
+    edges_.renew(gone, survivor);
     return true;
-  }
-
-  void enter(Index a, Index b) {
-    if (!mesh_.is_free(a) && !mesh_.is_free(b)) return;
-    edges_.push(a, b);
   }
 
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
   const CollapseOptions& options_;
   CollapseReport report_;
-  EdgeHeap edges_;
+  ShortestEdges edges_;
   std::vector<Index> neighbours_;
   VertexMarks marks_;
   StarQuality star_;

@@ -36,8 +36,8 @@ struct StarFigures {
   double sum = 0.0;  ///< sum of the gains
 };
 
-/// One form of the arithmetic. `blocks` has those of `size` triangles. `base` and `scores` have room for whole
-/// blocks; what lies in `base` behind the last triangle repeats it.
+/// One form of the arithmetic. `blocks` has those of `size` triangles. `base` and `scores` have room for
+/// whole blocks; what lies in `base` behind the last triangle repeats it.
 struct StarKernel {
   /// Fills the blocks: (p - origin) unit in double precision, then rounded, and the lengths.
   void (*pack)(const StarTriangle* base, std::size_t size, const Vec3& origin, double unit, float* blocks);

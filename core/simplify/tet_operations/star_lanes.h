@@ -2,9 +2,9 @@
 // defines PALPATE_STAR_TARGET before it includes this: then each function here has it.
 //
 // Lanes (a type that follows) has: kWidth, 4 or 8; of, load, store; + - * /; min, max, sqrt;
-// root_of_square(x, x x), the root of the latter; any_less, whether a < b in any lane; low and (of eight) high,
-// four lanes of core/base/lanes.h; load_points(base, corner, origin, unit), the coordinates of that corner of
-// kWidth triangles.
+// root_of_square(x, x x), the root of the latter; any_less, whether a < b in any lane; low and (of eight)
+// high, four lanes of core/base/lanes.h; load_points(base, corner, origin, unit), the coordinates of that
+// corner of kWidth triangles.
 #pragma once
 
 #include <algorithm>

@@ -39,8 +39,8 @@ void StarQuality::close() {
 
 StarApex StarQuality::apex_at(const Vec3& p) const {
   const auto lane = [&](double x) { return static_cast<float>(x * scale_.unit); };
-  return {lane(p.x - origin_.x), lane(p.y - origin_.y), lane(p.z - origin_.z),
-          inverse_six_ideal_, static_cast<float>(scale_.dihedral_weight)};
+  return {lane(p.x - origin_.x), lane(p.y - origin_.y), lane(p.z - origin_.z), inverse_six_ideal_,
+          static_cast<float>(scale_.dihedral_weight)};
 }
 
 StarFigures StarQuality::evaluate(const Vec3& p, double bound) {
