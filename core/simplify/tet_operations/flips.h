@@ -12,9 +12,6 @@
 
 namespace palpate::simplify {
 
-/// Longer rings are left alone: they have 20 times as many triangles and are hardly ever better.
-inline constexpr std::size_t kLargestRing = 7;
-
 /// The tets around an inner edge (a, b), in order: tet i has the vertices a, b, ring[i], ring[i + 1] and is
 /// positive as (a, b, ring[i], ring[i + 1]).
 struct EdgeRing {
@@ -48,6 +45,10 @@ using RingTriangle = std::array<std::size_t, 3>;
 /// Source: Klincsek, Ann. Discrete Math. 9 (1980); Shewchuk, "Two discrete optimization algorithms for the
 /// topological improvement of tetrahedral meshes" (2002).
 double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles);
+
+/// Whether a ring of `size` vertices can be filled with triangles of `allowed`, a bit a triangle in the order
+/// of ring_triangles().
+bool can_fill_ring(std::uint64_t allowed, std::size_t size);
 
 /// When a flip is made.
 struct FlipRule {
@@ -102,6 +103,9 @@ class Flipper {
   Before measure_before(const Index* tets, std::size_t count);
   double worth(const ScoreScale& scale, double score) const;
   bool try_ring(const EdgeRing& ring);
+  void take_ring(const EdgeRing& ring);
+  bool can_be_filled(const EdgeRing& ring) const;
+  bool is_all_positive(const std::vector<Tet>& tets) const;
   void measure_ring(const EdgeRing& ring, double least_score, RingValues& value);
   bool flip(const Index* old, std::size_t count);
 

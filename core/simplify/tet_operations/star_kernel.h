@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "core/base/types.h"
 
@@ -36,11 +37,41 @@ struct StarFigures {
   double sum = 0.0;  ///< sum of the gains
 };
 
+/// Longer rings are left alone: they have 20 times as many triangles and are hardly ever better.
+inline constexpr std::size_t kLargestRing = 7;
+
+/// Where the points of a ring lie, the first ones of these.
+using RingPoints = std::array<const Vec3*, kBlockTriangles>;
+
+/// All triangles i < k < j of a ring, ordered by i, then k, then j, in lanes. Up to four stand in both halves
+/// of the one block, so that its halves can be seen from two sides at once.
+struct RingTriangles {
+  static constexpr std::size_t kMostLanes = 40;
+
+  std::size_t size = 0;
+  std::array<std::array<std::int32_t, kMostLanes>, 3> corner{};  ///< i, k and j of each lane
+};
+
+/// The triangles of a ring of `count` points, 3 to kLargestRing.
+const RingTriangles& ring_triangles(std::size_t count);
+
 /// One form of the arithmetic. `blocks` has those of `size` triangles. `base` and `scores` have room for
 /// whole blocks; what lies in `base` behind the last triangle repeats it.
 struct StarKernel {
   /// Fills the blocks: (p - origin) unit in double precision, then rounded, and the lengths.
   void (*pack)(const StarTriangle* base, std::size_t size, const Vec3& origin, double unit, float* blocks);
+
+  /// The same for the triangles of a ring of `count` points; `ring` is filled up by its last point.
+  void (*pack_ring)(const RingPoints& ring, std::size_t count, const Vec3& origin, double unit,
+                    float* blocks);
+
+  /// Bit t is set if triangle t of a packed ring of `size` triangles has a positive volume with the apex `a`
+  /// and, seen from behind, with the apex `b`: what has not has no score above 0 on one side.
+  std::uint64_t (*find_positive)(const float* blocks, std::size_t size, const StarApex& a, const StarApex& b);
+
+  /// Scores of up to four triangles of a packed ring: four from in front with the apex `a`, then four from
+  /// behind with `b`.
+  void (*score_both)(const float* blocks, const StarApex& a, const StarApex& b, float* scores);
 
   /// Scores of all tets with the apex there, seen from in front or from behind.
   void (*score)(const float* blocks, std::size_t size, const StarApex& apex, float* scores);

@@ -55,6 +55,15 @@ struct StarEight {
     return _mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)) != 0;
   }
 
+  PALPATE_STAR_LANES friend unsigned which_positive(const StarEight& a) {
+    return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, _mm256_setzero_ps(), _CMP_GT_OQ)));
+  }
+
+  /// The first half of a and the second of b.
+  PALPATE_STAR_LANES friend StarEight halves(const StarEight& a, const StarEight& b) {
+    return {_mm256_blend_ps(a.v, b.v, 0xf0)};
+  }
+
   /// x, y, z and a zero of two points side by side.
   PALPATE_STAR_LANES static __m256 load_pair(const Vec3& first, const Vec3& second, __m256d origin,
                                              __m256d unit) {
@@ -88,9 +97,43 @@ PALPATE_STAR_TARGET void pack(const StarTriangle* base, std::size_t size, const 
   pack_lanes<StarEight>(base, size, origin, unit, blocks);
 }
 
-template <bool kFromBehind>
+/// The points of the ring at eight places.
+PALPATE_STAR_LANES LaneVec<StarEight> take(const LaneVec<StarEight>& ring, const std::int32_t* at) {
+  const __m256i places = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(at));
+  return {{_mm256_permutevar8x32_ps(ring.x.v, places)},
+          {_mm256_permutevar8x32_ps(ring.y.v, places)},
+          {_mm256_permutevar8x32_ps(ring.z.v, places)}};
+}
+
+PALPATE_STAR_TARGET void pack_ring(const RingPoints& ring, std::size_t count, const Vec3& origin, double unit,
+                                   float* blocks) {
+  const RingTriangles& triangles = ring_triangles(count);
+  std::array<StarTriangle, kBlockTriangles> base{};
+  for (std::size_t i = 0; i < kBlockTriangles; ++i) base[i][0] = ring[i];
+  const LaneVec<StarEight> points = StarEight::load_points(base.data(), 0, origin, unit);
+  for (std::size_t i = 0; i < triangles.size; i += kBlockTriangles) {
+    store_triangles(take(points, triangles.corner[0].data() + i),
+                    take(points, triangles.corner[1].data() + i),
+                    take(points, triangles.corner[2].data() + i), blocks + 12 * i);
+  }
+}
+
+PALPATE_STAR_TARGET std::uint64_t find_positive(const float* blocks, std::size_t size, const StarApex& a,
+                                                const StarApex& b) {
+  return find_positive_lanes<StarEight>(blocks, size, a, b);
+}
+
+PALPATE_STAR_TARGET void score_both(const float* blocks, const StarApex& a, const StarApex& b,
+                                    float* scores) {
+  const LaneVec<StarEight> at{halves(StarEight::of(a.x), StarEight::of(b.x)),
+                              halves(StarEight::of(a.y), StarEight::of(b.y)),
+                              halves(StarEight::of(a.z), StarEight::of(b.z))};
+  score_at<SeenFrom::kBoth, StarEight>(at, a, blocks).store(scores);
+}
+
+template <SeenFrom kSide>
 PALPATE_STAR_TARGET void score(const float* blocks, std::size_t size, const StarApex& apex, float* scores) {
-  score_all_lanes<kFromBehind, StarEight>(blocks, size, apex, scores);
+  score_all_lanes<kSide, StarEight>(blocks, size, apex, scores);
 }
 
 PALPATE_STAR_TARGET StarFigures evaluate(const float* blocks, std::size_t size, const StarApex& apex,
@@ -100,7 +143,8 @@ PALPATE_STAR_TARGET StarFigures evaluate(const float* blocks, std::size_t size, 
 
 }  // namespace
 
-const StarKernel kStarKernelAvx2{pack, score<false>, score<true>, evaluate};
+const StarKernel kStarKernelAvx2{
+    pack, pack_ring, find_positive, score_both, score<SeenFrom::kFront>, score<SeenFrom::kBehind>, evaluate};
 
 }  // namespace palpate::simplify
 
@@ -117,6 +161,9 @@ namespace {
 
 const StarKernel kStarKernelAvx2{
     [](const StarTriangle*, std::size_t, const Vec3&, double, float*) { refuse(); },
+    [](const RingPoints&, std::size_t, const Vec3&, double, float*) { refuse(); },
+    [](const float*, std::size_t, const StarApex&, const StarApex&) -> std::uint64_t { refuse(); },
+    [](const float*, const StarApex&, const StarApex&, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, float, float, float*) -> StarFigures { refuse(); }};

@@ -2,7 +2,8 @@
 // defines PALPATE_STAR_TARGET before it includes this: then each function here has it.
 //
 // Lanes (a type that follows) has: kWidth, 4 or 8; of, load, store; + - * /; min, max, sqrt;
-// root_of_square(x, x x), the root of the latter; any_less, whether a < b in any lane; low and (of eight)
+// root_of_square(x, x x), the root of the latter; any_less, whether a < b in any lane; which_positive, a bit
+// a lane; low and (of eight)
 // high, four lanes of core/base/lanes.h; load_points(base, corner, origin, unit), the coordinates of that
 // corner of kWidth triangles.
 #pragma once
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "core/base/lanes.h"
@@ -62,12 +64,25 @@ PALPATE_STAR_LANES Lanes solid_angle_denominator(const Lanes& a, const Lanes& b,
   return a * b * c + ab * c + bc * a + ca * b;
 }
 
+/// Where the apex lies: in front of the triangles, behind them, or behind the second half of them only.
+enum class SeenFrom { kFront, kBehind, kBoth };
+
+template <SeenFrom kSide, typename Lanes>
+PALPATE_STAR_LANES Lanes seen_from(const Lanes& volume) {
+  if constexpr (kSide == SeenFrom::kFront) {
+    return volume;
+  } else if constexpr (kSide == SeenFrom::kBehind) {
+    return Lanes::of(0.0F) - volume;
+  } else {
+    return halves(volume, Lanes::of(0.0F) - volume);
+  }
+}
+
 /// Scores of the tets of a block, or of a part of it; see ScoreScale. u, v, w lead from the apex to the
 /// base's vertices.
-template <bool kFromBehind, typename Lanes>
-PALPATE_STAR_LANES Lanes score_lanes(const StarApex& a, const float* rows) {
+template <SeenFrom kSide, typename Lanes>
+PALPATE_STAR_LANES Lanes score_at(const LaneVec<Lanes>& at, const StarApex& a, const float* rows) {
   constexpr std::size_t kRow = kBlockTriangles;
-  const LaneVec<Lanes> at{Lanes::of(a.x), Lanes::of(a.y), Lanes::of(a.z)};
   const LaneVec<Lanes> u = LaneVec<Lanes>::load(rows) - at;
   const LaneVec<Lanes> v = LaneVec<Lanes>::load(rows + 3 * kRow) - at;
   const LaneVec<Lanes> w = LaneVec<Lanes>::load(rows + 6 * kRow) - at;
@@ -77,7 +92,7 @@ PALPATE_STAR_LANES Lanes score_lanes(const StarApex& a, const float* rows) {
   const LaneVec<Lanes> normal_u = cross(v, w);
   const LaneVec<Lanes> normal_v = cross(w, u);
   const LaneVec<Lanes> normal_w = cross(u, v);
-  const Lanes six_volume = kFromBehind ? Lanes::of(0.0F) - dot(u, normal_u) : dot(u, normal_u);
+  const Lanes six_volume = seen_from<kSide>(dot(u, normal_u));
   const Lanes uu = dot(u, u);
   const Lanes vv = dot(v, v);
   const Lanes ww = dot(w, w);
@@ -114,37 +129,71 @@ PALPATE_STAR_LANES Lanes score_lanes(const StarApex& a, const float* rows) {
   return max(min(cube, sine_sq * Lanes::of(a.dihedral_weight)), Lanes::of(kWorstScore));
 }
 
+/// Fills the rows of triangles (a, b, c).
+template <typename Lanes>
+PALPATE_STAR_LANES void store_triangles(const LaneVec<Lanes>& a, const LaneVec<Lanes>& b,
+                                        const LaneVec<Lanes>& c, float* rows) {
+  constexpr std::size_t kRow = kBlockTriangles;
+  a.x.store(rows);
+  a.y.store(rows + kRow);
+  a.z.store(rows + 2 * kRow);
+  b.x.store(rows + 3 * kRow);
+  b.y.store(rows + 4 * kRow);
+  b.z.store(rows + 5 * kRow);
+  c.x.store(rows + 6 * kRow);
+  c.y.store(rows + 7 * kRow);
+  c.z.store(rows + 8 * kRow);
+  sqrt(dot(c - b, c - b)).store(rows + 9 * kRow);
+  sqrt(dot(a - c, a - c)).store(rows + 10 * kRow);
+  sqrt(dot(b - a, b - a)).store(rows + 11 * kRow);
+}
+
+template <SeenFrom kSide, typename Lanes>
+PALPATE_STAR_LANES Lanes score_lanes(const StarApex& a, const float* rows) {
+  return score_at<kSide, Lanes>({Lanes::of(a.x), Lanes::of(a.y), Lanes::of(a.z)}, a, rows);
+}
+
 template <typename Lanes>
 PALPATE_STAR_LANES void pack_lanes(const StarTriangle* base, std::size_t size, const Vec3& origin,
                                    double unit, float* blocks) {
   constexpr std::size_t kRow = kBlockTriangles;
   for (std::size_t i = 0; i < size; i += Lanes::kWidth) {
-    float* const rows = blocks + kBlockFloats * (i / kRow) + i % kRow;
-    const LaneVec<Lanes> a = Lanes::load_points(base + i, 0, origin, unit);
-    const LaneVec<Lanes> b = Lanes::load_points(base + i, 1, origin, unit);
-    const LaneVec<Lanes> c = Lanes::load_points(base + i, 2, origin, unit);
-    a.x.store(rows);
-    a.y.store(rows + kRow);
-    a.z.store(rows + 2 * kRow);
-    b.x.store(rows + 3 * kRow);
-    b.y.store(rows + 4 * kRow);
-    b.z.store(rows + 5 * kRow);
-    c.x.store(rows + 6 * kRow);
-    c.y.store(rows + 7 * kRow);
-    c.z.store(rows + 8 * kRow);
-    sqrt(dot(c - b, c - b)).store(rows + 9 * kRow);
-    sqrt(dot(a - c, a - c)).store(rows + 10 * kRow);
-    sqrt(dot(b - a, b - a)).store(rows + 11 * kRow);
+    store_triangles(
+        Lanes::load_points(base + i, 0, origin, unit), Lanes::load_points(base + i, 1, origin, unit),
+        Lanes::load_points(base + i, 2, origin, unit), blocks + kBlockFloats * (i / kRow) + i % kRow);
   }
 }
 
-template <bool kFromBehind, typename Lanes>
+template <SeenFrom kSide, typename Lanes>
 PALPATE_STAR_LANES void score_all_lanes(const float* blocks, std::size_t size, const StarApex& apex,
                                         float* scores) {
   for (std::size_t i = 0; i < size; i += Lanes::kWidth) {
     const float* const rows = blocks + kBlockFloats * (i / kBlockTriangles) + i % kBlockTriangles;
-    score_lanes<kFromBehind, Lanes>(apex, rows).store(scores + i);
+    score_lanes<kSide, Lanes>(apex, rows).store(scores + i);
   }
+}
+
+/// Six volumes of the tets of a block, as score_lanes computes them.
+template <typename Lanes>
+PALPATE_STAR_LANES Lanes six_volume_lanes(const StarApex& a, const float* rows) {
+  const LaneVec<Lanes> at{Lanes::of(a.x), Lanes::of(a.y), Lanes::of(a.z)};
+  const LaneVec<Lanes> u = LaneVec<Lanes>::load(rows) - at;
+  const LaneVec<Lanes> v = LaneVec<Lanes>::load(rows + 3 * kBlockTriangles) - at;
+  const LaneVec<Lanes> w = LaneVec<Lanes>::load(rows + 6 * kBlockTriangles) - at;
+  return dot(u, cross(v, w));
+}
+
+template <typename Lanes>
+PALPATE_STAR_LANES std::uint64_t find_positive_lanes(const float* blocks, std::size_t size, const StarApex& a,
+                                                     const StarApex& b) {
+  std::uint64_t positive = 0;
+  for (std::size_t i = 0; i < size; i += Lanes::kWidth) {
+    const float* const rows = blocks + kBlockFloats * (i / kBlockTriangles) + i % kBlockTriangles;
+    const Lanes front = six_volume_lanes<Lanes>(a, rows);
+    const Lanes behind = Lanes::of(0.0F) - six_volume_lanes<Lanes>(b, rows);
+    positive |= std::uint64_t{which_positive(front) & which_positive(behind)} << i;
+  }
+  return positive & ((std::uint64_t{1} << size) - 1U);
 }
 
 /// The gains of four tets, of which `left` count: the sum of each lane where all do, else one after another.
@@ -170,7 +219,7 @@ PALPATE_STAR_LANES StarFigures evaluate_lanes(const float* blocks, std::size_t s
   StarFigures figures;
   for (std::size_t i = 0; i < size; i += Lanes::kWidth) {
     const float* const rows = blocks + kBlockFloats * (i / kBlockTriangles) + i % kBlockTriangles;
-    const Lanes score = score_lanes<false, Lanes>(apex, rows);
+    const Lanes score = score_lanes<SeenFrom::kFront, Lanes>(apex, rows);
     score.store(scores + i);
     worst = min(worst, score);
     if (any_less(worst, limit)) break;

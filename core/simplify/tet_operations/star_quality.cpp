@@ -32,9 +32,13 @@ void StarQuality::close() {
   if (size_ == 0) return;
   std::fill(base_.begin() + static_cast<std::ptrdiff_t>(size_),
             base_.begin() + static_cast<std::ptrdiff_t>(padded_size()), base_[size_ - 1]);
+  take_scale();
+  kernel_->pack(base_.data(), size_, origin_, scale_.unit, blocks_.data());
+}
+
+void StarQuality::take_scale() {
   const double ideal = scale_.ideal_volume * scale_.unit * scale_.unit * scale_.unit;
   inverse_six_ideal_ = static_cast<float>(1.0 / (6.0 * ideal));
-  kernel_->pack(base_.data(), size_, origin_, scale_.unit, blocks_.data());
 }
 
 StarApex StarQuality::apex_at(const Vec3& p) const {
@@ -46,6 +50,32 @@ StarApex StarQuality::apex_at(const Vec3& p) const {
 StarFigures StarQuality::evaluate(const Vec3& p, double bound) {
   return kernel_->evaluate(blocks_.data(), size_, apex_at(p), static_cast<float>(scale_.gain_offset),
                            static_cast<float>(std::max(bound, double{2.0F * kWorstScore})), scores_.data());
+}
+
+void StarQuality::take_ring(const RingPoints& ring, std::size_t count) {
+  take_scale();
+  size_ = ring_triangles(count).size;
+  while (base_.size() < size_) grow();
+  RingPoints filled = ring;
+  std::fill(filled.begin() + static_cast<std::ptrdiff_t>(count), filled.end(), ring[count - 1]);
+  kernel_->pack_ring(filled, count, origin_, scale_.unit, blocks_.data());
+}
+
+std::uint64_t StarQuality::find_positive(const Vec3& a, const Vec3& b) const {
+  return kernel_->find_positive(blocks_.data(), size_, apex_at(a), apex_at(b));
+}
+
+void StarQuality::score_both(const Vec3& a, const Vec3& b, std::vector<float>& at_a,
+                             std::vector<float>& at_b) {
+  constexpr std::size_t kHalf = kBlockTriangles / 2;
+  if (size_ > kHalf) {
+    scores(a, at_a);
+    scores_from_behind(b, at_b);
+    return;
+  }
+  kernel_->score_both(blocks_.data(), apex_at(a), apex_at(b), scores_.data());
+  at_a.assign(scores_.data(), scores_.data() + size_);
+  at_b.assign(scores_.data() + kHalf, scores_.data() + kHalf + size_);
 }
 
 void StarQuality::scores(const Vec3& p, std::vector<float>& scores) const {

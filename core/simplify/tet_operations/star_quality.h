@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -77,6 +78,18 @@ class StarQuality {
   /// Scores of each tet, in the order of add(), at the place of the last evaluate().
   std::span<const float> last_scores() const { return {scores_.data(), size_}; }
 
+  /// In place of add() and close(): all triangles (i, k, j), i < k < j, of a ring of 3 to kLargestRing
+  /// points, ordered by i, k and j. Only what follows here may be asked of them, with the apex at `a` and,
+  /// for the tets (b, i, j, k), at `b`.
+  void take_ring(const RingPoints& ring, std::size_t count);
+
+  /// Bit t is set if both tets of triangle t have a positive volume, as far as single precision tells; where
+  /// it is not, one of their scores is not above 0.
+  std::uint64_t find_positive(const Vec3& a, const Vec3& b) const;
+
+  /// Scores of both tets of each triangle. The vectors are resized.
+  void score_both(const Vec3& a, const Vec3& b, std::vector<float>& at_a, std::vector<float>& at_b);
+
   /// Scores of each tet with the apex at p, in the order of add(). `scores` is resized.
   void scores(const Vec3& p, std::vector<float>& scores) const;
 
@@ -91,6 +104,7 @@ class StarQuality {
 
  private:
   void grow();
+  void take_scale();
   StarApex apex_at(const Vec3& p) const;
   /// Room for `size_` scores and the lanes behind them.
   std::size_t padded_size() const {
