@@ -230,6 +230,16 @@ class Run {
   StepCounts step_;
 };
 
+/// The working mesh that a run leaves; what else it held is released.
+WorkingMesh reduce_mesh(WorkingMesh&& mesh, const ScoreRule& scores, const RefinedOptions& options,
+                        std::uint64_t target, RefinedReport& report) {
+  Run run(std::move(mesh), scores, options, target);
+  run.simplify();
+  report.collapses = run.collapses();
+  report.counts = run.counts();
+  return std::move(run.mesh());
+}
+
 /// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the
 /// mesh.
 double ideal_volume(const TetMesh& mesh, const SizingField& field, std::uint64_t target) {
@@ -259,11 +269,8 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   const SizingField field(options.sizing, mesh);
   if (mesh.tets.size() > target) {
     const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
-    Run run(build_working_mesh(std::move(mesh), field), scores, options, target);
-    run.simplify();
-    report.collapses = run.collapses();
-    report.counts = run.counts();
-    mesh = extract_mesh(std::move(run.mesh()));
+    mesh = extract_mesh(
+        reduce_mesh(build_working_mesh(std::move(mesh), field), scores, options, target, report));
   }
   report.vertices_out = mesh.points.size();
   report.tets_out = mesh.tets.size();
