@@ -1,10 +1,13 @@
 #include "core/simplify/tet_operations/edge_collapse.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "core/simplify/fusion/fusion.h"
 #include "core/simplify/tet_operations/shortest_edges.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -94,6 +97,22 @@ class Collapser {
     return worst;
   }
 
+  /// Whether all tets that are left around the edge are above the floor with its vertex at `place_`.
+  bool holds_floor(Index gone, Index survivor) const {
+    if (options_.floor == nullptr) return true;
+    const auto is_above = [&](Index center, Index other) {
+      const auto star = mesh_.star(center);
+      return std::all_of(star.begin(), star.end(), [&](Index t) {
+        const Tet& tet = mesh_.tets[t];
+        if (corners_that_are(tet, other) != 0U) return true;
+        std::array<Vec3, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) p[i] = tet[i] == center ? place_ : mesh_.points[tet[i]];
+        return options_.floor->admits(p[0], p[1], p[2], p[3]);
+      });
+    };
+    return is_above(gone, survivor) && is_above(survivor, gone);
+  }
+
   bool try_collapse(Index a, Index b) {
     Index gone = a;
     Index survivor = b;
@@ -103,7 +122,7 @@ class Collapser {
     if (mesh_.is_free(survivor)) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;
     star_.close();
-    if (!find_place(gone, survivor) || !star_.is_positive(place_)) {
+    if (!find_place(gone, survivor) || !star_.is_positive(place_) || !holds_floor(gone, survivor)) {
       ++report_.rejected_shape;
       return false;
     }

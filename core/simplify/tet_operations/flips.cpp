@@ -178,6 +178,10 @@ bool Flipper::is_all_positive(const std::vector<Tet>& tets) const {
 
 bool Flipper::flip(const Index* old, std::size_t count) {
   if (!is_all_positive(fresh_)) return false;
+  if (floor_ != nullptr && !std::all_of(fresh_.begin(), fresh_.end(),
+                                        [&](const Tet& tet) { return floor_->admits(mesh_, tet); })) {
+    return false;
+  }
   removed_.clear();
   for (std::size_t i = 0; i < count; ++i) removed_.push_back(mesh_.tets[old[i]]);
   apply_flip(mesh_, {old, count}, fresh_, added_);

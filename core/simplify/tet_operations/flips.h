@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
@@ -69,6 +70,9 @@ class Flipper {
   void set_rule(const FlipRule& rule) { rule_ = rule; }
   const FlipRule& rule() const { return rule_; }
 
+  /// No flip leaves a tet below the floor; null: there is none.
+  void set_floor(const QualityFloor* floor) { floor_ = floor; }
+
   /// Removes edge (a, b) if the best filling of its ring is better than the tets around it.
   bool try_remove_edge(Index a, Index b);
 
@@ -112,6 +116,7 @@ class Flipper {
   WorkingMesh& mesh_;
   const ScoreRule& scores_;
   FlipRule rule_;
+  const QualityFloor* floor_ = nullptr;
   StarQuality star_;
   RingValues value_{};
   std::vector<RingTriangle> triangles_;
