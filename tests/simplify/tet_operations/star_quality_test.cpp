@@ -95,8 +95,8 @@ TEST(StarQuality, EvaluatesAllItsTetsWhateverTheirNumber) {
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
       EXPECT_EQ(scores[i], score_tet(scale, tets[i][0], tets[i][1], tets[i][2], tets[i][3]));
-      worst = std::min(worst, scores[i]);
-      sum += gain_of_score(scale, scores[i]);
+      worst = std::min(worst, double{scores[i]});
+      sum += gain_of_score(scale, double{scores[i]});
     }
     const StarFigures figures = star.evaluate(apex);
     EXPECT_EQ(figures.worst, worst);
