@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/types.h"
-#include "core/simplify/tet_operations/star_kernel.h"
+#include "core/simplify/star_kernel/star_kernel.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {

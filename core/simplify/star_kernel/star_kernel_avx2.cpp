@@ -1,14 +1,14 @@
 // Eight tets at a time with AVX2. Functions carry their instruction set themselves, so that nothing else of
 // the library needs it. No fused multiply-add: the bits have to be those of every other processor.
 #include "core/base/error.h"
-#include "core/simplify/tet_operations/star_kernel.h"
+#include "core/simplify/star_kernel/star_kernel.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
 
 #include <immintrin.h>
 
 #define PALPATE_STAR_TARGET __attribute__((target("avx2")))
-#include "core/simplify/tet_operations/star_lanes.h"
+#include "core/simplify/star_kernel/star_lanes.h"
 
 namespace palpate::simplify {
 namespace {

@@ -1,5 +1,5 @@
 // Both forms of the scores' arithmetic give the same bits, whatever they are asked.
-#include "core/simplify/tet_operations/star_kernel.h"
+#include "core/simplify/star_kernel/star_kernel.h"
 
 #include <gtest/gtest.h>
 

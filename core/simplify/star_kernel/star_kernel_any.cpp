@@ -1,6 +1,6 @@
 // Four tets at a time on every processor.
 #include "core/base/processor.h"
-#include "core/simplify/tet_operations/star_lanes.h"
+#include "core/simplify/star_kernel/star_lanes.h"
 
 namespace palpate::simplify {
 namespace {

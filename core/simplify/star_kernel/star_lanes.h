@@ -15,7 +15,7 @@
 #include <limits>
 
 #include "core/base/lanes.h"
-#include "core/simplify/tet_operations/star_kernel.h"
+#include "core/simplify/star_kernel/star_kernel.h"
 
 #ifndef PALPATE_STAR_TARGET
 /// The instruction set that the including source compiles its lanes for; empty: that of the build.
