@@ -32,7 +32,7 @@ void expect_consistent(const simplify::WorkingMesh& mesh) {
   EXPECT_EQ(mesh.alive, alive);
   for (Index v = 0; v < mesh.points.size(); ++v) {
     ASSERT_EQ(mesh.star(v).size(), degree[v]) << v;
-    ASSERT_LE(mesh.star_begin[v] + mesh.star_capacity[v], mesh.star_tets.size()) << v;
+    ASSERT_LE(mesh.star_begin[v] + mesh.star_capacity[v], mesh.rows_of(v).size()) << v;
   }
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/processor.h"
 #include "core/dynamics/integrators/neo_hookean_constraints.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "core/dynamics/motion/vertex_incidence.h"
@@ -14,7 +15,6 @@
 #include "core/dynamics/position_kernel/spring_sweep.h"
 #include "core/dynamics/position_kernel/strain_columns.h"
 #include "core/dynamics/position_kernel/strain_sweep.h"
-#include "core/dynamics/spring_engine/plain_kernel.h"
 
 namespace palpate::dynamics {
 namespace {

@@ -42,7 +42,7 @@ struct SpringRun {
 /// direction: its dl is zero. Requires: no vertex twice in a group.
 void sweep_springs(const SpringRun& run, const SweptRows& rows, const SweepOrder& order);
 
-/// The same with AVX2. Requires: has_avx2() (core/dynamics/spring_engine/plain_kernel.h).
+/// The same with AVX2. Requires: has_avx2() (core/base/processor.h).
 void sweep_springs_avx2(const SpringRun& run, const SweptRows& rows, const SweepOrder& order);
 
 }  // namespace palpate::dynamics

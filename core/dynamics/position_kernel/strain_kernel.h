@@ -74,7 +74,7 @@ struct StrainRun {
 /// which is the same step with a symmetric matrix. Requires: no vertex twice in a group.
 void sweep_strains(const StrainRun& run, const SweptRows& rows, const SweepOrder& order);
 
-/// The same with AVX2. Requires: has_avx2() (core/dynamics/spring_engine/plain_kernel.h).
+/// The same with AVX2. Requires: has_avx2() (core/base/processor.h).
 void sweep_strains_avx2(const StrainRun& run, const SweptRows& rows, const SweepOrder& order);
 
 /// h of eight domains, and F - R in place of what is there, by nearest_rotation, where `is_off` says so.

@@ -68,7 +68,7 @@ struct BlockSprings {
 template <typename Real>
 Real add_spring_forces(const BlockSprings<Real>& springs, Real* force);
 
-/// The same with AVX2, in single precision. Requires: has_avx2().
+/// The same with AVX2, in single precision. Requires: has_avx2() (core/base/processor.h).
 float add_spring_forces_avx2(const BlockSprings<float>& springs, float* force);
 
 /// Fetches the cache line at `where`, which may lie past the end of an array, before it is needed.
@@ -80,9 +80,6 @@ inline void fetch_ahead([[maybe_unused]] const void* where) {
 
 /// How many groups ahead the springs are fetched: some 0.3 microseconds.
 inline constexpr std::size_t kGroupsAhead = 24;
-
-/// Whether this processor, and this build, can do the above.
-bool has_avx2();
 
 /// Compiled once, in plain_kernel.cpp.
 extern template float add_spring_forces(const BlockSprings<float>&, float*);

@@ -195,10 +195,6 @@ PALPATE_AVX2 float add_all(const BlockSprings<float>& springs, float* force) {
 
 }  // namespace
 
-bool has_avx2() {
-  return __builtin_cpu_supports("avx2") != 0;
-}
-
 float add_spring_forces_avx2(const BlockSprings<float>& springs, float* force) {
   return add_all(springs, force);
 }
@@ -208,10 +204,6 @@ float add_spring_forces_avx2(const BlockSprings<float>& springs, float* force) {
 #else
 
 namespace palpate::dynamics {
-
-bool has_avx2() {
-  return false;
-}
 
 float add_spring_forces_avx2(const BlockSprings<float>&, float*) {
   throw ContractError("this build has no AVX2");

@@ -75,7 +75,7 @@ template <typename Real>
 void add_domain_forces(const DomainLaw& law, const DomainRun<Real>& run, const BlockMotion<Real>& motion,
                        Real* force);
 
-/// The same with AVX2. Requires: has_avx2() (core/dynamics/spring_engine/plain_kernel.h).
+/// The same with AVX2. Requires: has_avx2() (core/base/processor.h).
 void add_domain_forces_avx2(const DomainLaw& law, const DomainRun<float>& run,
                             const BlockMotion<float>& motion, float* force);
 /// The same with AVX2. Requires: has_avx2().

@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "core/base/lanes.h"
 #include "core/base/large_pages.h"
+#include "core/base/processor.h"
 #include "core/dynamics/spring_engine/block_team.h"
 #include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/dynamics/spring_engine/plain_loads.h"

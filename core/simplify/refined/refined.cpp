@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -122,9 +123,11 @@ class Run {
     collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
     sweep(1);
     if (!options_.repair) return;
+    if (options_.tools.never_worse) hold_floor();
     repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
     if (mesh_.alive > target_) {
       collapse_with(kLastLeastScores, target_);
+      if (floor_ && mesh_.alive > target_) give_up_floor();
       repair(1, effort_.compound_threshold, final_rule());
     }
     make_room_for_splits();
@@ -168,8 +171,25 @@ class Run {
 
   void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
 
+  /// From here on neither repairs nor collapses leave a tet below the worst of now.
+  void hold_floor() {
+    floor_.emplace(scores_.far().ideal_volume);
+    const bool is_uniform = scores_.field().is_empty();  // else scores are for other ideal volumes
+    floor_->take(mesh_, [&](Index t) { return is_uniform ? flipper_.known_score(t) : 0.0; });
+    repairer_.set_floor(&*floor_);
+  }
+
+  /// The count comes first: what no collapse above the floor reaches is collapsed anyway, and what that has
+  /// left is the floor.
+  void give_up_floor() {
+    floor_.reset();
+    collapse_with(kLastLeastScores, target_);
+    hold_floor();
+  }
+
   void collapse_with(std::span<const double> least_scores, std::uint64_t count) {
     CollapseOptions collapse;
+    collapse.floor = floor_ ? &*floor_ : nullptr;
     collapse.placement = options_.collapse_placement;
     collapse.target = count;
     for (const double least : least_scores) {
@@ -225,10 +245,21 @@ class Run {
   Smoother smoother_;
   Flipper flipper_;
   Repairer repairer_;
+  std::optional<QualityFloor> floor_;  ///< with never_worse, in the repairs at the end
   CollapseReport collapses_;
   RepairCounts counts_;  ///< but those of the repairs
   StepCounts step_;
 };
+
+/// The working mesh that a run leaves; what else it held is released.
+WorkingMesh reduce_mesh(WorkingMesh&& mesh, const ScoreRule& scores, const RefinedOptions& options,
+                        std::uint64_t target, RefinedReport& report) {
+  Run run(std::move(mesh), scores, options, target);
+  run.simplify();
+  report.collapses = run.collapses();
+  report.counts = run.counts();
+  return std::move(run.mesh());
+}
 
 /// The ideal volume of the far field, such that the wanted number of tets, graded by the field, fills the
 /// mesh.
@@ -259,11 +290,8 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   const SizingField field(options.sizing, mesh);
   if (mesh.tets.size() > target) {
     const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
-    Run run(build_working_mesh(std::move(mesh), field), scores, options, target);
-    run.simplify();
-    report.collapses = run.collapses();
-    report.counts = run.counts();
-    mesh = extract_mesh(std::move(run.mesh()));
+    mesh = extract_mesh(
+        reduce_mesh(build_working_mesh(std::move(mesh), field), scores, options, target, report));
   }
   report.vertices_out = mesh.points.size();
   report.tets_out = mesh.tets.size();

@@ -54,7 +54,7 @@ void validate_options(const RefinedOptions& options);
 ///
 /// Ends at most 0.5% below the wanted count (or one collapse, about 8 tets, if that is more); a run that can
 /// collapse nothing more ends above it, with stop "limit".
-/// Time: about linear. Memory: about 130 bytes a tet of the input beside it.
+/// Time: about linear. Memory: about 70 bytes a tet of the input at most, the input among them.
 /// Requires: positive tets. Throws: InputError for impossible options or a non-manifold face.
 /// Source:  docs/refined.md.
 RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options);

@@ -75,6 +75,12 @@ void Repairer::set_rule(const FlipRule& rule) {
   trial_.set_rule(trial_rule(own));
 }
 
+void Repairer::set_floor(const QualityFloor* floor) {
+  floor_ = floor;
+  smoother_.set_floor(floor);
+  flipper_.set_floor(floor);
+}
+
 void Repairer::set_manner(double threshold) {
   std::size_t bad = 0;
   for (Index t = 0; t < mesh_.tets.size(); ++t) {
@@ -115,13 +121,14 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     const double score_now = flipper_.known_score(t);
     if (score_now >= compound_threshold) continue;
     const bool is_split_wanted = score_now < kSplitThreshold;
-    if (hopeless_at_[t] != score_now) {
+    if (double{hopeless_at_[t]} != score_now) {
       if (is_worth_it(compound_) && compound_.note(try_compound(tet, score_now, steps))) continue;
       if (is_split_wanted && is_worth_it(shifted_) && shifted_.note(try_shifted_flips(tet, score_now, steps)))
         continue;
       remember_more();
       const Index slot = find_tet(mesh_, tet);
-      hopeless_at_[slot] = given_up_at_[slot] = flipper_.known_score(slot);
+      flipper_.known_score(slot);
+      hopeless_at_[slot] = given_up_at_[slot] = mesh_.score[slot];
     }
     if (is_split_wanted && is_worth_it(split_)) split_.note(try_splits(tet, score_now, steps));
   }
@@ -241,6 +248,18 @@ double Repairer::worst_beside() {
   return worst;
 }
 
+/// Whether no tet that a trial and the moves after it have changed is below the floor.
+bool Repairer::is_above_floor() const {
+  if (floor_ == nullptr) return true;
+  const auto is_above = [&](Index t) { return floor_->admits(mesh_, mesh_.tets[t]); };
+  const auto& added = trial_.added();
+  return std::all_of(added.begin(), added.end(), is_above) &&
+         std::all_of(vertices_.begin(), vertices_.end(), [&](Index v) {
+           const auto star = mesh_.star(v);
+           return std::all_of(star.begin(), star.end(), is_above);
+         });
+}
+
 bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   vertices_.clear();
   places_.clear();
@@ -254,6 +273,7 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   // What the trial itself has made may be anything: the smoothing is what makes it good.
   const double least = is_strict() ? std::min(score, worst_beside()) : 0.0;
   double growth = trial_.growth();
+  smoother_.set_floor(nullptr);
   for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
     double gained = 0.0;
     for (const Index v : vertices_) gained += smoother_.smooth(v, steps);
@@ -261,8 +281,11 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
     // A sweep gains less than the one before it.
     if (growth + left * gained <= flipper_.rule().least_growth) break;
   }
+  smoother_.set_floor(floor_);
   const double worst = worst_around();
-  if ((by_sum && growth > flipper_.rule().least_growth && worst >= least) || worst > kWorthAnyway * score) {
+  const bool is_better =
+      (by_sum && growth > flipper_.rule().least_growth && worst >= least) || worst > kWorthAnyway * score;
+  if (is_better && is_above_floor()) {
     counts_.moves += vertices_.size();
     return true;
   }

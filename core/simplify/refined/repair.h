@@ -65,6 +65,9 @@ class Repairer {
   /// Changes how far the count may go.
   void set_rule(const FlipRule& rule);
 
+  /// No repair leaves a tet below the floor; null: there is none. The floor has to outlive the repairs.
+  void set_floor(const QualityFloor* floor);
+
   const RepairCounts& counts() const { return counts_; }
 
  private:
@@ -77,6 +80,7 @@ class Repairer {
   bool try_splits(const Tet& tet, double score, int steps);
   double worst_around();
   double worst_beside();
+  bool is_above_floor() const;
   bool keep_if_better(double score, int steps, bool by_sum);
   bool try_shifted_flips(const Tet& tet, double score, int steps);
   bool try_shift(const EdgeRing& ring, Index v, double score, int steps);
@@ -85,6 +89,7 @@ class Repairer {
   ScoreRule scores_;
   RepairTools tools_;
   bool many_are_bad_ = false;
+  const QualityFloor* floor_ = nullptr;
   Smoother smoother_;
   Flipper flipper_;
   Flipper trial_;  ///< makes flips that may be bad, for a trial
@@ -93,9 +98,9 @@ class Repairer {
   RepairSuccess shifted_;
   RepairSuccess split_;
   StarQuality star_;
-  std::vector<std::pair<double, Index>> bad_;
-  std::vector<double> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
-  std::vector<double> hopeless_at_;  ///< the score at which compound moves helped nothing either
+  std::vector<std::pair<float, Index>> bad_;
+  std::vector<float> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
+  std::vector<float> hopeless_at_;  ///< the score at which compound moves helped nothing either
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
 };

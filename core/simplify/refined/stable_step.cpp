@@ -333,8 +333,8 @@ double StepLengthener::take_flip() {
   for (const Tet& tet : trial_.removed()) {
     touched_.insert(touched_.end(), tet.begin(), tet.end());
     const Vec3& a = mesh_.points[tet[0]];
-    worst = std::min(
-        worst, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
+    worst = std::min(worst, double{score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]],
+                                             mesh_.points[tet[3]])});
   }
   make_set(touched_);
   return worst;

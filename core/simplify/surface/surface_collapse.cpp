@@ -209,7 +209,7 @@ class BoundaryCollapser {
     return 3;
   }
 
-  bool is_well_shaped(const Vec3& place) const {
+  bool is_well_shaped(const Vec3& place) {
     const double worst = star_.evaluate(place, options_.least_score).worst;
     return worst > options_.least_score && star_.is_positive(place);
   }

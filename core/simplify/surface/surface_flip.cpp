@@ -58,9 +58,10 @@ bool BoundaryFlipper::find_fan(Index a, Index b, EdgeFan& fan) const {
 double BoundaryFlipper::worst_score(const EdgeFan& fan) {
   double worst = 1e300;
   for (std::size_t i = 0; i < fan.size; ++i) {
-    double& score = mesh_.score[fan.tets[i]];
-    if (score == WorkingMesh::kNoScore) score = score_of(mesh_, scale_, mesh_.tets[fan.tets[i]]);
-    worst = std::min(worst, score);
+    float& score = mesh_.score[fan.tets[i]];
+    if (score == WorkingMesh::kNoScore)
+      score = static_cast<float>(score_of(mesh_, scale_, mesh_.tets[fan.tets[i]]));
+    worst = std::min(worst, double{score});
   }
   return worst;
 }

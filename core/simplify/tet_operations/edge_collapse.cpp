@@ -1,23 +1,33 @@
 #include "core/simplify/tet_operations/edge_collapse.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/simplify/tet_operations/edge_heap.h"
+#include "core/simplify/fusion/fusion.h"
+#include "core/simplify/tet_operations/shortest_edges.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
 namespace palpate::simplify {
 namespace {
 
+/// So many edges are held at first: a collapse takes five or six tets away, and some are refused.
+std::size_t edges_for(const WorkingMesh& mesh, const CollapseOptions& options) {
+  constexpr std::uint64_t kTetsPerEdge = 4;
+  constexpr std::size_t kAlways = 1024;
+  const std::uint64_t more = mesh.alive > options.target ? mesh.alive - options.target : 0;
+  return kAlways + static_cast<std::size_t>(more / kTetsPerEdge);
+}
+
 class Collapser {
  public:
   Collapser(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options)
-      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field()) {}
+      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field(), edges_for(mesh, options)) {}
 
   CollapseReport run() {
-    enter_all();
     std::uint64_t before = 0;
     do {
       before = report_.collapses;
@@ -28,18 +38,6 @@ class Collapser {
   }
 
  private:
-  void enter_all() {
-    edges_.reserve(8 * mesh_.points.size());
-    for (Index a = 0; a < mesh_.points.size(); ++a) {
-      if (!mesh_.is_vertex_alive(a)) continue;
-      collect_neighbours(a);
-      for (const Index b : neighbours_) {
-        if (a < b && (mesh_.is_free(a) || mesh_.is_free(b))) edges_.append(a, b);
-      }
-    }
-    edges_.heapify();
-  }
-
   void empty_heap() {
     while (mesh_.alive > options_.target) {
       const std::optional<WaitingEdge> edge = edges_.pop();
@@ -99,6 +97,22 @@ class Collapser {
     return worst;
   }
 
+  /// Whether all tets that are left around the edge are above the floor with its vertex at `place_`.
+  bool holds_floor(Index gone, Index survivor) const {
+    if (options_.floor == nullptr) return true;
+    const auto is_above = [&](Index center, Index other) {
+      const auto star = mesh_.star(center);
+      return std::all_of(star.begin(), star.end(), [&](Index t) {
+        const Tet& tet = mesh_.tets[t];
+        if (corners_that_are(tet, other) != 0U) return true;
+        std::array<Vec3, 4> p;
+        for (std::size_t i = 0; i < 4; ++i) p[i] = tet[i] == center ? place_ : mesh_.points[tet[i]];
+        return options_.floor->admits(p[0], p[1], p[2], p[3]);
+      });
+    };
+    return is_above(gone, survivor) && is_above(survivor, gone);
+  }
+
   bool try_collapse(Index a, Index b) {
     Index gone = a;
     Index survivor = b;
@@ -108,7 +122,7 @@ class Collapser {
     if (mesh_.is_free(survivor)) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;
     star_.close();
-    if (!find_place(gone, survivor) || !star_.is_positive(place_)) {
+    if (!find_place(gone, survivor) || !star_.is_positive(place_) || !holds_floor(gone, survivor)) {
       ++report_.rejected_shape;
       return false;
     }
@@ -118,23 +132,15 @@ class Collapser {
     }
     apply_collapse(mesh_, gone, survivor, place_);
     ++report_.collapses;
-    edges_.renew(survivor);
-    edges_.renew(gone);
-    collect_neighbours(survivor);
-    for (const Index w : neighbours_) enter(survivor, w);
+    edges_.renew(gone, survivor);
     return true;
-  }
-
-  void enter(Index a, Index b) {
-    if (!mesh_.is_free(a) && !mesh_.is_free(b)) return;
-    edges_.push(a, b);
   }
 
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
   const CollapseOptions& options_;
   CollapseReport report_;
-  EdgeHeap edges_;
+  ShortestEdges edges_;
   std::vector<Index> neighbours_;
   VertexMarks marks_;
   StarQuality star_;

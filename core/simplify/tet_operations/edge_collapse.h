@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
@@ -19,8 +20,9 @@ enum class CollapsePlacement {
 /// Where edges collapse to, when one is refused, and when enough are.
 struct CollapseOptions {
   CollapsePlacement placement = CollapsePlacement::kFirst;
-  double least_score = 0.0;  ///< a collapse may leave no tet at or below this
-  std::uint64_t target = 0;  ///< stop at the first state with at most so many tets
+  double least_score = 0.0;             ///< a collapse may leave no tet at or below this
+  std::uint64_t target = 0;             ///< stop at the first state with at most so many tets
+  const QualityFloor* floor = nullptr;  ///< a collapse may leave no tet below it, if there is one
   double longest = std::numeric_limits<double>::infinity();  ///< edges that are longer, over the relative
                                                              ///< size wanted at their middle, stay
 };

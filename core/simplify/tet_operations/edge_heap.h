@@ -27,6 +27,14 @@ struct WaitingEdge {
   }
 };
 
+/// What edges are ordered by: squared length over the square of the relative size wanted at their middle.
+inline double key_of_edge(const WorkingMesh& mesh, const SizingField& field, Index a, Index b) {
+  const double key = length_sq(mesh.points[b] - mesh.points[a]);
+  if (field.is_empty()) return key;
+  const double size = field.relative_size(0.5 * (mesh.points[a] + mesh.points[b]));
+  return key / (size * size);
+}
+
 /// A heap of edges by squared length over the square of the relative size wanted at their middle. An edge is
 /// void once an end of it was renewed; one that was refused is parked until the heap starts over.
 class EdgeHeap {
@@ -37,7 +45,9 @@ class EdgeHeap {
   void reserve(std::size_t edges) { waiting_.reserve(edges); }
 
   /// Adds without order; heapify() has to follow.
-  void append(Index a, Index b) { waiting_.push_back({key_of(a, b), a, b, versions_of(a, b)}); }
+  void append(Index a, Index b) {
+    waiting_.push_back({key_of_edge(mesh_, field_, a, b), a, b, versions_of(a, b)});
+  }
   void heapify() { std::make_heap(waiting_.begin(), waiting_.end()); }
 
   void push(Index a, Index b) {
@@ -71,13 +81,6 @@ class EdgeHeap {
  private:
   /// Both versions only ever grow, so their sum tells whether either has.
   std::uint32_t versions_of(Index a, Index b) const { return versions_[a] + versions_[b]; }
-
-  double key_of(Index a, Index b) const {
-    const double key = length_sq(mesh_.points[b] - mesh_.points[a]);
-    if (field_.is_empty()) return key;
-    const double size = field_.relative_size(0.5 * (mesh_.points[a] + mesh_.points[b]));
-    return key / (size * size);
-  }
 
   const WorkingMesh& mesh_;
   const SizingField& field_;

@@ -24,6 +24,40 @@ std::array<Index, 2> ring_pair(const Tet& tet, Index a, Index b) {
   return {opposite[(at_b + 1) % 3], opposite[(at_b + 2) % 3]};
 }
 
+/// The bit of the arc of a ring from i to j.
+constexpr std::size_t arc_of(std::size_t i, std::size_t j) {
+  return 8 * i + j;
+}
+
+/// The triangles of a ring, those with the shortest arc from first to last vertex first.
+struct RingOrder {
+  struct Triangle {
+    std::size_t number = 0;   ///< in the order of ring_triangles()
+    std::uint64_t sides = 0;  ///< the arcs from i to k and from k to j
+    std::uint64_t arc = 0;    ///< the arc from i to j
+  };
+  std::array<Triangle, RingTriangles::kMostLanes> triangles{};
+  std::size_t size = 0;
+};
+
+constexpr RingOrder build_ring_order(std::size_t count) {
+  RingOrder order;
+  for (std::size_t width = 2; width < count; ++width) {
+    std::size_t number = 0;
+    for (std::size_t i = 0; i + 2 < count; ++i) {
+      for (std::size_t k = i + 1; k + 1 < count; ++k) {
+        for (std::size_t j = k + 1; j < count; ++j, ++number) {
+          if (j - i != width) continue;
+          order.triangles[order.size++] = {
+              number, std::uint64_t{1} << arc_of(i, k) | std::uint64_t{1} << arc_of(k, j),
+              std::uint64_t{1} << arc_of(i, j)};
+        }
+      }
+    }
+  }
+  return order;
+}
+
 }  // namespace
 
 bool order_edge_ring(const WorkingMesh& mesh, Index a, Index b, const Index* tets, std::size_t count,
@@ -95,15 +129,31 @@ double best_ring_filling(const RingValues& value, std::size_t size, std::vector<
   return best[0][size - 1];
 }
 
+bool can_fill_ring(std::uint64_t allowed, std::size_t size) {
+  static constexpr std::array<RingOrder, kLargestRing - 2> kOrders = [] {
+    std::array<RingOrder, kLargestRing - 2> all{};
+    for (std::size_t n = 3; n <= kLargestRing; ++n) all[n - 3] = build_ring_order(n);
+    return all;
+  }();
+  std::uint64_t filled = 0;  // of arcs; bit arc_of(i, j)
+  for (std::size_t i = 0; i + 1 < size; ++i) filled |= std::uint64_t{1} << arc_of(i, i + 1);
+  const RingOrder& order = kOrders.at(size - 3);
+  for (std::size_t n = 0; n < order.size; ++n) {
+    const RingOrder::Triangle& t = order.triangles[n];
+    if ((allowed >> t.number & 1U) != 0U && (filled & t.sides) == t.sides) filled |= t.arc;
+  }
+  return (filled >> arc_of(0, size - 1) & 1U) != 0U;
+}
+
 double Flipper::known_score(Index t) {
-  double& score = mesh_.score[t];
+  float& score = mesh_.score[t];
   if (score == WorkingMesh::kNoScore) {
     const Tet& tet = mesh_.tets[t];
     const Vec3& a = mesh_.points[tet[0]];
     score = std::max(
-        0.0, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
+        0.0F, score_tet(scores_.at(a), a, mesh_.points[tet[1]], mesh_.points[tet[2]], mesh_.points[tet[3]]));
   }
-  return score;
+  return double{score};
 }
 
 double Flipper::worth(const ScoreScale& scale, double score) const {
@@ -120,11 +170,17 @@ Flipper::Before Flipper::measure_before(const Index* tets, std::size_t count) {
   return before;
 }
 
+bool Flipper::is_all_positive(const std::vector<Tet>& tets) const {
+  return std::all_of(tets.begin(), tets.end(), [&](const Tet& t) {
+    return orientation(mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]], mesh_.points[t[3]]) > 0;
+  });
+}
+
 bool Flipper::flip(const Index* old, std::size_t count) {
-  for (const Tet& t : fresh_) {
-    if (orientation(mesh_.points[t[0]], mesh_.points[t[1]], mesh_.points[t[2]], mesh_.points[t[3]]) <= 0) {
-      return false;
-    }
+  if (!is_all_positive(fresh_)) return false;
+  if (floor_ != nullptr && !std::all_of(fresh_.begin(), fresh_.end(),
+                                        [&](const Tet& tet) { return floor_->admits(mesh_, tet); })) {
+    return false;
   }
   removed_.clear();
   for (std::size_t i = 0; i < count; ++i) removed_.push_back(mesh_.tets[old[i]]);
@@ -162,8 +218,9 @@ bool Flipper::try_edges_of(Index tet) {
   };
   constexpr std::array<std::size_t, 4> kFirstEdge{0, 3, 5, 6};  // of corner 0, 1, 2
   for (std::size_t i = 0; i < 3; ++i) {
-    if ((open >> kFirstEdge[i] & ((1U << (3 - i)) - 1U)) == 0U) continue;
+    const unsigned edges_of_corner = ((1U << (3 - i)) - 1U) << kFirstEdge[i];
     for (const Index t : mesh_.star(corners[i])) {
+      if ((open & edges_of_corner) == 0U) break;
       for (std::size_t e = kFirstEdge[i]; e < kFirstEdge[i + 1]; ++e) {
         if (corners_that_are(mesh_.tets[t], corners[i + 1 + e - kFirstEdge[i]]) != 0U) meet(e, t);
       }
@@ -179,27 +236,30 @@ bool Flipper::try_edges_of(Index tet) {
   return false;
 }
 
+void Flipper::take_ring(const EdgeRing& ring) {
+  RingPoints points{};
+  for (std::size_t i = 0; i < ring.size; ++i) points[i] = &mesh_.points[ring.ring[i]];
+  star_.start(scores_.at(mesh_.points[ring.a]), mesh_.points[ring.a]);
+  star_.take_ring(points, ring.size);
+}
+
+/// Whether the ring that was taken can be filled at all, as far as the signs of volumes tell.
+bool Flipper::can_be_filled(const EdgeRing& ring) const {
+  const std::uint64_t allowed = star_.find_positive(mesh_.points[ring.a], mesh_.points[ring.b]);
+  return can_fill_ring(allowed, ring.size);
+}
+
 void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues& value) {
   const std::size_t n = ring.size;
-  const ScoreScale scale = scores_.at(mesh_.points[ring.a]);
-  star_.start(scale, mesh_.points[ring.a]);
-  for (std::size_t i = 0; i + 2 < n; ++i) {
-    for (std::size_t k = i + 1; k + 1 < n; ++k) {
-      for (std::size_t j = k + 1; j < n; ++j) {
-        star_.add(mesh_.points[ring.ring[i]], mesh_.points[ring.ring[k]], mesh_.points[ring.ring[j]]);
-      }
-    }
-  }
-  star_.close();
-  star_.scores(mesh_.points[ring.a], scores_a_);
-  star_.scores_from_behind(mesh_.points[ring.b], scores_b_);
+  const ScoreScale& scale = star_.scale();
+  star_.score_both(mesh_.points[ring.a], mesh_.points[ring.b], scores_a_, scores_b_);
   std::size_t at = 0;
   for (std::size_t i = 0; i + 2 < n; ++i) {
     for (std::size_t k = i + 1; k + 1 < n; ++k) {
       for (std::size_t j = k + 1; j < n; ++j, ++at) {
-        const double worst = std::min(scores_a_[at], scores_b_[at]);
+        const double worst = double{std::min(scores_a_[at], scores_b_[at])};
         value[i][k][j] = worst > 0.0 && worst >= least_score
-                             ? worth(scale, scores_a_[at]) + worth(scale, scores_b_[at])
+                             ? worth(scale, double{scores_a_[at]}) + worth(scale, double{scores_b_[at]})
                              : kForbidden;
       }
     }
@@ -211,6 +271,8 @@ bool Flipper::try_ring(const EdgeRing& ring) {
   const std::size_t tets_after = mesh_.alive + n - 4;
   if (tets_after > rule_.most_tets || tets_after < rule_.fewest_tets) return false;
   const Before before = measure_before(ring.tets.data(), n);
+  take_ring(ring);
+  if (!can_be_filled(ring)) return false;
   measure_ring(ring, rule_.least_of_worst * before.worst, value_);
   const double sum = best_ring_filling(value_, n, triangles_);
   if (sum == kForbidden || !(sum > before.sum + rule_.least_growth)) return false;
@@ -247,14 +309,16 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   }
   const std::array<Index, 2> old{tet, other};
   const Before before = measure_before(old.data(), old.size());
+  fresh_.assign({Tet{p, a, b, q}, Tet{p, b, c, q}, Tet{p, c, a, q}});
+  if (!is_all_positive(fresh_)) return false;
   const ScoreScale scale = scores_.at(mesh_.points[p]);
   star_.start(scale, mesh_.points[p]);
-  fresh_.assign({Tet{p, a, b, q}, Tet{p, b, c, q}, Tet{p, c, a, q}});
   for (const Tet& f : fresh_) star_.add(mesh_.points[f[1]], mesh_.points[f[2]], mesh_.points[f[3]]);
   star_.close();
   star_.scores(mesh_.points[p], fresh_scores_);
   double sum = 0.0;
-  for (const double score : fresh_scores_) {
+  for (const float fresh : fresh_scores_) {
+    const double score = double{fresh};
     if (score <= 0.0 || score < rule_.least_of_worst * before.worst) return false;
     sum += worth(scale, score);
   }

@@ -6,14 +6,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
-
-/// Longer rings are left alone: they have 20 times as many triangles and are hardly ever better.
-inline constexpr std::size_t kLargestRing = 7;
 
 /// The tets around an inner edge (a, b), in order: tet i has the vertices a, b, ring[i], ring[i + 1] and is
 /// positive as (a, b, ring[i], ring[i + 1]).
@@ -49,6 +47,10 @@ using RingTriangle = std::array<std::size_t, 3>;
 /// topological improvement of tetrahedral meshes" (2002).
 double best_ring_filling(const RingValues& value, std::size_t size, std::vector<RingTriangle>& triangles);
 
+/// Whether a ring of `size` vertices can be filled with triangles of `allowed`, a bit a triangle in the order
+/// of ring_triangles().
+bool can_fill_ring(std::uint64_t allowed, std::size_t size);
+
 /// When a flip is made.
 struct FlipRule {
   double least_growth = 1e-6;                   ///< the sum of gains must grow by more
@@ -67,6 +69,9 @@ class Flipper {
 
   void set_rule(const FlipRule& rule) { rule_ = rule; }
   const FlipRule& rule() const { return rule_; }
+
+  /// No flip leaves a tet below the floor; null: there is none.
+  void set_floor(const QualityFloor* floor) { floor_ = floor; }
 
   /// Removes edge (a, b) if the best filling of its ring is better than the tets around it.
   bool try_remove_edge(Index a, Index b);
@@ -102,19 +107,23 @@ class Flipper {
   Before measure_before(const Index* tets, std::size_t count);
   double worth(const ScoreScale& scale, double score) const;
   bool try_ring(const EdgeRing& ring);
+  void take_ring(const EdgeRing& ring);
+  bool can_be_filled(const EdgeRing& ring) const;
+  bool is_all_positive(const std::vector<Tet>& tets) const;
   void measure_ring(const EdgeRing& ring, double least_score, RingValues& value);
   bool flip(const Index* old, std::size_t count);
 
   WorkingMesh& mesh_;
   const ScoreRule& scores_;
   FlipRule rule_;
+  const QualityFloor* floor_ = nullptr;
   StarQuality star_;
   RingValues value_{};
   std::vector<RingTriangle> triangles_;
-  std::vector<double> scores_a_;
-  std::vector<double> scores_b_;
+  std::vector<float> scores_a_;
+  std::vector<float> scores_b_;
   std::vector<Tet> fresh_;
-  std::vector<double> fresh_scores_;
+  std::vector<float> fresh_scores_;
   std::vector<Tet> removed_;
   std::vector<Index> added_;
   double growth_ = 0.0;

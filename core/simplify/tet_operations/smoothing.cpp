@@ -24,6 +24,7 @@ bool Smoother::try_place(const Vec3& place) {
   if (!(there.worst > 0.0) || there.worst < least || !(there.sum > figures_.sum)) return false;
   place_ = place;
   figures_ = there;
+  scores_.assign(star_.last_scores().begin(), star_.last_scores().end());
   return true;
 }
 
@@ -62,10 +63,10 @@ double Smoother::smooth(Index v, int steps) {
   }
   climb(steps);
   if (!(figures_.sum > sum_before) || !star_.is_positive(place_)) return 0.0;
+  if (floor_ != nullptr && !floor_->admits_star(mesh_, v, place_)) return 0.0;
   mesh_.points[v] = place_;
-  star_.scores(place_, scores_);
   std::size_t i = 0;
-  for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0, scores_[i++]);
+  for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0F, scores_[i++]);
   return figures_.sum - sum_before;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/star_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
@@ -22,6 +23,9 @@ class Smoother {
   /// No move leaves a score below this share of the worst before it (kLeastOfWorst).
   void set_least_of_worst(double share) { least_of_worst_ = share; }
 
+  /// No move leaves a tet below the floor; null: there is none.
+  void set_floor(const QualityFloor* floor) { floor_ = floor; }
+
   /// Moves free vertex v to where the sum of gains around it is larger: towards the volume-weighted centroid
   /// of its star (steps 1, 0.5, 0.2; the first that is better), then up to `steps` steps along the gradient,
   /// got by forward differences. No score around falls below its share of the worst before, and every tet
@@ -39,11 +43,12 @@ class Smoother {
   WorkingMesh& mesh_;
   const ScoreRule& rule_;
   double least_of_worst_ = kLeastOfWorst;
+  const QualityFloor* floor_ = nullptr;
   StarQuality star_;
   Index star_tet_ = kNoIndex;  ///< one of the star
   Vec3 place_;
   StarFigures figures_;
-  std::vector<double> scores_;
+  std::vector<float> scores_;  ///< of the star at `place_`
 };
 
 }  // namespace palpate::simplify

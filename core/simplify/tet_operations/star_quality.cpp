@@ -3,117 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
-#include "core/base/lanes.h"
 #include "core/mesh/orientation.h"
 #include "core/simplify/fusion/fusion.h"
 
 namespace palpate::simplify {
-namespace {
-
-using LaneQuad = Lanes<float>;
-
-constexpr float kIdealSolidAngleSr = 0.55F;
-
-/// Score of a tet whose figures do not fit single precision: nothing is worse.
-constexpr float kWorstScore = -1e30F;
-
-struct LaneVec {
-  LaneQuad x;
-  LaneQuad y;
-  LaneQuad z;
-};
-
-LaneVec operator+(const LaneVec& a, const LaneVec& b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-
-LaneVec operator-(const LaneVec& a, const LaneVec& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-LaneQuad dot(const LaneVec& a, const LaneVec& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-LaneVec cross(const LaneVec& a, const LaneVec& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-LaneVec load_point(const float* rows) {
-  return {LaneQuad::load(rows), LaneQuad::load(rows + 4), LaneQuad::load(rows + 8)};
-}
-
-/// An apex and what its scores depend on, in all lanes.
-struct LaneApex {
-  LaneVec at;
-  LaneQuad inverse_six_ideal;
-  LaneQuad dihedral_weight;
-};
-
-LaneApex build_apex(const ScoreScale& scale, const Vec3& origin, const Vec3& p) {
-  const auto lane = [&](double x) { return LaneQuad::of(static_cast<float>(x * scale.unit)); };
-  const double ideal = scale.ideal_volume * scale.unit * scale.unit * scale.unit;
-  return {{lane(p.x - origin.x), lane(p.y - origin.y), lane(p.z - origin.z)},
-          LaneQuad::of(static_cast<float>(1.0 / (6.0 * ideal))),
-          LaneQuad::of(static_cast<float>(scale.dihedral_weight))};
-}
-
-/// Scores of the four tets of a block; see ScoreScale. u, v, w lead from the apex to the base's vertices.
-template <bool kFromBehind>
-[[gnu::always_inline]] inline LaneQuad score_block(const LaneApex& apex, const float* block) {
-  const LaneVec u = load_point(block) - apex.at;
-  const LaneVec v = load_point(block + 12) - apex.at;
-  const LaneVec w = load_point(block + 24) - apex.at;
-  const LaneQuad vw = LaneQuad::load(block + 36);
-  const LaneQuad wu = LaneQuad::load(block + 40);
-  const LaneQuad uv = LaneQuad::load(block + 44);
-  const LaneVec normal_u = cross(v, w);
-  const LaneVec normal_v = cross(w, u);
-  const LaneVec normal_w = cross(u, v);
-  const LaneQuad six_volume = kFromBehind ? LaneQuad::of(0.0F) - dot(u, normal_u) : dot(u, normal_u);
-  const LaneQuad uu = dot(u, u);
-  const LaneQuad vv = dot(v, v);
-  const LaneQuad ww = dot(w, w);
-  const LaneQuad lu = sqrt(uu);
-  const LaneQuad lv = sqrt(vv);
-  const LaneQuad lw = sqrt(ww);
-  // Scalar products at the apex, from which those at the other corners follow.
-  const LaneQuad u_v = dot(u, v);
-  const LaneQuad v_w = dot(v, w);
-  const LaneQuad w_u = dot(w, u);
-  const auto denominator = [](LaneQuad a, LaneQuad b, LaneQuad c, LaneQuad ab, LaneQuad bc, LaneQuad ca) {
-    return a * b * c + ab * c + bc * a + ca * b;
-  };
-  const LaneQuad at_p = denominator(lu, lv, lw, u_v, v_w, w_u);
-  const LaneQuad at_a = denominator(lu, uv, wu, uu - u_v, uu - u_v + v_w - w_u, uu - w_u);
-  const LaneQuad at_b = denominator(lv, vw, uv, vv - v_w, vv - v_w + w_u - u_v, vv - u_v);
-  const LaneQuad at_c = denominator(lw, wu, vw, ww - w_u, ww - w_u + u_v - v_w, ww - v_w);
-  const LaneQuad x = six_volume / max(max(at_p, at_a), max(at_b, at_c));
-  const LaneQuad xx = x * x;
-  const LaneQuad series =
-      LaneQuad::of(1.0F) -
-      xx * (LaneQuad::of(1.0F / 3.0F) - xx * (LaneQuad::of(0.2F) - xx * LaneQuad::of(1.0F / 7.0F)));
-  const LaneQuad shortest = min(min(min(lu, lv), min(lw, vw)), min(wu, uv));
-  const LaneQuad longest = max(max(max(lu, lv), max(lw, vw)), max(wu, uv));
-  const LaneQuad volume_factor = min(LaneQuad::of(1.0F), six_volume * apex.inverse_six_ideal);
-  // The magnitude of x: a product of two negative factors must not look positive.
-  const LaneQuad cube =
-      sqrt(xx) * series * LaneQuad::of(2.0F / kIdealSolidAngleSr) * (shortest / longest) * volume_factor;
-  // sin^2 at the edge e of faces i and j: (6 V / |n_i|^2) (6 V / |n_j|^2) e^2
-  const LaneVec normal_p = normal_u + normal_v + normal_w;
-  const LaneQuad at_u = six_volume / dot(normal_u, normal_u);
-  const LaneQuad at_v = six_volume / dot(normal_v, normal_v);
-  const LaneQuad at_w = six_volume / dot(normal_w, normal_w);
-  const LaneQuad at_base = six_volume / dot(normal_p, normal_p);
-  const LaneQuad sine_sq =
-      min(min(min(ww * at_u * at_v, vv * at_u * at_w), min(uu * at_v * at_w, vw * vw * at_u * at_base)),
-          min(wu * wu * at_v * at_base, uv * uv * at_w * at_base));
-  return max(min(cube, sine_sq * apex.dihedral_weight), LaneQuad::of(kWorstScore));
-}
-
-}  // namespace
 
 ScoreScale scale_of_ideal_volume(double ideal_volume) {
   constexpr double kEdgeCubedPerVolume = 8.485281374238571;  // 6 sqrt(2), of a regular tet
@@ -127,71 +21,73 @@ ScoreScale scale_of_ideal_volume(double ideal_volume) {
 }
 
 void StarQuality::grow() {
-  const std::size_t blocks = lanes_.size() / kBlock + 16;
-  lanes_.resize(blocks * kBlock);
-  base_.resize(4 * blocks);
+  constexpr std::size_t kMoreBlocks = 8;
+  const std::size_t blocks = base_.size() / kBlockTriangles + kMoreBlocks;
+  base_.resize(blocks * kBlockTriangles);
+  blocks_.resize(blocks * kBlockFloats);
+  scores_.resize(blocks * kBlockTriangles);
 }
 
 void StarQuality::close() {
   if (size_ == 0) return;
-  for (std::size_t i = size_; i % 4 != 0; ++i) {  // the lanes behind the last triangle repeat it
-    float* const block = lanes_.data() + kBlock * (i / 4);
-    for (std::size_t r = 0; r < 9; ++r) block[4 * r + i % 4] = block[4 * r + i % 4 - 1];
-  }
-  for (float* block = lanes_.data(); block < lanes_.data() + kBlock * ((size_ + 3) / 4); block += kBlock) {
-    const LaneVec a = load_point(block);
-    const LaneVec b = load_point(block + 12);
-    const LaneVec c = load_point(block + 24);
-    sqrt(dot(c - b, c - b)).store(block + 36);
-    sqrt(dot(a - c, a - c)).store(block + 40);
-    sqrt(dot(b - a, b - a)).store(block + 44);
-  }
+  std::fill(base_.begin() + static_cast<std::ptrdiff_t>(size_),
+            base_.begin() + static_cast<std::ptrdiff_t>(padded_size()), base_[size_ - 1]);
+  take_scale();
+  kernel_->pack(base_.data(), size_, origin_, scale_.unit, blocks_.data());
 }
 
-StarFigures StarQuality::evaluate(const Vec3& p, double bound) const {
-  const LaneApex apex = build_apex(scale_, origin_, p);
-  const LaneQuad limit = LaneQuad::of(static_cast<float>(std::max(bound, double{2.0F * kWorstScore})));
-  const LaneQuad offset = LaneQuad::of(static_cast<float>(scale_.gain_offset));
-  LaneQuad worst = LaneQuad::of(std::numeric_limits<float>::max());
-  LaneQuad sum = LaneQuad::of(0.0F);
-  std::array<float, 4> out{};
-  StarFigures figures;
-  for (std::size_t i = 0; i < size_; i += 4) {
-    const LaneQuad score = score_block<false>(apex, lanes_.data() + kBlock * (i / 4));
-    worst = min(worst, score);
-    if (any_less(worst, limit)) break;
-    const LaneQuad gain = LaneQuad::of(-1.0F) / (max(score, LaneQuad::of(0.0F)) + offset);
-    if (i + 4 <= size_) {
-      sum = sum + gain;
-    } else {
-      gain.store(out.data());
-      for (std::size_t k = 0; i + k < size_; ++k) figures.sum += double{out[k]};
-    }
-  }
-  sum.store(out.data());
-  for (const float lane : out) figures.sum += double{lane};
-  worst.store(out.data());
-  figures.worst = double{std::min(std::min(out[0], out[1]), std::min(out[2], out[3]))};
-  return figures;
+void StarQuality::take_scale() {
+  const double ideal = scale_.ideal_volume * scale_.unit * scale_.unit * scale_.unit;
+  inverse_six_ideal_ = static_cast<float>(1.0 / (6.0 * ideal));
 }
 
-template <bool kFromBehind>
-void StarQuality::fill_scores(const Vec3& p, std::vector<double>& scores) const {
-  const LaneApex apex = build_apex(scale_, origin_, p);
+StarApex StarQuality::apex_at(const Vec3& p) const {
+  const auto lane = [&](double x) { return static_cast<float>(x * scale_.unit); };
+  return {lane(p.x - origin_.x), lane(p.y - origin_.y), lane(p.z - origin_.z), inverse_six_ideal_,
+          static_cast<float>(scale_.dihedral_weight)};
+}
+
+StarFigures StarQuality::evaluate(const Vec3& p, double bound) {
+  return kernel_->evaluate(blocks_.data(), size_, apex_at(p), static_cast<float>(scale_.gain_offset),
+                           static_cast<float>(std::max(bound, double{2.0F * kWorstScore})), scores_.data());
+}
+
+void StarQuality::take_ring(const RingPoints& ring, std::size_t count) {
+  take_scale();
+  size_ = ring_triangles(count).size;
+  while (base_.size() < size_) grow();
+  RingPoints filled = ring;
+  std::fill(filled.begin() + static_cast<std::ptrdiff_t>(count), filled.end(), ring[count - 1]);
+  kernel_->pack_ring(filled, count, origin_, scale_.unit, blocks_.data());
+}
+
+std::uint64_t StarQuality::find_positive(const Vec3& a, const Vec3& b) const {
+  return kernel_->find_positive(blocks_.data(), size_, apex_at(a), apex_at(b));
+}
+
+void StarQuality::score_both(const Vec3& a, const Vec3& b, std::vector<float>& at_a,
+                             std::vector<float>& at_b) {
+  constexpr std::size_t kHalf = kBlockTriangles / 2;
+  if (size_ > kHalf) {
+    scores(a, at_a);
+    scores_from_behind(b, at_b);
+    return;
+  }
+  kernel_->score_both(blocks_.data(), apex_at(a), apex_at(b), scores_.data());
+  at_a.assign(scores_.data(), scores_.data() + size_);
+  at_b.assign(scores_.data() + kHalf, scores_.data() + kHalf + size_);
+}
+
+void StarQuality::scores(const Vec3& p, std::vector<float>& scores) const {
+  scores.resize(padded_size());
+  kernel_->score(blocks_.data(), size_, apex_at(p), scores.data());
   scores.resize(size_);
-  std::array<float, 4> out{};
-  for (std::size_t i = 0; i < size_; i += 4) {
-    score_block<kFromBehind>(apex, lanes_.data() + kBlock * (i / 4)).store(out.data());
-    for (std::size_t k = 0; k < 4 && i + k < size_; ++k) scores[i + k] = double{out[k]};
-  }
 }
 
-void StarQuality::scores(const Vec3& p, std::vector<double>& scores) const {
-  fill_scores<false>(p, scores);
-}
-
-void StarQuality::scores_from_behind(const Vec3& p, std::vector<double>& scores) const {
-  fill_scores<true>(p, scores);
+void StarQuality::scores_from_behind(const Vec3& p, std::vector<float>& scores) const {
+  scores.resize(padded_size());
+  kernel_->score_from_behind(blocks_.data(), size_, apex_at(p), scores.data());
+  scores.resize(size_);
 }
 
 Vec3 StarQuality::volume_centroid(const Vec3& p) const {
@@ -226,12 +122,12 @@ void add_star(const WorkingMesh& mesh, Index v, Index without, StarQuality& star
   }
 }
 
-double score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+float score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   static thread_local StarQuality star;
   star.start(scale, a);
   star.add(b, c, d);
   star.close();
-  return star.evaluate(a).worst;
+  return static_cast<float>(star.evaluate(a).worst);
 }
 
 }  // namespace palpate::simplify

@@ -2,11 +2,13 @@
 // again how good they would be with the apex elsewhere.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/types.h"
+#include "core/simplify/star_kernel/star_kernel.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -40,13 +42,6 @@ inline double gain_of_score(const ScoreScale& scale, double score) {
   return -1.0 / ((score > 0.0 ? score : 0.0) + scale.gain_offset);
 }
 
-/// Figures of a set of tets.
-struct StarFigures {
-  double worst =
-      0.0;           ///< least score; not above 0 if a tet is not positive, as far as single precision tells
-  double sum = 0.0;  ///< sum of the gains
-};
-
 /// How good a star would be: a set of base triangles (a, b, c), such that the tets (apex, a, b, c) are to be
 /// positive.
 ///
@@ -54,6 +49,9 @@ struct StarFigures {
 /// given to add() must outlive the questions. One object serves for many stars without allocating.
 class StarQuality {
  public:
+  /// By the better form of the arithmetic, or by the one given; both give the same bits.
+  explicit StarQuality(const StarKernel& kernel = star_kernel()) : kernel_(&kernel) {}
+
   /// Begins anew; `origin` should be near, such as the apex.
   void start(const ScoreScale& scale, const Vec3& origin) {
     size_ = 0;
@@ -63,29 +61,40 @@ class StarQuality {
 
   void add(const Vec3& a, const Vec3& b, const Vec3& c) {
     if (size_ == base_.size()) grow();
-    base_[size_] = {&a, &b, &c};
-    float* const entry = lanes_.data() + kBlock * (size_ / 4) + size_ % 4;
-    put(entry, a);
-    put(entry + 12, b);
-    put(entry + 24, c);
-    ++size_;
+    base_[size_++] = {&a, &b, &c};
   }
 
-  /// To be called after the last add(): completes the last block and measures the base edges.
+  /// To be called after the last add(): takes the points' coordinates and measures the base edges.
   void close();
 
   std::size_t size() const { return size_; }
 
   const ScoreScale& scale() const { return scale_; }
 
-  /// Figures with the apex at p. Ends early, with what it has, once the worst is below `bound`.
-  StarFigures evaluate(const Vec3& p, double bound = -1e300) const;
+  /// Figures with the apex at p. Ends early, with what it has, once the worst is below `bound`. What did not
+  /// end early leaves the scores of each tet in last_scores().
+  StarFigures evaluate(const Vec3& p, double bound = -1e300);
+
+  /// Scores of each tet, in the order of add(), at the place of the last evaluate().
+  std::span<const float> last_scores() const { return {scores_.data(), size_}; }
+
+  /// In place of add() and close(): all triangles (i, k, j), i < k < j, of a ring of 3 to kLargestRing
+  /// points, ordered by i, k and j. Only what follows here may be asked of them, with the apex at `a` and,
+  /// for the tets (b, i, j, k), at `b`.
+  void take_ring(const RingPoints& ring, std::size_t count);
+
+  /// Bit t is set if both tets of triangle t have a positive volume, as far as single precision tells; where
+  /// it is not, one of their scores is not above 0.
+  std::uint64_t find_positive(const Vec3& a, const Vec3& b) const;
+
+  /// Scores of both tets of each triangle. The vectors are resized.
+  void score_both(const Vec3& a, const Vec3& b, std::vector<float>& at_a, std::vector<float>& at_b);
 
   /// Scores of each tet with the apex at p, in the order of add(). `scores` is resized.
-  void scores(const Vec3& p, std::vector<double>& scores) const;
+  void scores(const Vec3& p, std::vector<float>& scores) const;
 
   /// The same for an apex on the other side: scores of the tets (p, a, c, b).
-  void scores_from_behind(const Vec3& p, std::vector<double>& scores) const;
+  void scores_from_behind(const Vec3& p, std::vector<float>& scores) const;
 
   /// Volume-weighted mean of the tets' barycenters with the apex at p.
   Vec3 volume_centroid(const Vec3& p) const;
@@ -94,31 +103,28 @@ class StarQuality {
   bool is_positive(const Vec3& p) const;
 
  private:
-  // Blocks of four triangles: rows of coordinates ax ay az bx by bz cx cy cz and lengths bc ca ab, four lanes
-  // each.
-  static constexpr std::size_t kRows = 12;
-  static constexpr std::size_t kBlock = 4 * kRows;
-
   void grow();
-  void put(float* lane, const Vec3& p) const {
-    lane[0] = static_cast<float>((p.x - origin_.x) * scale_.unit);
-    lane[4] = static_cast<float>((p.y - origin_.y) * scale_.unit);
-    lane[8] = static_cast<float>((p.z - origin_.z) * scale_.unit);
+  void take_scale();
+  StarApex apex_at(const Vec3& p) const;
+  /// Room for `size_` scores and the lanes behind them.
+  std::size_t padded_size() const {
+    return (size_ + kBlockTriangles - 1) / kBlockTriangles * kBlockTriangles;
   }
-  template <bool kFromBehind>
-  void fill_scores(const Vec3& p, std::vector<double>& scores) const;
 
+  const StarKernel* kernel_;
   std::size_t size_ = 0;
   Vec3 origin_;
   ScoreScale scale_;
-  std::vector<float> lanes_;
-  std::vector<std::array<const Vec3*, 3>> base_;
+  float inverse_six_ideal_ = 0.0F;
+  std::vector<float> blocks_;
+  std::vector<StarTriangle> base_;
+  std::vector<float> scores_;
 };
 
 /// Adds the base triangles of the tets around v, without those that have `without` (kNoIndex: all).
 void add_star(const WorkingMesh& mesh, Index v, Index without, StarQuality& star);
 
 /// The score of one tet (a, b, c, d).
-double score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+float score_tet(const ScoreScale& scale, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace palpate::simplify

@@ -16,36 +16,69 @@ namespace {
 /// Spare entries behind each row of a star when the mesh is built.
 constexpr Index kSpareInRow = 8;
 
-/// Lays the rows out anew, in vertex order, with spare entries.
-void compact_rows(WorkingMesh& mesh) {
-  std::vector<Index> rows;
-  rows.reserve(4 * mesh.alive + mesh.points.size() * kSpareInRow);
-  for (std::size_t v = 0; v < mesh.points.size(); ++v) {
-    const std::size_t begin = rows.size();
-    const auto first = mesh.star_tets.begin() + static_cast<std::ptrdiff_t>(mesh.star_begin[v]);
-    rows.insert(rows.end(), first, first + mesh.star_size[v]);
-    mesh.star_begin[v] = begin;
-    mesh.star_capacity[v] = mesh.star_size[v] == 0 ? 0 : mesh.star_size[v] + kSpareInRow;
-    rows.resize(begin + mesh.star_capacity[v]);
+/// A part of the rows that is full gets room for this share more.
+constexpr std::size_t kShareOfRoom = 4;
+
+/// Lays the rows of v's part out anew, in vertex order, with spare entries and room for `more` behind them.
+void compact_part(WorkingMesh& mesh, Index v, std::size_t more) {
+  std::vector<Index>& rows = mesh.rows_of(v);
+  const std::size_t first = v - v % WorkingMesh::kVerticesOfPart;
+  const std::size_t last = std::min(mesh.points.size(), first + WorkingMesh::kVerticesOfPart);
+  std::size_t size = 0;
+  for (std::size_t w = first; w < last; ++w)
+    size += mesh.star_size[w] == 0 ? 0 : mesh.star_size[w] + kSpareInRow;
+  std::vector<Index> fresh;
+  fresh.reserve(size + size / kShareOfRoom + more);
+  for (std::size_t w = first; w < last; ++w) {
+    const std::size_t begin = fresh.size();
+    const auto row = rows.begin() + mesh.star_begin[w];
+    fresh.insert(fresh.end(), row, row + mesh.star_size[w]);
+    mesh.star_begin[w] = static_cast<Index>(begin);
+    mesh.star_capacity[w] = mesh.star_size[w] == 0 ? 0 : mesh.star_size[w] + kSpareInRow;
+    fresh.resize(begin + mesh.star_capacity[w]);
   }
-  mesh.star_tets = std::move(rows);
+  rows = std::move(fresh);
 }
 
 /// Gives vertex v room for `size` tets.
 void reserve_row(WorkingMesh& mesh, Index v, std::size_t size) {
   if (mesh.star_capacity[v] >= size) return;
   const std::size_t capacity = size + size / 2 + kSpareInRow;
-  const std::size_t in_use = 4 * mesh.alive + mesh.points.size() * kSpareInRow;
-  if (mesh.star_tets.size() + capacity > 2 * in_use + 4096) {
-    compact_rows(mesh);
+  std::vector<Index>& rows = mesh.rows_of(v);
+  if (rows.size() + capacity > rows.capacity()) {
+    compact_part(mesh, v, capacity);
     if (mesh.star_capacity[v] >= size) return;
   }
-  const std::size_t begin = mesh.star_tets.size();
-  mesh.star_tets.resize(begin + capacity);
-  std::copy_n(mesh.star_tets.begin() + static_cast<std::ptrdiff_t>(mesh.star_begin[v]), mesh.star_size[v],
-              mesh.star_tets.begin() + static_cast<std::ptrdiff_t>(begin));
-  mesh.star_begin[v] = begin;
+  const std::size_t begin = rows.size();
+  rows.resize(begin + capacity);
+  std::copy_n(rows.begin() + mesh.star_begin[v], mesh.star_size[v],
+              rows.begin() + static_cast<std::ptrdiff_t>(begin));
+  mesh.star_begin[v] = static_cast<Index>(begin);
   mesh.star_capacity[v] = static_cast<Index>(capacity);
+}
+
+/// Fills the stars, with spare entries; each has its tets in the order of their slots.
+void build_stars(WorkingMesh& mesh) {
+  const std::size_t vertices = mesh.points.size();
+  mesh.star_begin.assign(vertices, 0);
+  mesh.star_size.assign(vertices, 0);
+  mesh.star_capacity.assign(vertices, 0);
+  for (const Tet& tet : mesh.tets) {
+    for (const Index v : tet) ++mesh.star_capacity[v];
+  }
+  for (std::size_t first = 0; first < vertices; first += WorkingMesh::kVerticesOfPart) {
+    const std::size_t last = std::min(vertices, first + WorkingMesh::kVerticesOfPart);
+    Index end = 0;
+    for (std::size_t v = first; v < last; ++v) {
+      if (mesh.star_capacity[v] > 0) mesh.star_capacity[v] += kSpareInRow;
+      mesh.star_begin[v] = end;
+      end += mesh.star_capacity[v];
+    }
+    mesh.star_rows.emplace_back(end);
+  }
+  for (Index t = 0; t < mesh.tets.size(); ++t) {
+    for (const Index v : mesh.tets[t]) mesh.rows_of(v)[mesh.star_begin[v] + mesh.star_size[v]++] = t;
+  }
 }
 
 void erase_from_star(WorkingMesh& mesh, Index v, Index tet) {
@@ -58,7 +91,7 @@ void erase_from_star(WorkingMesh& mesh, Index v, Index tet) {
 
 void push_to_star(WorkingMesh& mesh, Index v, Index tet) {
   reserve_row(mesh, v, mesh.star_size[v] + 1U);
-  mesh.star_tets[mesh.star_begin[v] + mesh.star_size[v]++] = tet;
+  mesh.rows_of(v)[mesh.star_begin[v] + mesh.star_size[v]++] = tet;
 }
 
 void kill_slot(WorkingMesh& mesh, Index t) {
@@ -146,32 +179,31 @@ WorkingMesh build_working_mesh(TetMesh&& mesh, const SizingField& field) {
   WorkingMesh result;
   std::vector<std::uint8_t> kept;
   if (!field.is_empty()) kept = build_kept_tets(field, mesh);
-  FusionMesh sorted = build_fusion_mesh(std::move(mesh), StorageOrder::kSpatial);
-  result.points = std::move(sorted.points);
-  result.tets = std::move(sorted.tets);
-  result.vertex_origin = std::move(sorted.vertex_origin);
-  result.star_begin = std::move(sorted.star_begin);
-  result.star_size = std::move(sorted.star_size);
-  result.star_capacity = std::move(sorted.star_capacity);
-  result.star_tets = std::move(sorted.star_tets);
-  result.alive = sorted.alive;
+  MeshOrigin origin = sort_in_space(mesh);
+  if (kept.empty()) std::vector<Index>().swap(origin.tets);
+  result.points = std::move(mesh.points);
+  result.tets = std::move(mesh.tets);
+  mesh = {};
+  result.vertex_origin = std::move(origin.vertices);
+  result.alive = result.tets.size();
+  build_stars(result);
   result.score.assign(result.tets.size(), WorkingMesh::kNoScore);
   result.vertex_flags.assign(result.points.size(), kFree);
   if (!kept.empty()) {
     result.kept_tets.resize(kept.size());
     for (std::size_t t = 0; t < kept.size(); ++t) {
-      result.kept_tets[t] = kept[sorted.tet_origin[t]];
+      result.kept_tets[t] = kept[origin.tets[t]];
       if (result.kept_tets[t] == 0) continue;
       for (const Index v : result.tets[t]) result.vertex_flags[v] |= kFrozen;
     }
   }
   mark_boundary(result);
-  compact_rows(result);
   return result;
 }
 
 TetMesh extract_mesh(WorkingMesh&& mesh) {
-  std::vector<Index>().swap(mesh.star_tets);
+  std::vector<std::vector<Index>>().swap(mesh.star_rows);
+  std::vector<float>().swap(mesh.score);
   std::vector<Index> storage_of(mesh.points.size(), kNoIndex);
   std::vector<Index> added;
   for (Index v = 0; v < mesh.points.size(); ++v) {
@@ -225,7 +257,7 @@ std::size_t apply_collapse(WorkingMesh& mesh, Index gone, Index survivor, const 
     } else {
       require(!mesh.is_kept(t), "apply_collapse: a kept tet would change");
       *std::find(tet.begin(), tet.end(), gone) = survivor;
-      mesh.star_tets[mesh.star_begin[survivor] + mesh.star_size[survivor]++] = t;
+      mesh.rows_of(survivor)[mesh.star_begin[survivor] + mesh.star_size[survivor]++] = t;
     }
   }
   mesh.star_size[gone] = 0;
@@ -273,6 +305,8 @@ Index add_vertex(WorkingMesh& mesh, const Vec3& at) {
   mesh.star_begin.push_back(0);
   mesh.star_size.push_back(0);
   mesh.star_capacity.push_back(0);
+  if (mesh.points.size() > mesh.star_rows.size() * WorkingMesh::kVerticesOfPart)
+    mesh.star_rows.emplace_back();
   return static_cast<Index>(mesh.points.size() - 1);
 }
 

@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/processor.h"
 #include "core/dynamics/integrators/position_step.h"
 #include "core/dynamics/motion/time_profile.h"
 #include "core/dynamics/position_kernel/spring_sweep.h"
 #include "core/dynamics/position_kernel/strain_sweep.h"
-#include "core/dynamics/spring_engine/plain_kernel.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/motion_cases.h"

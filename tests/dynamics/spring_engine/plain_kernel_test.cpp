@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/large_pages.h"
+#include "core/base/processor.h"
 #include "core/base/random.h"
 #include "core/base/types.h"
 #include "core/dynamics/spring_engine/plain_engine.h"

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/base/large_pages.h"
+#include "core/base/processor.h"
 #include "core/base/random.h"
-#include "core/dynamics/spring_engine/plain_kernel.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/law_cases.h"
 

@@ -40,6 +40,38 @@ double best_by_brute_force(const RingValues& value, std::size_t i, std::size_t j
   return best;
 }
 
+/// The triangles that may be, a bit each.
+std::uint64_t allowed_in(const RingValues& value, std::size_t size) {
+  const RingTriangles& triangles = ring_triangles(size);
+  std::uint64_t allowed = 0;
+  for (std::size_t t = 0; t < triangles.size; ++t) {
+    const auto at = [&](std::size_t c) { return static_cast<std::size_t>(triangles.corner[c][t]); };
+    if (value[at(0)][at(1)][at(2)] != kForbidden) allowed |= std::uint64_t{1} << t;
+  }
+  return allowed;
+}
+
+TEST(RingFilling, SignsTellWhetherThereIsOne) {
+  SplitMix64 random(12);
+  for (std::size_t n = 3; n <= kLargestRing; ++n) {
+    std::size_t possible = 0;
+    for (int trial = 0; trial < 400; ++trial) {
+      RingValues value{};
+      const double share = random.uniform();
+      for (auto& plane : value) {
+        for (auto& row : plane) {
+          for (double& x : row) x = random.uniform() < share ? kForbidden : 0.0;
+        }
+      }
+      const bool is_possible = best_by_brute_force(value, 0, n - 1) != kForbidden;
+      ASSERT_EQ(can_fill_ring(allowed_in(value, n), n), is_possible) << n << " trial " << trial;
+      possible += is_possible ? 1U : 0U;
+    }
+    EXPECT_GT(possible, 40U) << n;
+    EXPECT_LT(possible, 360U) << n;
+  }
+}
+
 TEST(RingFilling, SameAsAllTriangulationsByBruteForce) {
   SplitMix64 random(11);
   std::vector<RingTriangle> triangles;

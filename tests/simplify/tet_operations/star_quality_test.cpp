@@ -88,22 +88,22 @@ TEST(StarQuality, EvaluatesAllItsTetsWhateverTheirNumber) {
     for (const Corners& p : tets) star.add(p[1], p[2], p[3]);
     star.close();
     ASSERT_EQ(star.size(), n);
-    std::vector<double> scores;
+    std::vector<float> scores;
     star.scores(apex, scores);
     ASSERT_EQ(scores.size(), n);
     double worst = 1e300;
     double sum = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
       EXPECT_EQ(scores[i], score_tet(scale, tets[i][0], tets[i][1], tets[i][2], tets[i][3]));
-      worst = std::min(worst, scores[i]);
-      sum += gain_of_score(scale, scores[i]);
+      worst = std::min(worst, double{scores[i]});
+      sum += gain_of_score(scale, double{scores[i]});
     }
     const StarFigures figures = star.evaluate(apex);
     EXPECT_EQ(figures.worst, worst);
     EXPECT_NEAR(figures.sum, sum, 1e-5 * std::fabs(sum));
     EXPECT_LT(star.evaluate(apex, 1.0).worst, 1.0);  // ends early, and says that it is below the bound
     EXPECT_TRUE(star.is_positive(apex));
-    std::vector<double> behind;
+    std::vector<float> behind;
     star.scores_from_behind(apex, behind);
     for (std::size_t i = 0; i < n; ++i) EXPECT_LE(behind[i], 0.0);
   }
@@ -118,7 +118,7 @@ TEST(StarQuality, FromBehindIsTheMirroredTet) {
     star.start(scale, p[0]);
     star.add(p[1], p[3], p[2]);
     star.close();
-    std::vector<double> scores;
+    std::vector<float> scores;
     star.scores_from_behind(p[0], scores);
     const double direct = score_tet(scale, p[0], p[1], p[2], p[3]);
     EXPECT_NEAR(scores[0], direct, 1e-5 * direct + 1e-6);
