@@ -131,7 +131,9 @@ TEST(StarKernel, BothFormsSeeRingsTheSameAndFromBothSidesAsOneByOne) {
     for (std::size_t t = 0; t < found.from_a.size(); ++t) {
       const bool is_positive = (found.positive >> t & 1U) != 0U;
       positive += is_positive ? 1U : 0U;
-      if (found.from_a[t] > 0.0F && found.from_b[t] > 0.0F) EXPECT_TRUE(is_positive) << t;
+      if (found.from_a[t] > 0.0F && found.from_b[t] > 0.0F) {
+        EXPECT_TRUE(is_positive) << t;
+      }
     }
     const auto expect_both = [&](const RingAnswers& answers) {
       if (answers.both.empty()) return;
