@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/dynamics/integrators/curvature_pairs.h"
+#include "core/dynamics/linear_algebra/curvature_pairs.h"
 #include "core/dynamics/linear_algebra/laplace_factor.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 

@@ -135,7 +135,8 @@ bool can_fill_ring(std::uint64_t allowed, std::size_t size) {
     for (std::size_t n = 3; n <= kLargestRing; ++n) all[n - 3] = build_ring_order(n);
     return all;
   }();
-  std::uint64_t filled = 0;  // of arcs; bit arc_of(i, j)
+  if (size < 3) return false;  // no ring
+  std::uint64_t filled = 0;    // of arcs; bit arc_of(i, j)
   for (std::size_t i = 0; i + 1 < size; ++i) filled |= std::uint64_t{1} << arc_of(i, i + 1);
   const RingOrder& order = kOrders.at(size - 3);
   for (std::size_t n = 0; n < order.size; ++n) {

@@ -1,4 +1,4 @@
-#include "core/dynamics/integrators/curvature_pairs.h"
+#include "core/dynamics/linear_algebra/curvature_pairs.h"
 
 #include <algorithm>
 
