@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -45,8 +46,18 @@ bool holds_in_time(const std::function<bool()>& condition) {
   return false;
 }
 
+/// What a file of /proc has, 64 KiB of it at most; empty where its process ends meanwhile, at which reading
+/// through a stream buffer throws.
+std::string process_text(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::size_t{1} << 16U, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
 bool is_zombie(const fs::path& folder) {
-  const std::string status = bytes_of(folder / "stat");
+  const std::string status = process_text(folder / "stat");
   return status.empty() || status.find(") Z") != std::string::npos || status.find(") X") != std::string::npos;
 }
 
@@ -58,7 +69,7 @@ std::vector<pid_t> processes_with(const std::string& text) {
     const std::string name = entry.path().filename();
     if (!std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isdigit(c) != 0; }))
       continue;
-    const std::string words = bytes_of(entry.path() / "cmdline");
+    const std::string words = process_text(entry.path() / "cmdline");
     if (words.find(text) != std::string::npos && !is_zombie(entry.path()))
       found.push_back(static_cast<pid_t>(std::stol(name)));
   }
