@@ -9,6 +9,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/text/nearest_name.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 namespace {
@@ -75,7 +76,7 @@ FitStepping read_fit_stepping(const YamlValue& value) {
   FitStepping stepping;
   stepping.label = fields.need("label").identifier();
   const YamlValue integrator = fields.need("integrator");
-  std::vector<std::string> known{kModalIntegrator};
+  std::vector<std::string> known{reference::kExponential};
   known.reserve(dynamics::kIntegrators.size() + 1);
   for (const auto kind : dynamics::kIntegrators) known.emplace_back(dynamics::integrator_name(kind));
   stepping.integrator = integrator.text();
@@ -86,10 +87,10 @@ FitStepping read_fit_stepping(const YamlValue& value) {
     stepping.single_precision = precision->text() == "single";
   }
   if (const auto solver = fields.find("solver")) stepping.solver = solver->json();
-  const bool is_modal = stepping.integrator == kModalIntegrator;
+  const bool is_modal = stepping.integrator == reference::kExponential;
   const auto modes = fields.find("modes");
   if (is_modal != modes.has_value())
-    value.fail(std::string("\"modes\" and the integrator ") + kModalIntegrator + " go together");
+    value.fail(std::string("\"modes\" and the integrator ") + reference::kExponential + " go together");
   if (!is_modal) return stepping;
   stepping.modes = static_cast<std::size_t>(modes->integer(1, 1000));
   if (fields.find("precision") || fields.find("solver"))

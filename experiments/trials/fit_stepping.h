@@ -14,16 +14,13 @@ namespace palpate::experiments {
 /// What all others are held against.
 inline constexpr const char* kExplicitIntegrator = "symplectic_euler";
 
-/// The exact steps of modes.
-inline constexpr const char* kModalIntegrator = "exponential";
-
 /// An integrator as a fit tries it; of a model of modes, how many of them.
 struct FitStepping {
   std::string label;
   std::string integrator;              ///< as a scene names it
   bool single_precision = false;       ///< of the plain engine or the tet engine
   nlohmann::json solver;               ///< as a scene has it; null: its own
-  std::optional<std::size_t> modes{};  ///< of kModalIntegrator: how many of the lowest
+  std::optional<std::size_t> modes{};  ///< of reference::kExponential: how many of the lowest
 
   /// Puts it into a moving scene, with this step (s, or "auto") in place of the scene's. Integrator,
   /// precision, engine and solver of the scene are replaced, and the number of its model's modes.

@@ -32,6 +32,13 @@ double between(const ProbeHistory& fine, std::size_t k, std::size_t column, doub
   return (1.0 - share) * fine.row[k][column] + share * fine.row[k + 1][column];
 }
 
+/// The root of `off_sq` over `size_sq`; 0 where nothing is off, infinite where that is no number.
+double relative_size(double off_sq, double size_sq) {
+  if (off_sq == 0.0) return 0.0;
+  const double share = std::sqrt(off_sq / size_sq);
+  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+}
+
 /// As run_moving_task, but a run that was ended by its time-out is one of the outcomes.
 ContestantAnswer run_timed(const ContestantTask& task, const std::string& where) {
   constexpr double kNoTimeout = 1e8;
@@ -84,9 +91,7 @@ double history_difference(const ProbeHistory& coarse, const ProbeHistory& fine) 
       size += there * there;
     }
   }
-  if (off == 0.0) return 0.0;
-  const double share = std::sqrt(off / size);
-  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+  return relative_size(off, size);
 }
 
 json with_fixed_step(const json& scene, double step_s, const json& probes_m) {
@@ -143,9 +148,7 @@ double difference_at_rows(const ProbeHistory& of, const ProbeHistory& truth) {
       size += truth.row[row][c] * truth.row[row][c];
     }
   }
-  if (off == 0.0) return 0.0;
-  const double share = std::sqrt(off / size);
-  return std::isnan(share) ? std::numeric_limits<double>::infinity() : share;
+  return relative_size(off, size);
 }
 
 PlacedTrial place_trial(const json& scene_json, const TrialSettings& settings) {

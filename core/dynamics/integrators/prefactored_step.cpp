@@ -18,6 +18,7 @@ namespace {
 /// too far. (-1 is where a quadratic energy would be what it was.)
 constexpr double kTooFar = 0.9;
 constexpr int kMostTries = 20;
+constexpr double kGreatestCut = 0.1;  ///< of a correction, at a time
 
 bool is_held(std::uint8_t bits, std::size_t axis) {
   return ((static_cast<unsigned>(bits) >> axis) & 1U) != 0;
@@ -123,28 +124,31 @@ struct PrefactoredStep::Work {
     }
   }
 
-  /// Takes `u`, the inertial guess, back along the way from the start of the step where inertia does not pay
-  /// for what forces would stand against at its end: what few iterations leave of that would be energy
-  /// gained. `look` finds what is out of balance at `u`; at the guess it is known. Returns: whether it did.
-  bool shorten_guess(const MotionForces& forces, const MotionState& state, double h, std::span<Vec3> u,
-                     const std::function<double()>& look) {
-    double slope = 0.0;  // at the start, but for the forces there
-    for (std::size_t v = 0; v < u.size(); ++v) change[v] = h * state.velocity_m_s[v];
-    clear_held(forces.held_bits(), change);
-    for (std::size_t v = 0; v < u.size(); ++v)
-      slope += forces.model().mass_kg[v] / (h * h) * dot(change[v], change[v]);
-    double left = dot_of(imbalance, change);
-    if (left >= -kTooFar * slope) return false;
-    std::copy(u.begin(), u.end(), before.begin());
+  /// Takes a way along `change`, which began with the slope imbalance . change = `slope`, back to where the
+  /// slope is zero, if it falls evenly, as often as it ends well beyond; at a time to `least_cut` of what is
+  /// left of it at most. `go_to` moves to a share of the way and looks at what is out of balance, as was done
+  /// for all of it. Returns: the share.
+  double shorten(double slope, double least_cut, const std::function<void(double)>& go_to) const {
     double share = 1.0;
-    for (int tries = 0; tries < kMostTries && !(left >= -kTooFar * slope); ++tries) {
-      share *= std::isfinite(left) ? slope / (slope - left) : 0.1;
-      std::copy(before.begin(), before.end(), u.begin());
-      add_scaled(u, share - 1.0, change);
-      look();
-      left = dot_of(imbalance, change);
+    for (int tries = 0; tries < kMostTries; ++tries) {
+      const double left = dot_of(imbalance, change);
+      if (left >= -kTooFar * slope) break;
+      share *= std::isfinite(left) ? std::max(slope / (slope - left), least_cut) : kGreatestCut;
+      go_to(share);
     }
-    return true;
+    return share;
+  }
+
+  /// Sets `change` to the way of a vertex from the start of the step to the inertial guess, where free.
+  ///
+  /// Returns:  imbalance . change at the start in J, but for the forces there: m v . h v / h.
+  double take_inertial_way(const MotionForces& forces, const MotionState& state, double h) {
+    for (std::size_t v = 0; v < change.size(); ++v) change[v] = h * state.velocity_m_s[v];
+    clear_held(forces.held_bits(), change);
+    double slope = 0.0;
+    for (std::size_t v = 0; v < change.size(); ++v)
+      slope += forces.model().mass_kg[v] / (h * h) * dot(change[v], change[v]);
+    return slope;
   }
 
   /// What the correction by `share` of the change has shown of the curvature.
@@ -205,13 +209,27 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
   set_inertial_guess(forces, state, step_s, u);
   ImplicitResult result;
   const double tolerance = work.options.tolerance;
+  double residual = 0.0;
   const auto look = [&] {
     result.zero_length_springs += find_imbalance(forces, state, step_s, u, work.velocity, work.imbalance);
-    return norm_of(work.imbalance);
+    residual = norm_of(work.imbalance);
   };
-  const double first = look();
-  bool is_shortened = work.shorten_guess(forces, state, step_s, u, look);
-  double residual = norm_of(work.imbalance);
+  // Back to `before`, so far along the change, and a look.
+  const auto go_to = [&](double share) {
+    std::copy(work.before.begin(), work.before.end(), u.begin());
+    add_scaled(u, share, work.change);
+    look();
+  };
+  look();
+  const double first = residual;
+  // Where inertia does not pay for what forces would stand against at the guess, it is taken back: what few
+  // iterations leave of that would be energy gained.
+  const double inertia = work.take_inertial_way(forces, state, step_s);
+  bool is_shortened = work.shorten(inertia, 0.0, [&](double share) {
+    set_inertial_guess(forces, state, step_s, u);
+    add_scaled(u, share - 1.0, work.change);
+    look();
+  }) != 1.0;
   result.solved = false;
   const bool is_looked_at = is_leftover_due(work.steps++);
   while (result.iterations < work.options.iterations) {
@@ -224,18 +242,9 @@ ImplicitResult PrefactoredStep::find_displacement(MotionForces& forces, const Mo
     ++result.iterations;
     const bool is_last = result.iterations == work.options.iterations;
     if (tolerance == 0.0 && is_last && !is_looked_at && !is_shortened) break;
-    residual = look();
-    double share = 1.0;
-    for (int tries = 0; tries < kMostTries; ++tries) {
-      const double left = dot_of(work.imbalance, work.change);
-      if (left >= -kTooFar * slope) break;
-      // Where the slope is zero, if it falls evenly.
-      share *= std::isfinite(left) ? std::max(slope / (slope - left), 0.1) : 0.1;
-      is_shortened = true;
-      std::copy(work.before.begin(), work.before.end(), u.begin());
-      add_scaled(u, share, work.change);
-      residual = look();
-    }
+    look();
+    const double share = work.shorten(slope, kGreatestCut, go_to);
+    is_shortened = is_shortened || share != 1.0;
     work.keep_pair(share);
   }
   if (!result.solved) result.solved = tolerance == 0.0 || work.goal.is_met(residual, first, u, step_s);

@@ -1,13 +1,10 @@
 #include "core/simplify/tet_operations/edge_collapse.h"
 
-#include <algorithm>
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "core/simplify/fusion/fusion.h"
 #include "core/simplify/tet_operations/shortest_edges.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -46,25 +43,12 @@ class Collapser {
     }
   }
 
-  void collect_neighbours(Index v) {
-    marks_.clear(mesh_.points.size());
-    marks_.set(v, 1);
-    neighbours_.clear();
-    for (const Index t : mesh_.star(v)) {
-      for (const Index w : mesh_.tets[t]) {
-        if (marks_.of(w) != 0) continue;
-        marks_.set(w, 1);
-        neighbours_.push_back(w);
-      }
-    }
-  }
-
   /// Mean of the star's base vertices, counted as often as they occur.
   Vec3 link_centroid(Index gone, Index survivor) {
     Vec3 sum{};
     std::size_t count = 0;
     for (const Index center : {gone, survivor}) {
-      collect_neighbours(center);
+      collect_neighbours(mesh_, center, marks_, neighbours_);
       for (const Index v : neighbours_) {
         if (v != gone && v != survivor) sum = sum + mesh_.points[v];
       }
@@ -99,18 +83,8 @@ class Collapser {
 
   /// Whether all tets that are left around the edge are above the floor with its vertex at `place_`.
   bool holds_floor(Index gone, Index survivor) const {
-    if (options_.floor == nullptr) return true;
-    const auto is_above = [&](Index center, Index other) {
-      const auto star = mesh_.star(center);
-      return std::all_of(star.begin(), star.end(), [&](Index t) {
-        const Tet& tet = mesh_.tets[t];
-        if (corners_that_are(tet, other) != 0U) return true;
-        std::array<Vec3, 4> p;
-        for (std::size_t i = 0; i < 4; ++i) p[i] = tet[i] == center ? place_ : mesh_.points[tet[i]];
-        return options_.floor->admits(p[0], p[1], p[2], p[3]);
-      });
-    };
-    return is_above(gone, survivor) && is_above(survivor, gone);
+    return options_.floor == nullptr || (options_.floor->admits_star(mesh_, gone, place_, survivor) &&
+                                         options_.floor->admits_star(mesh_, survivor, place_, gone));
   }
 
   bool try_collapse(Index a, Index b) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/mesh/geometry.h"
+#include "core/simplify/fusion/fusion.h"
 #include "core/simplify/quality/quality.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -63,11 +64,13 @@ bool QualityFloor::admits(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
   return cube_of(a, b, c, d) >= least_cube_ && cosine_of_least_dihedral(a, b, c, d) <= greatest_cosine_;
 }
 
-bool QualityFloor::admits_star(const WorkingMesh& mesh, Index v, const Vec3& place) const {
+bool QualityFloor::admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, Index without) const {
   const auto star = mesh.star(v);
   return std::all_of(star.begin(), star.end(), [&](Index t) {
+    const Tet& tet = mesh.tets[t];
+    if (corners_that_are(tet, without) != 0U) return true;
     std::array<Vec3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = mesh.tets[t][i] == v ? place : mesh.points[mesh.tets[t][i]];
+    for (std::size_t i = 0; i < 4; ++i) p[i] = tet[i] == v ? place : mesh.points[tet[i]];
     return admits(p[0], p[1], p[2], p[3]);
   });
 }

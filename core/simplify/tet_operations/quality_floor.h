@@ -26,8 +26,8 @@ class QualityFloor {
     return admits(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
   }
 
-  /// The same for all tets around v, with v at `place`.
-  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place) const;
+  /// The same for all tets around v, with v at `place`, but those that have the vertex `without` too.
+  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, Index without = kNoIndex) const;
 
   /// Cube of the least quality, and cosine of the least dihedral angle.
   double least_cube() const { return least_cube_; }

@@ -16,25 +16,26 @@ bool comes_before(const WaitingEdge& a, const WaitingEdge& b) {
 
 }  // namespace
 
+void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks,
+                        std::vector<Index>& neighbours) {
+  marks.clear(mesh.points.size());
+  marks.set(v, 1);
+  neighbours.clear();
+  for (const Index t : mesh.star(v)) {
+    for (const Index w : mesh.tets[t]) {
+      if (marks.of(w) != 0) continue;
+      marks.set(w, 1);
+      neighbours.push_back(w);
+    }
+  }
+}
+
 ShortestEdges::ShortestEdges(const WorkingMesh& mesh, const SizingField& field, std::size_t first_batch)
     : mesh_(mesh), field_(field), batch_(first_batch), last_(mesh.points.size(), 0) {}
 
 WaitingEdge ShortestEdges::edge_between(Index a, Index b) const {
   if (last_[a] != last_[b] ? last_[a] < last_[b] : b < a) std::swap(a, b);
   return {key_of_edge(mesh_, field_, a, b), a, b, last_[a] + last_[b]};
-}
-
-void ShortestEdges::collect_neighbours(Index v) {
-  marks_.clear(mesh_.points.size());
-  marks_.set(v, 1);
-  neighbours_.clear();
-  for (const Index t : mesh_.star(v)) {
-    for (const Index w : mesh_.tets[t]) {
-      if (marks_.of(w) != 0) continue;
-      marks_.set(w, 1);
-      neighbours_.push_back(w);
-    }
-  }
 }
 
 /// Keeps the first `count` of those that wait; the others are in the mesh.
@@ -53,7 +54,7 @@ bool ShortestEdges::fill() {
   waiting_.clear();
   for (Index a = 0; a < mesh_.points.size(); ++a) {
     if (!mesh_.is_vertex_alive(a)) continue;
-    collect_neighbours(a);
+    collect_neighbours(mesh_, a, marks_, neighbours_);
     for (const Index b : neighbours_) {
       if (b < a || (!mesh_.is_free(a) && !mesh_.is_free(b))) continue;
       const WaitingEdge edge = edge_between(a, b);
@@ -101,7 +102,7 @@ void ShortestEdges::drop_void() {
 
 void ShortestEdges::renew(Index gone, Index survivor) {
   last_[gone] = last_[survivor] = ++collapses_;
-  collect_neighbours(survivor);
+  collect_neighbours(mesh_, survivor, marks_, neighbours_);
   for (const Index w : neighbours_) {
     if (!mesh_.is_free(survivor) && !mesh_.is_free(w)) continue;
     const WaitingEdge edge = edge_between(survivor, w);

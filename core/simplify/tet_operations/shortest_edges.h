@@ -11,6 +11,10 @@
 
 namespace palpate::simplify {
 
+/// The vertices that share a tet with v, each once, in the order in which its star meets them; marks them and
+/// v with 1.
+void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks, std::vector<Index>& neighbours);
+
 /// Gives a mesh's edges with at least one free end in the order of EdgeHeap, while edges are collapsed. It
 /// holds the first of them only: the others are found again in the mesh, once these are used up. An edge is
 /// oriented: the smaller number first, but once an end has become another edge's survivor, the last survivor
@@ -38,7 +42,6 @@ class ShortestEdges {
   bool fill();
   void keep_first(std::size_t count);
   void drop_void();
-  void collect_neighbours(Index v);
   WaitingEdge edge_between(Index a, Index b) const;
   bool is_void(const WaitingEdge& edge) const { return edge.versions != last_[edge.a] + last_[edge.b]; }
 

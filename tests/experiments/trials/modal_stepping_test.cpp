@@ -15,6 +15,7 @@
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/text/yaml_value.h"
 #include "experiments/trials/motion_trial.h"
+#include "reference/door/moving_body.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -28,7 +29,7 @@ using testing::StartsWith;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 FitStepping modes_of(std::size_t modes) {
-  return {"modes_" + std::to_string(modes), kModalIntegrator, false, nullptr, modes};
+  return {"modes_" + std::to_string(modes), reference::kExponential, false, nullptr, modes};
 }
 
 /// A bar that hangs from its left end and is loaded at once at its right one: it rings, with waves along it.
