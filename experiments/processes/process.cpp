@@ -191,6 +191,8 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
   } else {
     describe_status(reports.end ? reports.end->value : child_status, result);
   }
+  if (reports.end && reports.end->left > 0)
+    result.message += "; " + std::to_string(reports.end->left) + " of its processes could not be ended";
   return result;
 }
 
@@ -221,14 +223,14 @@ void order(int orders, ChildOrder what) {
 /// Has all processes below palpate_child killed. It does so itself, woken if somebody stopped it; if it does
 /// not, it is helped and then killed too.
 void kill_all(pid_t child, int orders) {
-  constexpr double kPatienceS = 20.0;  // longer than its own
+  constexpr double kPatienceS = kPatienceWithStormsS + 4.0;  // longer than its own
   constexpr int kTries = 100;
   order(orders, kKillAll);
   ::kill(child, SIGCONT);
   if (wait_for_end(child, std::chrono::steady_clock::now() + as_duration(kPatienceS), nullptr, {}) ==
       Wait::kEnded)
     return;
-  for (int i = 0; i < kTries && kill_descendants(child) > 0; ++i) ::usleep(1000);
+  for (int i = 0; i < kTries && !kill_descendants(child).empty(); ++i) ::usleep(1000);
   ::kill(child, SIGKILL);
 }
 

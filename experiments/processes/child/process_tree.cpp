@@ -8,18 +8,21 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace palpate::experiments {
 namespace {
 
 struct Link {
   pid_t process = 0;
-  pid_t parent = 0;  ///< 0 if it is gone or a zombie
+  pid_t parent = 0;  ///< 0: it has none here (the first process, the kernel's, those from outside)
   pid_t group = 0;
+  bool is_zombie = false;  ///< its first thread has ended, or all of them
 };
 
-/// What a process's "pid (name) state ppid pgrp ..." says. The name may hold anything, parentheses and spaces
-/// too.
+/// What a process's "pid (name) state ppid pgrp ..." says; `process` is 0 if it is gone. The name may hold
+/// anything, parentheses and spaces too.
 Link read_link(pid_t process) {
   char path[64];
   std::snprintf(path, sizeof path, "/proc/%d/stat", static_cast<int>(process));
@@ -34,12 +37,14 @@ Link read_link(pid_t process) {
   int parent = 0;
   int group = 0;
   if (name_end == nullptr || std::sscanf(name_end + 1, " %c %d %d", &state, &parent, &group) != 3) return {};
-  if (state == 'Z' || state == 'X') return {};
-  return {process, parent, group};
+  return {process, parent, group, state == 'Z' || state == 'X'};
 }
 
-std::vector<Link> list_processes() {
-  std::vector<Link> links;
+/// All processes of the machine, by number.
+using Links = std::unordered_map<pid_t, Link>;
+
+Links list_processes() {
+  Links links;
   DIR* folder = ::opendir("/proc");
   if (folder == nullptr) return links;
   while (const dirent* entry = ::readdir(folder)) {
@@ -47,40 +52,63 @@ std::vector<Link> list_processes() {
     const long process = std::strtol(entry->d_name, &end, 10);
     if (process <= 0 || *end != '\0') continue;
     const Link link = read_link(static_cast<pid_t>(process));
-    if (link.parent > 0) links.push_back(link);
+    if (link.process > 0) links.emplace(link.process, link);
   }
   ::closedir(folder);
   return links;
 }
 
-bool is_among(const std::vector<pid_t>& all, pid_t one) {
-  return std::find(all.begin(), all.end(), one) != all.end();
+enum class Kin {
+  kOwn,      ///< a descendant
+  kForeign,  ///< none
+  kUnknown   ///< an ancestor of it ended while the list was made: who inherited it is not in the list
+};
+
+Kin kin_of(const Links& links, const Link& link, pid_t root) {
+  pid_t parent = link.parent;
+  for (std::size_t steps = 0; steps <= links.size(); ++steps) {
+    if (parent == root) return Kin::kOwn;
+    if (parent == 0 || link.process == root) return Kin::kForeign;
+    const auto next = links.find(parent);
+    if (next == links.end()) return Kin::kUnknown;
+    parent = next->second.parent;
+  }
+  return Kin::kUnknown;  // numbers were given anew meanwhile, so that the list closes a circle
 }
 
-std::vector<pid_t> descendants_among(const std::vector<Link>& links, pid_t root) {
-  std::vector<pid_t> found;
-  std::vector<pid_t> front{root};
-  while (!front.empty()) {
-    const pid_t parent = front.back();
-    front.pop_back();
-    for (const Link& link : links) {
-      if (link.parent != parent || is_among(found, link.process)) continue;
-      found.push_back(link.process);
-      front.push_back(link.process);
-    }
+/// A process's own, and what is known of all others.
+struct Tree {
+  std::vector<Link> own;
+  std::vector<Link> others;  ///< those that are foreign for sure
+};
+
+Tree tree_of(pid_t root) {
+  Links links = list_processes();
+  Tree tree;
+  std::vector<pid_t> unknown;
+  const auto sort_in = [&](const Link& link) {
+    const Kin kin = kin_of(links, link, root);
+    if (kin == Kin::kOwn) tree.own.push_back(link);
+    if (kin == Kin::kForeign) tree.others.push_back(link);
+    return kin != Kin::kUnknown;
+  };
+  for (const auto& [process, link] : links) {
+    if (!sort_in(link)) unknown.push_back(process);
   }
-  return found;
+  for (const pid_t process : unknown) {  // by now somebody has inherited them
+    links[process] = read_link(process);
+    if (links[process].process > 0) sort_in(links[process]);
+  }
+  return tree;
 }
 
-/// The process groups that have none but these processes.
-std::vector<pid_t> groups_of(const std::vector<Link>& links, const std::vector<pid_t>& processes) {
-  std::vector<pid_t> own;
-  std::vector<pid_t> shared;
-  for (const Link& link : links) (is_among(processes, link.process) ? own : shared).push_back(link.group);
-  std::vector<pid_t> groups;
-  for (const pid_t group : own) {
-    if (!is_among(shared, group) && !is_among(groups, group)) groups.push_back(group);
-  }
+/// The process groups of its own processes that nobody else is in. Those whose kin is not known are not
+/// asked: a chain of processes that start one another and end has one of them at every look.
+std::unordered_set<pid_t> groups_of(const Tree& tree) {
+  std::unordered_set<pid_t> groups;
+  for (const Link& link : tree.own) groups.insert(link.group);
+  for (const Link& link : tree.others) groups.erase(link.group);
+  groups.erase(0);  // would be this program's
   return groups;
 }
 
@@ -104,15 +132,23 @@ std::uint64_t line_bytes(pid_t process, const char* file_name, const char* key) 
 }  // namespace
 
 std::vector<pid_t> find_descendants(pid_t root) {
-  return descendants_among(list_processes(), root);
+  std::vector<pid_t> found;
+  for (const Link& link : tree_of(root).own) {
+    if (!link.is_zombie) found.push_back(link.process);
+  }
+  return found;
 }
 
-std::size_t kill_descendants(pid_t root) {
-  const std::vector<Link> links = list_processes();
-  const std::vector<pid_t> found = descendants_among(links, root);
-  for (const pid_t group : groups_of(links, found)) ::kill(-group, SIGKILL);
-  for (const pid_t process : found) ::kill(process, SIGKILL);
-  return found.size();
+std::vector<pid_t> kill_descendants(pid_t root) {
+  const Tree tree = tree_of(root);
+  for (const pid_t group : groups_of(tree)) ::kill(-group, SIGKILL);
+  std::vector<pid_t> found;
+  for (const Link& link : tree.own) {
+    ::kill(link.process, SIGKILL);  // of a zombie: its threads, where some go on without the first
+    found.push_back(link.process);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 std::uint64_t resident_bytes(const std::vector<pid_t>& processes) {

@@ -13,10 +13,10 @@ namespace palpate::experiments {
 std::vector<pid_t> find_descendants(pid_t root);
 
 /// Kills all descendants of `root` that there are now, groups as a whole: one that goes on in a new child
-/// every moment is met in its group, where it can't be met by itself. Returns: how many were found. To be
-/// repeated until there are none; those that are no children of this process are collected by whoever
-/// inherits them.
-std::size_t kill_descendants(pid_t root);
+/// every moment is met in its group, where it can't be met by itself. Returns: their numbers, in order, with
+/// those that have ended and were not collected. To be repeated until there are none; those that are no
+/// children of this process are collected by whoever inherits them.
+std::vector<pid_t> kill_descendants(pid_t root);
 
 /// Resident bytes of the processes together: pages that they share count once for each. 0 of one that is
 /// gone.

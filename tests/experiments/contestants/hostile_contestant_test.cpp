@@ -16,6 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::HostileContestant;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A child that leaves its parent, its group and its session, ignores what can be ignored, and stays.
 constexpr const char* kLeaves = R"(
@@ -75,15 +76,49 @@ open(here + "/storm", "w").write("")
 for i in range(50):
     if os.fork() == 0:
         os.setsid()
-        while True:  # starts another and goes on with it
+        for each in range(100000):  # starts another and goes on with it; has an end, for the sake of the machine
             if os.fork() > 0:
                 os._exit(0)
             time.sleep(0.002)
+        os._exit(0)
 time.sleep(3600)
 )");
-  EXPECT_EQ(storm.answer(4.0).outcome, "timed_out");
+  const ContestantAnswer answer = storm.answer(4.0);
+  EXPECT_EQ(answer.outcome, "timed_out");
+  EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
   EXPECT_TRUE(fs::exists(storm.folder() / "hostile/storm"));
   EXPECT_TRUE(storm.all_end());
+}
+
+TEST(HostileContestant, AStormThatLeavesItsGroupsEnds) {
+  const HostileContestant storm(R"(
+for i in range(20):
+    if os.fork() == 0:
+        for each in range(100000):  # has an end, for the sake of the machine
+            if os.fork() > 0:
+                os._exit(0)
+            os.setsid()
+        os._exit(0)
+)");
+  const ContestantAnswer answer = storm.answer(3.0);
+  EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
+  EXPECT_TRUE(storm.all_end());
+}
+
+TEST(HostileContestant, WhoseFirstThreadHasEndedIsFoundToo) {
+  const HostileContestant threads(R"(
+import ctypes, threading
+if os.fork() == 0:
+    os.setsid()
+    threading.Thread(target=time.sleep, args=(3600,)).start()
+    open(here + "/left", "w").write("")
+    ctypes.CDLL(None).syscall(60, 0)  # exit of this thread alone: the process is shown as a zombie
+time.sleep(3600)
+)");
+  const ContestantAnswer answer = threads.answer(2.0);
+  EXPECT_EQ(answer.outcome, "timed_out");
+  EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
+  EXPECT_TRUE(fs::exists(threads.folder() / "hostile/left"));
 }
 
 TEST(HostileContestant, TheSupervisorThatWasStoppedIsHelped) {
