@@ -2,7 +2,7 @@
 
     /usr/bin/python3 -B tests/campaign/scaling_figures.py PALPATE [--only NAME]... [--most RECORDS] [--most-jobs JOBS]
 
-NAME is one of run, report, jobs, take, side_by_side. Times are of processor and of the clock; where something else runs on the machine only those of
+NAME is one of run, report, jobs, take, side_by_side, ranks. Times are of processor and of the clock; where something else runs on the machine only those of
 the processor are worth something, and they too grow by a third or more. It is a tool, no test: nothing is held against a bound.
 """
 
@@ -150,7 +150,41 @@ def measure_side_by_side(options):
     table("Side by side, a cube of 8,000 vertices", ["scaling", "--jobs", "repeats", *COST_HEADS], rows)
 
 
-MEASURES = {"run": measure_run, "report": measure_report, "jobs": measure_jobs, "take": measure_take, "side_by_side": measure_side_by_side}
+RANKS_PLAN = """schema: palpate/plan/1
+question: What do two MPI ranks bring?
+contest: deform
+scenes: [kidney_gravity]
+sweep: {vertices: [VERTICES]}
+reference: {method: fem.p1, levels: 1}
+contestants:
+  - {method: fem.METHOD, label: it}
+run: {repeats: 5, warmup: 1, timeout_s: 600, memory_mib: 8192, mpi_ranks: RANKS}
+measure: [displacement_l2, kernel_s]
+"""
+
+
+def measure_ranks(options):
+    """Finite elements on one rank and two: the same mesh (strong), and a mesh that grows with the ranks (weak)."""
+    rows = []
+    for method, size in (("p1", 20_000), ("p2", 3_000)):
+        for what, ranks, vertices in (("strong", 1, size), ("strong", 2, size), ("weak", 1, size), ("weak", 2, 2 * size)):
+            with tempfile.TemporaryDirectory(prefix="palpate-scaling-") as folder:
+                plan = pathlib.Path(folder) / "plan.yaml"
+                text = RANKS_PLAN.replace("METHOD", method).replace("VERTICES", str(vertices)).replace("RANKS", str(ranks))
+                plan.write_text(text, encoding="utf-8")
+                cost_of(options.program, "run", plan, "--out", f"{folder}/run", "--no-report")
+                lines = (pathlib.Path(folder) / "run" / "records.jsonl").read_text(encoding="utf-8").splitlines()
+                records = [record for record in map(json.loads, lines) if record["label"] == "it" and not record["warmup"]]
+                kernel = [record["kernel_s"] for record in records if record["outcome"] == "accepted"]
+                whole = [record["wall_s"] for record in records if record["outcome"] == "accepted"]
+                memory = max((record["peak_rss_bytes"] for record in records), default=0)
+                spread = f"{statistics.median(kernel):.2f} ({min(kernel):.2f} to {max(kernel):.2f})" if kernel else "none"
+                rows.append([f"fem.{method}", what, ranks, f"{vertices:,}", len(kernel), spread,
+                             f"{statistics.median(whole):.2f}" if whole else "none", f"{memory / 1e6:.0f}"])
+    table("Ranks, a kidney under gravity", ["method", "scaling", "ranks", "vertices", "repeats", "kernel by the clock, s", "whole process, s", "memory, MB"], rows)
+
+
+MEASURES = {"run": measure_run, "report": measure_report, "jobs": measure_jobs, "take": measure_take, "side_by_side": measure_side_by_side, "ranks": measure_ranks}
 
 
 def main():
