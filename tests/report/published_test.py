@@ -9,7 +9,7 @@ An entry:
         - {text: "1.8", of: verdict.csv, column: difference, where: {mesh: [kidney, bean]}, take: least, times: -1}
 
 A figure is a column of a table that the report writes, over the rows that `where` leaves: `take` is only (one row; the default), least, greatest, median,
-sum, count (of rows) or rms; `times` and `plus` go upon it; `over` is the same again, divided by. It has to be `text` to the last digit that `text` has.
+sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by. It has to be `text` to the last digit that `text` has.
 """
 
 import contextlib
@@ -59,8 +59,8 @@ def value_of(figure, tables):
         value = len(rows)
     else:
         assert rows, f"no row: {figure}"
-        values = [number(row[figure["column"]]) for row in rows]
-        assert take != "only" or len(values) == 1, f"{len(values)} rows: {figure}"
+        values = [number(row[figure["column"]]) for row in rows if take == "only" or row[figure["column"]]]
+        assert values and (take != "only" or len(values) == 1), f"{len(values)} rows: {figure}"
         value = values[0] if take == "only" else TAKE[take](values)
     if "over" in figure:
         value /= value_of(figure["over"], tables)
