@@ -42,6 +42,12 @@ void MotionWatch::say_start(const json& progress) {
   progress_.show("steps");
 }
 
+void MotionWatch::say_stage(const std::string& stage) {
+  if (stage == stage_) return;
+  stage_ = stage;
+  progress_.say(stage);
+}
+
 void MotionWatch::look() {
   const auto bytes = read_bytes(file_);
   if (!bytes) return;
@@ -55,6 +61,7 @@ void MotionWatch::tell(const json& progress) {
   constexpr double kLeastSeconds = 1.0;  // before it is said how long it may take
   constexpr double kLongSeconds = 10.0;  // what takes longer is worth a line of its own
   if (progress.at("schema") != "palpate/progress/1") return;
+  if (progress.contains("stage")) return say_stage(progress.at("stage").get<std::string>());
   if (!has_started_) say_start(progress);
   const auto done = progress.at("steps_done").get<double>();
   const auto steps = progress.at("steps").get<double>();

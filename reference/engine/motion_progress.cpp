@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "reference/door/json_file.h"
@@ -13,8 +14,6 @@ namespace palpate::reference {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kWritePeriodS = 0.3;
 
 /// Least height of a tet: three volumes over its largest face.
 double height_of(const TetMesh& mesh, const Tet& t) {
@@ -51,41 +50,23 @@ FlatTet find_flattest_tet(const TetMesh& mesh, Index vertex) {
 MotionProgress::MotionProgress(const std::filesystem::path& file, const MotionSetup& setup,
                                const TetMesh& mesh)
     : file_(file) {
-  if (file_.empty()) return;
-  content_ = {{"schema", "palpate/progress/1"},
-              {"time_step_s", setup.step_s},
-              {"stable_step_s", number_or_null(setup.stable.step_s)},
-              {"stable_by", setup.stable_by},
-              {"steps", setup.steps},
-              {"limiting", nullptr}};
+  if (!file_.is_written()) return;
+  json content = {{"time_step_s", setup.step_s},
+                  {"stable_step_s", number_or_null(setup.stable.step_s)},
+                  {"stable_by", setup.stable_by},
+                  {"steps", setup.steps},
+                  {"limiting", nullptr}};
   const Index vertex = setup.stable.limiting_vertex;
   if (vertex != kNoIndex) {
     const FlatTet flat = find_flattest_tet(mesh, vertex);
     const Vec3& place = mesh.points[vertex];
-    content_["limiting"] = {{"vertex", vertex},
-                            {"place_m", {place.x, place.y, place.z}},
-                            {"tet", flat.tet},
-                            {"height_m", flat.height_m},
-                            {"median_height_m", flat.median_height_m}};
+    content["limiting"] = {{"vertex", vertex},
+                           {"place_m", {place.x, place.y, place.z}},
+                           {"tet", flat.tet},
+                           {"height_m", flat.height_m},
+                           {"median_height_m", flat.median_height_m}};
   }
-  content_["steps_done"] = 0;
-  write();
-}
-
-void MotionProgress::reach(std::uint64_t steps_done) {
-  if (file_.empty() || watch_.seconds() - written_s_ < kWritePeriodS) return;
-  content_["steps_done"] = steps_done;
-  write();
-}
-
-void MotionProgress::write() {
-  written_s_ = watch_.seconds();
-  content_["seconds"] = written_s_;
-  try {
-    write_file_atomically(file_, content_.dump() + "\n");
-  } catch (const InputError&) {  // the motion matters, not what is said of it
-    file_.clear();
-  }
+  file_.begin(std::move(content));
 }
 
 }  // namespace palpate::reference

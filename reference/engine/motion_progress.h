@@ -1,12 +1,11 @@
-// How far a motion has come, in a file for whoever waits for it.
+// How far a motion of the engine has come, and what limits its step, in a file for whoever waits for it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 
-#include "core/base/stopwatch.h"
 #include "core/mesh/tet_mesh.h"
+#include "reference/elastic_models/progress_file.h"
 #include "reference/engine/motion_setup.h"
 
 namespace palpate::reference {
@@ -37,16 +36,11 @@ class MotionProgress {
   /// An empty path: no file.
   MotionProgress(const std::filesystem::path& file, const MotionSetup& setup, const TetMesh& mesh);
 
-  /// So many steps are done. A file that cannot be written is no failure.
-  void reach(std::uint64_t steps_done);
+  /// So many steps are done.
+  void reach(std::uint64_t steps_done) { file_.reach(steps_done); }
 
  private:
-  void write();
-
-  std::filesystem::path file_;
-  nlohmann::json content_;
-  Stopwatch watch_;
-  double written_s_ = 0.0;
+  ProgressFile file_;
 };
 
 }  // namespace palpate::reference

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/atomic_file.h"
@@ -18,6 +20,7 @@
 #include "reference/door/moving_body.h"
 #include "reference/door/request_options.h"
 #include "reference/elastic_models/motion_files.h"
+#include "reference/elastic_models/progress_file.h"
 #include "reference/elastic_models/stepped_motion.h"
 #include "reference/elastic_models/tick_report.h"
 #include "reference/reduced/modes/modal_body.h"
@@ -30,6 +33,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::int64_t kMostTimings = 100;
+constexpr const char* kNoBoundNeeded = "none_needed";
 
 struct ModalReplayOptions {
   ModalBodyOptions body;
@@ -63,11 +67,13 @@ struct StateFigures {
 
 class ModalReplay {
  public:
-  ModalReplay(const MovingTask& task, const ModalReplayOptions& options, MotionFiles& files)
+  ModalReplay(const MovingTask& task, const ModalReplayOptions& options, MotionFiles& files,
+              std::filesystem::path progress)
       : mesh_(task.mesh),
         problem_(task.body.motion),
         options_(options),
         files_(files),
+        progress_(std::move(progress)),
         phases_(find_phases(problem_)),
         plan_(plan_steps(problem_, options.time_step_s, kMostModalSteps)),
         body_(task.mesh, problem_, options.body.order, options.body.factor),
@@ -82,8 +88,17 @@ class ModalReplay {
 
   /// Makes all modes.
   void prepare() {
-    for (std::size_t k = 0; k < phases_.size(); ++k) phase_of(k);
+    for (std::size_t k = 0; k < phases_.size(); ++k) {
+      if (made_.count(phases_[k].loads) == 0)
+        progress_.stage("modes of what holds the body from " + json(phases_[k].from_s).dump() + " s");
+      phase_of(k);
+    }
     setup_s_ = clock_.seconds();
+    progress_.begin({{"time_step_s", longest_step()},
+                     {"stable_step_s", nullptr},
+                     {"stable_by", kNoBoundNeeded},
+                     {"steps", all_steps_},
+                     {"limiting", nullptr}});
   }
 
   void run(const volatile std::sig_atomic_t* stop_flag) {
@@ -123,7 +138,7 @@ class ModalReplay {
         {"steps_unsolved", 0},
         {"time_step_s", longest_step()},
         {"stable_step_s", nullptr},
-        {"stable_by", "none_needed"},
+        {"stable_by", kNoBoundNeeded},
         {"stability_margin", nullptr},
         {"simulated_s", time_s_},
         {"kernel_s", stepping_s_},
@@ -186,6 +201,7 @@ class ModalReplay {
       moving.advance(plan_.phases[k].step_s, time_s_);
       stepping_s_ += stepping.seconds();
       ++steps_;
+      progress_.reach(steps_);
       if (steps_ % strides_.row == 0 || steps_ == all_steps_) look(moving, phases_[k], time_s_);
       if (steps_ == all_steps_ || !is_running()) break;
       if (stop_flag_ != nullptr && *stop_flag_ != 0) figures_.outcome = "interrupted";
@@ -261,6 +277,7 @@ class ModalReplay {
   const MotionProblem& problem_;
   const ModalReplayOptions& options_;
   MotionFiles& files_;
+  ProgressFile progress_;
   std::vector<LoadPhase> phases_;
   StepPlan plan_;
   ModalBody body_;
@@ -298,7 +315,10 @@ Response run_modal_replay(const Request& request,
     note_large(strain, request.method, response);
   }
   MotionFiles files(request.folder, task.body.motion, task.mesh);
-  ModalReplay replay(task, options, files);
+  // Beside the answer, where a folder says that somebody waits for it.
+  ModalReplay replay(
+      task, options, files,
+      request.folder.empty() ? std::filesystem::path() : request.output.parent_path() / "progress.json");
   if (options.replay.setup_only) {
     response.kernel_s = clock.seconds();
     response.report = {

@@ -73,6 +73,7 @@ TEST_F(SimulateModes, AfterTheTimeOutWhatWasComputedIsThere) {
   const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string(),
                                    "--timeout", "2", "--max-output-gb", "1e6"});
   EXPECT_EQ(result.exit_code, 3) << result.error;
+  EXPECT_THAT(result.error, HasSubstr("90000000 steps of 1e-05 s"));
   EXPECT_THAT(result.error, HasSubstr("what was computed is written"));
   const json summary = json::parse(test::bytes_of(fixture_.folder() / "out" / "summary.json"));
   EXPECT_EQ(summary.at("outcome"), "timed_out");

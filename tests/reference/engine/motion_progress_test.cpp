@@ -48,6 +48,22 @@ TEST(MotionProgressFile, IsThereBeforeTheFirstStep) {
   EXPECT_TRUE(nlohmann::json::parse(test::bytes_of(folder / "implicit.json")).at("limiting").is_null());
 }
 
+TEST(MotionProgressFile, SaysWhatIsPreparedUntilTheStepsBegin) {
+  const test::ScratchFolder folder;
+  const auto file = folder / "progress.json";
+  ProgressFile progress(file);
+  progress.stage("modes");
+  const nlohmann::json first = nlohmann::json::parse(test::bytes_of(file));
+  EXPECT_EQ(first.at("schema"), "palpate/progress/1");
+  EXPECT_EQ(first.at("stage"), "modes");
+  EXPECT_FALSE(first.contains("steps_done"));
+  progress.begin({{"steps", 7}});
+  const nlohmann::json then = nlohmann::json::parse(test::bytes_of(file));
+  EXPECT_FALSE(then.contains("stage"));
+  EXPECT_EQ(then.at("steps_done"), 0);
+  EXPECT_GE(then.at("seconds").get<double>(), first.at("seconds").get<double>());
+}
+
 TEST(MotionProgressFile, NoFileIsNoFailure) {
   const test::ScratchFolder folder;
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
