@@ -120,8 +120,6 @@ SceneDraft draft_scene(const SceneWish& wish) {
   const Vec3 up = up_direction(draft.up);
   draft.support = find_resting_region(draft.mesh, up);
   draft.pad = find_pad_region(draft.mesh, up);
-  const double radius_step = std::pow(10.0, std::floor(std::log10(draft.pad.radius_m)) - 2.0);
-  draft.pad.radius_m = radius_step * std::round(draft.pad.radius_m / radius_step);
   draft.push_m = rounded_vector(-kPushShare * draft.pad.thickness_m * draft.pad.normal);
   if (draft.pad.reaches_round)
     draft.notes.push_back(

@@ -155,6 +155,17 @@ RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
   return found;
 }
 
+namespace {
+
+/// The next number of three digits that is no smaller: what a scene's text has, so that it takes hold of what
+/// was looked at.
+double to_three_digits(double length_m) {
+  const double step = std::pow(10.0, std::floor(std::log10(length_m)) - 2.0);
+  return step * std::ceil(length_m / step - 1e-9);
+}
+
+}  // namespace
+
 PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
   constexpr double kSmaller = 0.85;
   constexpr double kWidestShare = 0.25;  // of the longest side
@@ -170,10 +181,10 @@ PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
                      return dot(up, a.centroid) < dot(up, b.centroid);
                    })->centroid;
   }
-  pad.radius_m =
+  pad.radius_m = to_three_digits(
       std::max({pad.mean_edge_m,
                 std::min(std::max(std::sqrt(kPadArea * whole / std::numbers::pi), 1.5 * pad.mean_edge_m),
-                         kWidestShare * longest_side(bounding_box(mesh.points)))});
+                         kWidestShare * longest_side(bounding_box(mesh.points)))}));
   FacePatch patch;
   while (true) {
     patch = take_hold(sphere_at(pad.center_m, pad.radius_m), mesh);
@@ -182,7 +193,7 @@ PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
       const Vec3 area = area_vector_of(mesh, face);
       return dot(area, pad.normal) < -0.5 * length(area);
     });
-    const double smaller = kSmaller * pad.radius_m;
+    const double smaller = to_three_digits(kSmaller * pad.radius_m);
     if (!pad.reaches_round || smaller < pad.mean_edge_m) break;
     pad.radius_m = smaller;
   }

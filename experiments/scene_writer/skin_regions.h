@@ -19,7 +19,7 @@ struct RestingRegion {
 struct PadRegion {
   std::optional<Vec3> direction;  ///< from the centroid; nothing: the ray along `up` meets no skin
   Vec3 center_m;
-  double radius_m = 0.0;
+  double radius_m = 0.0;  ///< a number of three digits
   Vec3 normal;               ///< mean outward normal of the skin below it, of length 1
   double thickness_m = 0.0;  ///< extent of the body along the normal, within the radius of its line
   double mean_edge_m = 0.0;  ///< of the skin

@@ -11,6 +11,7 @@
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/body_surfaces.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/scene_writer/scene_draft.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
@@ -64,6 +65,11 @@ class SceneCommand : public testing::Test {
 
 TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
   const ProgramResult written = write(add_lobes(), {"--vertices", "600"});
+  const json found = json::parse(write(add_lobes(), {"--vertices", "600", "--json"}).out);
+  const BoundaryProblem placed = resolve_draft(folder_ / "mine.yaml");
+  ASSERT_EQ(placed.supports.size(), 2U) << "the bed and the pad's layer";
+  EXPECT_EQ(found.at("support").at("faces"), placed.supports[0].patch.faces.size());
+  EXPECT_EQ(found.at("pad").at("faces"), placed.supports[1].patch.faces.size());
   EXPECT_THAT(written.error, HasSubstr("its unit is the mm, guessed: in mm it is "));
   EXPECT_THAT(written.out, AllOf(HasSubstr("support"), HasSubstr("pad"), HasSubstr("Written: ")));
   const std::string text = test::bytes_of(folder_ / "mine.yaml");
