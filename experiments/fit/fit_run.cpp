@@ -11,9 +11,11 @@
 #include "experiments/fit/fit_grading.h"
 #include "experiments/fit/fitted_scene.h"
 #include "experiments/processes/deadline.h"
+#include "experiments/processes/machine_load.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
+#include "experiments/runner/side_by_side.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/trials/modal_stepping.h"
 #include "experiments/trials/motion_stepping.h"
@@ -27,6 +29,7 @@ using nlohmann::json;
 
 constexpr double kSearchShare = 0.6;  ///< of the time limit
 constexpr std::size_t kFinalists = 4;
+constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
 constexpr double kMotionShare = 0.6;  ///< of the time that is left, for the motion of another finalist
@@ -53,7 +56,8 @@ class Fit {
 
   FitResult run() {
     const FitPlan search = plan_search();
-    run_stage(search, kSearchShare * options_.time_limit_s);
+    prepare_references(search, {0, 1});
+    run_stage(search, kSearchShare * options_.time_limit_s - watch_.seconds());
     result_.searched = read_stage(search);
     result_.run = search.folder / "run";
     if (!result_.is_interrupted) check_finalists(search);
@@ -124,6 +128,27 @@ class Fit {
     return text;
   }
 
+  /// Has the references of some scenes solved side by side, where there is more than one processor: they are
+  /// most of what a fit waits for. Scene 0 is the scene itself, k the k-th of the other loads.
+  void prepare_references(const FitPlan& search, const std::vector<std::size_t>& scenes) {
+    SideBySide setting;
+    setting.jobs = std::min(usable_processors(), kMostReferences);
+    if (setting.jobs < 2 || left_s() <= 0.0) return;
+    progress_.show("references");
+    FitPlan plan = search;
+    plan.folder = options_.out / "references";
+    plan.candidates.resize(1);
+    for (std::size_t k = 1; k <= kOtherLoads; ++k)
+      plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+    std::vector<std::string> names;
+    for (const std::size_t k : scenes) names.push_back("scene_" + std::to_string(k));
+    setting.plan = write_fit_plan(plan, candidates_);
+    setting.folder = plan.folder / "runs";
+    const Deadline deadline(left_s(), options_.stop_flag);
+    setting.stop_flag = deadline.flag();
+    prepare_side_by_side(names, setting);
+  }
+
   void run_stage(const FitPlan& fit_plan, double seconds) {
     const fs::path file = write_fit_plan(fit_plan, candidates_);
     const Plan plan = read_plan(file, registry_);
@@ -149,6 +174,7 @@ class Fit {
   void check_finalists(const FitPlan& search) {
     const SceneRequirement& first = is_stepped() ? without_budget() : require();
     std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
+    if (!good.empty()) prepare_references(search, {2, 3});
     for (std::size_t round = 0; !good.empty() && round < kMostRounds; ++round) {
       if (left_s() <= 0.0) break;
       FitPlan plan = search;

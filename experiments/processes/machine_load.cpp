@@ -1,8 +1,10 @@
 #include "experiments/processes/machine_load.h"
 
+#include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -65,6 +67,13 @@ MachineLoad LoadMeter::read() const {
   load.processor_s = (now->all - ticks_->all) / per_second;
   load.others_s = (now->busy - ticks_->busy) / per_second - (own_seconds() - own_s_);
   return load;
+}
+
+int usable_processors() {
+  cpu_set_t usable;
+  CPU_ZERO(&usable);
+  if (::sched_getaffinity(0, sizeof usable, &usable) != 0) return 1;
+  return std::max(1, CPU_COUNT(&usable));
 }
 
 }  // namespace palpate::experiments

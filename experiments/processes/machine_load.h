@@ -1,4 +1,4 @@
-// How busy the machine is, and how much of it others take.
+// How much of the machine there is for this process, how busy it is, and how much of it others take.
 #pragma once
 
 #include <optional>
@@ -25,6 +25,9 @@ struct ProcessorTicks {
 /// Reads the first line of /proc/stat, "cpu user nice system idle iowait irq softirq steal ...".
 /// Returns: nothing for another text.
 std::optional<ProcessorTicks> parse_processor_ticks(const std::string& text);
+
+/// The processors that this process may run on (its affinity), at least 1.
+int usable_processors();
 
 /// Notes the state of the machine when it is made, and says what has changed since.
 class LoadMeter {

@@ -58,7 +58,7 @@ class Runner {
   RunResult run() {
     prepare();
     if (options_.prepare_only) {
-      result_.interrupted = !train_springs();
+      result_.interrupted = !train_springs() || !contest_->record_inputs({}, [](const json&) {});
       return result_;
     }
     if (options_.retry_failed) set_failures_aside();

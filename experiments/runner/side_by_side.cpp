@@ -45,33 +45,53 @@ class Ended {
   std::deque<fs::path> parts_;
 };
 
+/// Whether somebody wants it to end.
+bool is_stopped(const SideBySide& setting) {
+  return setting.stop_flag != nullptr && *setting.stop_flag != 0;
+}
+
+fs::path log_of(const fs::path& folder) {
+  fs::path log = folder;
+  return log += ".log";
+}
+
+/// Runs `palpate run` with these words behind the plan, into a folder.
+ProcessResult run_program(const SideBySide& setting, const fs::path& folder,
+                          const std::vector<std::string>& words) {
+  ProcessSpec spec;
+  spec.arguments = {
+      program_folder() + "/palpate",  "run", setting.plan.string(), "--out", folder.string(), "--threads",
+      std::to_string(setting.threads)};
+  spec.arguments.insert(spec.arguments.end(), words.begin(), words.end());
+  spec.timeout_s = kNoTimeOut;
+  spec.standard_error = log_of(folder);
+  spec.threads = setting.threads;
+  spec.stop_flag = setting.stop_flag;
+  spec.stop_grace_s = kGraceSeconds;
+  return run_process(spec);
+}
+
 /// Runs one part to its end, or says on standard error what kept it from it.
 void run_part(const SideBySide& setting, const fs::path& part) {
   fs::path cases = part;
   cases += ".txt";
-  fs::path errors = part;
-  errors += ".log";
-  ProcessSpec spec;
-  spec.arguments = {program_folder() + "/palpate",
-                    "run",
-                    setting.plan.string(),
-                    "--part",
-                    cases.string(),
-                    "--out",
-                    part.string(),
-                    "--resume",
-                    "--threads",
-                    std::to_string(setting.threads)};
-  spec.timeout_s = kNoTimeOut;
-  spec.standard_error = errors;
-  spec.threads = setting.threads;
-  spec.stop_flag = setting.stop_flag;
-  spec.stop_grace_s = kGraceSeconds;
-  const ProcessResult result = run_process(spec);
+  const ProcessResult result = run_program(setting, part, {"--part", cases.string(), "--resume"});
   const bool is_done = result.end == ProcessEnd::kExited && result.exit_code == 0;
-  const bool is_stopped = setting.stop_flag != nullptr && *setting.stop_flag != 0;
-  if (!is_done && !is_stopped)
-    print_note("a part of the run ended early (" + result.message + "): " + last_line(errors));
+  if (!is_done && !is_stopped(setting))
+    print_note("a part of the run ended early (" + result.message + "): " + last_line(log_of(part)));
+}
+
+/// Calls `work` with 0, 1, ..., count - 1, `jobs` of them at a time; with none that has not begun once
+/// `next` is set to `count` or somebody wants it to end. The threads end when what is returned does.
+std::vector<std::jthread> start_workers(const SideBySide& setting, std::atomic<std::size_t>& next,
+                                        std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::vector<std::jthread> workers;
+  workers.reserve(static_cast<std::size_t>(setting.jobs));
+  for (int j = 0; j < setting.jobs; ++j)
+    workers.emplace_back([&next, count, work] {
+      for (std::size_t k = next++; k < count; k = next++) work(k);
+    });
+  return workers;
 }
 
 }  // namespace
@@ -114,16 +134,10 @@ bool run_side_by_side(const std::vector<std::vector<std::string>>& parts, const 
   }
   std::atomic<std::size_t> next{0};
   Ended ended;
-  const auto is_stopped = [&] { return setting.stop_flag != nullptr && *setting.stop_flag != 0; };
-  const auto work = [&] {
-    for (std::size_t k = next++; k < folders.size(); k = next++) {
-      if (!is_stopped()) run_part(setting, folders[k]);
-      ended.add(folders[k]);
-    }
-  };
-  std::vector<std::jthread> workers;
-  workers.reserve(static_cast<std::size_t>(setting.jobs));
-  for (int j = 0; j < setting.jobs; ++j) workers.emplace_back(work);
+  const std::vector<std::jthread> workers = start_workers(setting, next, folders.size(), [&](std::size_t k) {
+    if (!is_stopped(setting)) run_part(setting, folders[k]);
+    ended.add(folders[k]);
+  });
   try {
     for (std::size_t k = 0; k < folders.size(); ++k) {
       const fs::path part = ended.next();
@@ -133,7 +147,17 @@ bool run_side_by_side(const std::vector<std::vector<std::string>>& parts, const 
     next = folders.size();  // what runs now ends, and is waited for
     throw;
   }
-  return !is_stopped();
+  return !is_stopped(setting);
+}
+
+bool prepare_side_by_side(const std::vector<std::string>& words, const SideBySide& setting) {
+  create_folder(setting.folder);
+  std::atomic<std::size_t> next{0};
+  start_workers(setting, next, words.size(), [&](std::size_t k) {
+    if (!is_stopped(setting))
+      run_program(setting, setting.folder / words[k], {"--prepare", "--only", words[k]});
+  }).clear();  // waits for all
+  return !is_stopped(setting);
 }
 
 }  // namespace palpate::experiments

@@ -32,4 +32,9 @@ struct SideBySide {
 bool run_side_by_side(const std::vector<std::vector<std::string>>& parts, const SideBySide& setting,
                       const std::function<void(const std::filesystem::path&)>& take);
 
+/// Makes what the cases of each of these scenes (or meshes, labels: words of `--only`) need, their references
+/// too, by `palpate run --prepare`, `jobs` at a time: a run of them then finds it in the cache. What fails is
+/// left to that run, which says why. Returns false if it was interrupted.
+bool prepare_side_by_side(const std::vector<std::string>& words, const SideBySide& setting);
+
 }  // namespace palpate::experiments

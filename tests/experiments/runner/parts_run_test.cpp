@@ -1,6 +1,7 @@
 // Runs in parts: side by side, taken from other folders, and prepared alone.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <map>
 #include <set>
@@ -169,6 +170,43 @@ TEST_F(PartsRunTest, PreparingMakesInputsAndRunsNothing) {
   ASSERT_EQ(run(plan, "prepared", {"--prepare"}).exit_code, 0);
   EXPECT_TRUE(std::filesystem::exists(folder("prepared") + "/meshes/two/input.mesh"));
   EXPECT_FALSE(std::filesystem::exists(folder("prepared") + "/records.jsonl"));
+}
+
+TEST_F(PartsRunTest, WhatWasPreparedSideBySideIsFoundByTheRun) {
+  const std::string scene =
+      "schema: palpate/scene/1\nmesh: {make: cube, vertices: 64, length_m: 0.1}\n"
+      "material: {young_modulus_pa: MODULUS, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+      "clamp: [{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e+6}]\n"
+      "load: [{gravity_m_s2: [0, 0, -9.81]}]\nanalysis: static\n";
+  std::string scenes;
+  for (const std::string name : {"soft", "firm", "other"}) {
+    std::string text = scene;
+    // No other test's: what lies in the cache from before would be found as well.
+    const std::string modulus = std::to_string(9000 + scenes.size()) + "." + std::to_string(::getpid());
+    text.replace(text.find("MODULUS"), 7, modulus);
+    fixture_.folder().add(name + ".yaml", text);
+    scenes += (scenes.empty() ? "{name: " : ", {name: ") + name + ", file: " + name + ".yaml}";
+  }
+  const std::string plan =
+      fixture_.folder()
+          .add("deform.yaml", "schema: palpate/plan/1\nquestion: q\ncontest: deform\nscenes: [" + scenes +
+                                  "]\nreference: {method: fem.p2, levels: 2}\n"
+                                  "contestants: [{method: fem.p1, label: p1}]\nrun: {repeats: 1, warmup: 0}\n"
+                                  "measure: [displacement_l2]\n")
+          .string();
+  SideBySide setting;
+  setting.plan = plan;
+  setting.folder = folder("ahead");
+  setting.jobs = 2;
+  EXPECT_TRUE(prepare_side_by_side({"soft", "firm"}, setting));
+  EXPECT_FALSE(std::filesystem::exists(folder("ahead") + "/soft/records.jsonl"));
+  ASSERT_EQ(run(plan, "all").exit_code, 0);
+  for (const json& record : read_records(folder("all") + "/records.jsonl")) {
+    if (!record.at("contestant").is_null()) continue;
+    const std::string name = record.at("scene").at("name").get<std::string>();
+    for (const json& level : record.at("judge").at("level_reports"))
+      EXPECT_EQ(level.at("from_cache").get<bool>(), name != "other") << record.dump();
+  }
 }
 
 TEST_F(PartsRunTest, BadPartsAndPlansAreNamed) {
