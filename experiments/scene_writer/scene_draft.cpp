@@ -119,6 +119,8 @@ SceneDraft draft_scene(const SceneWish& wish) {
   choose_up(wish, draft);
   const Vec3 up = up_direction(draft.up);
   draft.support = find_resting_region(draft.mesh, up);
+  if (!draft.support.stands)
+    draft.notes.push_back("its centre of mass is not over what it lies on: it may tip over; --up turns it");
   draft.pad = find_pad_region(draft.mesh, up);
   draft.push_m = rounded_vector(-kPushShare * draft.pad.thickness_m * draft.pad.normal);
   if (draft.pad.reaches_round)

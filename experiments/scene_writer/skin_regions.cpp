@@ -102,6 +102,16 @@ Region sphere_at(const Vec3& center, double radius) {
   return region;
 }
 
+Region half_space_below(const Vec3& up, double share) {
+  Region region;
+  region.text = "half_space";
+  region.where = "support";
+  region.kind = Region::Kind::kHalfSpace;
+  region.normal = up;
+  region.share = share;
+  return region;
+}
+
 /// Where the ray along `up` leaves the body, or nothing.
 std::optional<Vec3> find_top(const TetMesh& mesh, const Vec3& up) {
   Region region = sphere_at({}, 1.0);
@@ -126,6 +136,39 @@ double measure_thickness(const TetMesh& mesh, const PadRegion& pad) {
   return along.size();
 }
 
+Vec3 center_of_mass(const TetMesh& mesh) {
+  Vec3 sum;
+  double whole = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const auto& p = mesh.points;
+    const double volume = signed_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+    sum = sum + 0.25 * volume * (p[t[0]] + p[t[1]] + p[t[2]] + p[t[3]]);
+    whole += volume;
+  }
+  return (1.0 / whole) * sum;
+}
+
+/// Whether a body that rests on a patch does not tip over: whichever way one looks along the ground, its
+/// centre of mass is over the middle half of the patch.
+bool stands_on(const FacePatch& patch, const TetMesh& mesh, const Vec3& up, const Vec3& center) {
+  constexpr int kWays = 24;  // half a turn
+  constexpr double kLeastShare = 0.25;
+  const Vec3 other = std::abs(up.x) < 0.5 ? Vec3{1.0, 0.0, 0.0} : Vec3{0.0, 1.0, 0.0};
+  const Vec3 across = cross(up, other);
+  const Vec3 first = (1.0 / length(across)) * across;
+  const Vec3 second = cross(up, first);
+  for (int k = 0; k < kWays; ++k) {
+    const double angle = std::numbers::pi * k / kWays;
+    const Vec3 way = std::cos(angle) * first + std::sin(angle) * second;
+    Extent reach;
+    for (const Triangle& face : patch.faces) {
+      for (const Index corner : face) reach.add(dot(way, mesh.points[corner] - center));
+    }
+    if (std::min(reach.high, -reach.low) < kLeastShare * reach.size()) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
@@ -142,14 +185,16 @@ RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
     found.share = (dot(up, face.centroid) - extent.low) / extent.size();
     if (area >= kRestingArea * whole) break;
   }
-  found.share = std::clamp(std::ceil(100.0 * found.share) / 100.0, 0.02, 0.6);
-  Region region;
-  region.text = "half_space";
-  region.where = "support";
-  region.kind = Region::Kind::kHalfSpace;
-  region.normal = up;
-  region.share = found.share;
-  const FacePatch patch = take_hold(region, mesh);
+  constexpr int kMostHundredths = 60;
+  const Vec3 center = center_of_mass(mesh);
+  FacePatch patch;
+  for (int hundredths = std::clamp(static_cast<int>(std::ceil(100.0 * found.share)), 2, kMostHundredths);
+       hundredths <= kMostHundredths; ++hundredths) {
+    found.share = hundredths / 100.0;
+    patch = take_hold(half_space_below(up, found.share), mesh);
+    found.stands = stands_on(patch, mesh, up, center);
+    if (found.stands) break;
+  }
   found.faces = patch.faces.size();
   found.area_share = area_of(patch, mesh) / whole;
   return found;

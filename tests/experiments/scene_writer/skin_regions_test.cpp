@@ -39,6 +39,24 @@ TEST(SkinRegions, ATowerRestsOnItsFootToo) {
       << "any axis";
 }
 
+TEST(SkinRegions, ABodyThatLeansIsHeldUntilItStands) {
+  // A tower of 0.1^2 x 0.2 whose top is 0.3 to one side: its centre of mass is 0.1 beside its foot.
+  const auto lean = [](double slope) {
+    TetMesh mesh = box(10, {0.1, 0.1, 0.2});
+    for (Vec3& p : mesh.points) p.x += slope * p.z;
+    return mesh;
+  };
+  const RestingRegion upright = find_resting_region(lean(0.0), {0, 0, 1});
+  const RestingRegion leaning = find_resting_region(lean(1.5), {0, 0, 1});
+  EXPECT_TRUE(upright.stands);
+  EXPECT_TRUE(leaning.stands);
+  // It stands once what is held reaches so far that 3/4 of it reach the centre: 3/4 (0.1 + 1.5 z) = 0.2.
+  EXPECT_NEAR(leaning.share, (0.2 / 0.75 - 0.1) / 1.5 / 0.2, 0.1 + 1e-9) << "layers are a tenth high";
+  EXPECT_GT(leaning.share, upright.share + 0.1);
+  // Nothing below 60% of this one reaches far enough.
+  EXPECT_FALSE(find_resting_region(lean(4.0), {0, 0, 1}).stands);
+}
+
 TEST(SkinRegions, APadLiesOnTop) {
   const TetMesh mesh = box(20, {0.2, 0.2, 0.1});  // a skin of 0.16 m^2
   const PadRegion pad = find_pad_region(mesh, {0, 0, 1});
