@@ -56,7 +56,7 @@ class Fit {
 
   FitResult run() {
     const FitPlan search = plan_search();
-    prepare_references(search, {0, 1});
+    prepare_references(search, {"scene_0", "scene_1"});
     run_stage(search, kSearchShare * options_.time_limit_s - watch_.seconds());
     result_.searched = read_stage(search);
     result_.run = search.folder / "run";
@@ -129,8 +129,8 @@ class Fit {
   }
 
   /// Has the references of some scenes solved side by side, where there is more than one processor: they are
-  /// most of what a fit waits for. Scene 0 is the scene itself, k the k-th of the other loads.
-  void prepare_references(const FitPlan& search, const std::vector<std::size_t>& scenes) {
+  /// most of what a fit waits for. scene_0 is the scene itself, scene_k the k-th of the other loads.
+  void prepare_references(const FitPlan& search, const std::vector<std::string>& scenes) {
     SideBySide setting;
     setting.jobs = std::min(usable_processors(), kMostReferences);
     if (setting.jobs < 2 || left_s() <= 0.0) return;
@@ -140,13 +140,11 @@ class Fit {
     plan.candidates.resize(1);
     for (std::size_t k = 1; k <= kOtherLoads; ++k)
       plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
-    std::vector<std::string> names;
-    for (const std::size_t k : scenes) names.push_back("scene_" + std::to_string(k));
     setting.plan = write_fit_plan(plan, candidates_);
     setting.folder = plan.folder / "runs";
     const Deadline deadline(left_s(), options_.stop_flag);
     setting.stop_flag = deadline.flag();
-    prepare_side_by_side(names, setting);
+    prepare_side_by_side(scenes, setting);
   }
 
   void run_stage(const FitPlan& fit_plan, double seconds) {
@@ -174,7 +172,7 @@ class Fit {
   void check_finalists(const FitPlan& search) {
     const SceneRequirement& first = is_stepped() ? without_budget() : require();
     std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
-    if (!good.empty()) prepare_references(search, {2, 3});
+    if (!good.empty()) prepare_references(search, {"scene_2", "scene_3"});
     for (std::size_t round = 0; !good.empty() && round < kMostRounds; ++round) {
       if (left_s() <= 0.0) break;
       FitPlan plan = search;
