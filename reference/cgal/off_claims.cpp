@@ -35,13 +35,15 @@ class OffFile {
   explicit OffFile(const std::string& where)
       : where_(where), size_(std::filesystem::file_size(where)), file_(where, std::ios::binary) {}
 
-  void check() {
+  OffExtras check() {
     read_kind();
     read_counts();
-    if (is_binary_)
+    if (is_binary_) {
       check_binary();
-    else
-      check_text();
+      return {};
+    }
+    check_text();
+    return extras_;
   }
 
  private:
@@ -92,10 +94,12 @@ class OffFile {
     bool is_line_over = false;
     const bool has_keyword = skip_comments();
     const std::size_t keyword_line = line_;
+    if (has_keyword) extras_.at = static_cast<std::size_t>(file_.tellg());
     const std::string keyword = has_keyword ? read_word(is_line_over) : "";
     std::string_view word = keyword;
     has_textures_ = take(word, "ST");
     is_colored_ = take(word, "C");
+    extras_.length = keyword.size() - word.size();
     has_normals_ = take(word, "N");
     is_homogeneous_ = take(word, "4");
     has_dimension_ = take(word, "n");
@@ -111,8 +115,8 @@ class OffFile {
       is_binary_ = true;
       if (!is_line_over) skip_line();
     }
-    if (is_binary_ ? is_colored_ : has_textures_)  // CGAL 5.5.1 reads past the one, and beyond the other
-      fail(keyword_line, is_binary_ ? "OFF BINARY or NOFF BINARY" : known, shown_piece(keyword));
+    if (is_binary_ && is_colored_)  // which CGAL 5.5.1 does not pass over
+      fail(keyword_line, "OFF BINARY or NOFF BINARY", shown_piece(keyword));
   }
 
   /// A whole number as text. White space goes before it, no comment. Returns nothing where there is none.
@@ -138,15 +142,15 @@ class OffFile {
     return static_cast<double>(static_cast<std::int32_t>(bits));
   }
 
-  double read_count(const char* what, double most) {
+  double read_count(const char* what, double most, double least = 0.0) {
     const std::optional<double> count = is_binary_ ? read_word32() : read_whole();
     const std::size_t line = is_binary_ ? 0 : line_;
     if (!count) fail(line, std::string("a number of ") + what, "none");
-    if (!(*count >= 0.0) || *count > most) {
+    if (!(*count >= least) || *count > most) {
       const bool is_size = most == static_cast<double>(size_);
       fail(line,
            std::string(what) + (is_size ? " that " + std::to_string(size_) + " bytes can hold"
-                                        : ", 0 to " + short_number(most)),
+                                        : ", " + short_number(least) + " to " + short_number(most)),
            short_number(*count));
     }
     return *count;
@@ -159,7 +163,7 @@ class OffFile {
     if (has_dimension_) read_count("dimensions", std::numeric_limits<std::int32_t>::max());
     vertices_ = read_count("vertices", most);
     faces_ = read_count("faces", most);
-    if (!is_skeleton_) read_count("edges", kMostEdges);
+    if (!is_skeleton_) read_count("edges", kMostEdges, -kMostEdges);
   }
 
   /// Numbers of a vertex in front of its colour.
@@ -219,18 +223,11 @@ class OffFile {
     return index >= 0.0 && index < vertices_ && index == std::floor(index);
   }
 
-  /// Three or four numbers behind the row's own, for CGAL 5.5.1 reads three wherever there is room for one,
-  /// be they there or not. Faces may go without, up to the first that does not: from there on it reads all.
-  void check_color(std::size_t own, bool is_face) {
+  /// Three or four numbers behind the row's own; a face may go without.
+  void check_color(std::size_t own, bool may_lack) const {
     const std::size_t count = numbers_.size();
-    if (is_face && count == own && !has_face_colors_) return;
-    if (count != own + 3 && count != own + 4) fail_row("a colour of 3 or 4 numbers");
-    has_face_colors_ = is_face;
-    const double* color = numbers_.data() + own;
-    const bool is_whole = std::all_of(color, color + 3, [](double c) { return c == std::floor(c); });
-    const double most = is_whole ? 255.0 : 1.0;  // what is not whole is taken 255 times
-    if (!std::all_of(color, color + 3, [&](double c) { return c >= 0.0 && c <= most; }))
-      fail_row("a colour of whole numbers to 255, or of numbers to 1");
+    if (count == own + 3 || count == own + 4 || (may_lack && count == own)) return;
+    fail_row("a colour of 3 or 4 numbers");
   }
 
   /// CGAL 5.5.1 reads a face's corners and no count of colours behind them, though it writes one.
@@ -273,7 +270,7 @@ class OffFile {
   bool has_dimension_ = false;
   bool is_skeleton_ = false;
   bool is_binary_ = false;
-  bool has_face_colors_ = false;
+  OffExtras extras_;
   double vertices_ = 0.0;
   double faces_ = 0.0;
   std::size_t rows_ = 0;  ///< those behind the counts
@@ -285,8 +282,8 @@ class OffFile {
 
 }  // namespace
 
-void check_off_file(const std::string& where) {
-  OffFile(where).check();
+OffExtras check_off_file(const std::string& where) {
+  return OffFile(where).check();
 }
 
 std::string shown_piece(std::string_view text) {

@@ -7,8 +7,10 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <sstream>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -53,16 +55,22 @@ void check_stl_is_whole(const std::string& where) {
 }
 
 /// What CGAL 5.5 takes as it is claimed is looked at before. The ending is the one that CGAL goes by.
-void check_whole(const std::string& where) {
+OffExtras check_whole(const std::string& where) {
   const std::string ending = CGAL::IO::internal::get_file_extension(where);
   if (ending == "stl") check_stl_is_whole(where);
-  if (ending == "off") check_off_file(where);
   if (ending == "ply") check_ply_file(where);
+  return ending == "off" ? check_off_file(where) : OffExtras{};
 }
 
-bool read_soup(const std::string& where, std::vector<Point>& points, Polygons& polygons) {
+bool read_soup(const std::string& where, const OffExtras& extras, std::vector<Point>& points,
+               Polygons& polygons) {
   try {
-    return CGAL::IO::read_polygon_soup(where, points, polygons);
+    if (extras.length == 0) return CGAL::IO::read_polygon_soup(where, points, polygons);
+    std::ifstream file(where, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    text.erase(extras.at, extras.length);
+    std::istringstream plain(std::move(text));
+    return CGAL::IO::read_OFF(plain, points, polygons);
   } catch (const std::exception&) {  // of CGAL's own checks, or out of memory
     return false;
   }
@@ -74,10 +82,10 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   const std::string where = path.string();
   if (!std::filesystem::is_regular_file(path)) throw InputError(where, 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
-  check_whole(where);
+  const OffExtras extras = check_whole(where);
   std::vector<Point> points;
   Polygons polygons;
-  if (!read_soup(where, points, polygons)) {
+  if (!read_soup(where, extras, points, polygons)) {
     throw InputError(where, 0, "a whole " + path.extension().string() + " file", "a broken or truncated one");
   }
   if (polygons.empty()) throw InputError(where, 0, "triangles", "none");
