@@ -167,7 +167,10 @@ class OffFile {
   }
 
   /// Numbers of a vertex in front of its colour.
-  std::size_t plain_numbers() const { return (is_homogeneous_ ? 4U : 3U) * (has_normals_ ? 2U : 1U); }
+  std::size_t plain_numbers() const {
+    const std::size_t own = is_homogeneous_ ? 4 : 3;
+    return has_normals_ ? 2 * own : own;
+  }
 
   std::string claim() const {
     return short_number(vertices_) + " vertices and " + short_number(faces_) + " faces, as the header says";
@@ -175,12 +178,12 @@ class OffFile {
 
   void check_text() {
     const std::size_t plain = plain_numbers();
-    for (double k = 0.0; k < vertices_; ++k) {
+    for (auto left = static_cast<std::uint64_t>(vertices_); left > 0; --left) {
       read_row();
       if (numbers_.size() < plain) fail_row("a vertex of " + std::to_string(plain) + " numbers");
       if (is_colored_) check_color(plain, false);
     }
-    for (double k = 0.0; k < faces_; ++k) {
+    for (auto left = static_cast<std::uint64_t>(faces_); left > 0; --left) {
       read_row();
       check_face();
       if (is_colored_) check_color(4, true);
@@ -239,7 +242,8 @@ class OffFile {
     if (held < vertices_) fail(0, claim(), short_number(held) + " vertices");
     file_.seekg(static_cast<std::streamoff>(start) +
                 static_cast<std::streamoff>(vertices_) * static_cast<std::streamoff>(vertex));
-    for (double k = 0.0; k < faces_; ++k) check_binary_face(k + 1.0);
+    const auto faces = static_cast<std::uint64_t>(faces_);
+    for (std::uint64_t k = 1; k <= faces; ++k) check_binary_face(static_cast<double>(k));
   }
 
   void check_binary_face(double number) {
