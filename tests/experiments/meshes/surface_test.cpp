@@ -213,7 +213,8 @@ TEST(Surface, AFileThatClaimsMoreThanItHoldsIsRefusedInOneLine) {
       {"faces.ply", ply("4", "4000000000", ""), "as the file has bytes"},
       {"owner.ply", "ply\nformat ascii 1.0\nend_header_of_none\nproperty float x\nend_header\n",
        "expected an element before its properties"},
-      {"property.ply", ply("4", "4", "property float q\n"), "a broken or truncated one"},
+      {"property.ply", ply("4", "4", "property float q\n"),
+       "expected vertex_indices of face 4 of 4, found the end of the file"},
   };
   for (const auto& [name, bytes, expected] : all) {
     const std::string message = refused(name, bytes);
