@@ -53,7 +53,8 @@ class RunRowsTest : public testing::Test {
   }
   std::vector<std::string> order() const {
     std::vector<std::string> names;
-    for (const RunRow& row : read().all()) names.push_back(*row.run_case + std::to_string(row.repeat));
+    const RunRows rows = read();
+    for (const RunRow& row : rows.all()) names.push_back(*row.run_case + std::to_string(row.repeat));
     return names;
   }
   std::string refusal() const {
