@@ -17,8 +17,8 @@
 #include "experiments/judging/measure.h"
 #include "experiments/processes/process.h"
 #include "experiments/processes/report_script.h"
-#include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/records/run_rows.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/json_file.h"
@@ -41,11 +41,11 @@ struct GateArguments {
 };
 
 /// The plan of a run, by its records or its provenance.
-std::string plan_of(const std::vector<json>& records, const fs::path& folder) {
+std::string plan_of(const RunRows& rows, const fs::path& folder) {
   const fs::path provenance = RunPaths{folder}.provenance();
   json plan;
-  if (!records.empty()) {
-    plan = records.front().value("plan", json());
+  if (!rows.all().empty()) {
+    plan = *rows.all().front().plan;
   } else if (fs::exists(provenance)) {
     const json known = reference::read_json_file(provenance);
     if (known.is_object()) plan = known.value("plan", json());
@@ -74,6 +74,10 @@ fs::path find_accepted(const std::string& plan) {
   return fs::exists(own) || !fs::exists(shipped) ? own : shipped;
 }
 
+fs::path accepted_path(const GateArguments& arguments, const std::string& plan) {
+  return arguments.accepted.empty() ? find_accepted(plan) : fs::path(arguments.accepted);
+}
+
 /// The user's own file of accepted figures, for an update: what came with an installed program is copied
 /// there, never changed.
 fs::path take_accepted(const fs::path& found, const std::string& plan) {
@@ -84,29 +88,57 @@ fs::path take_accepted(const fs::path& found, const std::string& plan) {
   return own;
 }
 
+/// The measures whose figures are needed of a run of `plan`. None where a file that names them cannot be
+/// read: who holds the run against it says why.
+std::vector<const Measure*> needed_measures(const GateArguments& arguments, const json& plan,
+                                            const json& provenance) {
+  if (!plan.is_string()) return {};
+  const fs::path accepted = accepted_path(arguments, plan.get<std::string>());
+  if (!fs::exists(accepted) && arguments.update) return measures_to_propose(provenance);
+  if (!fs::exists(accepted)) return {};
+  try {
+    return measures_of(read_accepted(accepted, plan.get<std::string>()));
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
+/// The rows of a run with the figures that it is held by. Its provenance says what is needed before any
+/// record is read; records that name another plan are read once more.
+RunRows read_needed_rows(const GateArguments& arguments, const fs::path& folder) {
+  const json provenance = known_provenance(folder);
+  const auto read = [&](const json& plan) {
+    return read_run_rows(folder, needed_measures(arguments, plan, provenance));
+  };
+  const json known = provenance.is_object() ? provenance.value("plan", json()) : json();
+  RunRows rows = read(known);
+  if (rows.all().empty() || *rows.all().front().plan == known) return rows;
+  return read(*rows.all().front().plan);
+}
+
 /// Holds the run against the accepted file; if that is to be updated and the run is sound, updates it first.
 GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
                     std::vector<AcceptedChange>& changes) {
   const std::vector<FigureKind> kinds = read_kinds(arguments);
-  const auto records = read_run_records(folder);
-  const std::string plan = plan_of(records, folder);
-  fs::path accepted = arguments.accepted.empty() ? find_accepted(plan) : fs::path(arguments.accepted);
-  std::vector<std::string> problems = find_run_problems(folder, records);
-  if (records.empty()) problems.insert(problems.begin(), "nothing to compare: the run has no records");
+  const RunRows rows = read_needed_rows(arguments, folder);
+  const std::string plan = plan_of(rows, folder);
+  fs::path accepted = accepted_path(arguments, plan);
+  std::vector<std::string> problems = find_run_problems(folder, rows);
+  if (rows.all().empty()) problems.insert(problems.begin(), "nothing to compare: the run has no records");
   const bool takes_over = arguments.update && problems.empty();
   if (takes_over && arguments.accepted.empty()) accepted = take_accepted(accepted, plan);
   if (arguments.update && !takes_over) print_note("the accepted figures are unchanged: the run is not sound");
   if (takes_over && !fs::exists(accepted)) {
-    write_file_atomically(accepted, propose_accepted(folder, records, plan, kinds).dump(2) + "\n");
+    write_file_atomically(accepted, propose_accepted(folder, rows, plan, kinds).dump(2) + "\n");
     print_note(accepted.string() + " is new: its tolerances are 0, widen them where a figure may move");
   }
   GateResult result;
   result.plan = plan;
   if (fs::exists(accepted)) {
-    result = hold_against(records, plan, accepted);
+    result = hold_against(rows, plan, accepted);
     if (takes_over) {
       changes = update_accepted(result, accepted);
-      if (!changes.empty()) result = hold_against(records, plan, accepted);
+      if (!changes.empty()) result = hold_against(rows, plan, accepted);
     }
   } else {
     problems.push_back("nothing to compare: there are no accepted figures at " + accepted.string() +

@@ -48,22 +48,6 @@ std::string share_text(double from, double to) {
   return text.data();
 }
 
-/// Measures of a plan that a run's figures can be accepted of.
-std::vector<const Measure*> measures_of_plan(const json& plan) {
-  std::vector<const Measure*> measures;
-  const auto add = [&](const std::string& name) {
-    const Measure* measure = find_measure(name);
-    if (measure == nullptr || !measure->scalar || is_measured_anew(*measure)) return;
-    if (std::find(measures.begin(), measures.end(), measure) == measures.end()) measures.push_back(measure);
-  };
-  for (const json& name : plan.value("measure", json::array())) {
-    if (name.is_string()) add(name.get<std::string>());
-  }
-  const json accept = plan.value("accept", json::object());
-  for (const auto& [name, bound] : accept.items()) add(name);
-  return measures;
-}
-
 ordered_json figure_of_measure(const std::string& id, const Measure& measure, FigureKind kind) {
   ordered_json figure = {
       {"kind", kFigureKindNames.of(kind)}, {"case", id}, {"measure", measure.name}, {"value", nullptr}};
@@ -73,17 +57,12 @@ ordered_json figure_of_measure(const std::string& id, const Measure& measure, Fi
   return figure;
 }
 
-/// Whether a case has at least two repeats and all of them gave one output.
-bool repeats_agree(const std::vector<json>& records, const std::string& id) {
-  std::set<std::string> hashes;
-  std::size_t count = 0;
-  for (const json& record : records) {
-    if (record.at("case") != id) continue;
-    const json hash = record.value("output_hash", json());
-    hashes.insert(hash.is_string() ? hash.get<std::string>() : "");
-    ++count;
-  }
-  return count >= 2 && hashes.size() == 1 && !hashes.begin()->empty();
+/// Whether a case that the run has has at least two repeats, and all of them gave one output.
+bool repeats_agree(const RunRows& rows, const std::string& id) {
+  const auto own = rows.of_case(id);
+  const std::string* hash = own.front()->output_hash;
+  return own.size() >= 2 && hash != nullptr && !hash->empty() &&
+         std::all_of(own.begin(), own.end(), [&](const RunRow* row) { return row->output_hash == hash; });
 }
 
 }  // namespace
@@ -122,7 +101,24 @@ std::vector<FigureKind> default_kinds() {
   return {FigureKind::kAccuracy, FigureKind::kValidity, FigureKind::kStability, FigureKind::kHash};
 }
 
-ordered_json propose_accepted(const std::filesystem::path& folder, const std::vector<json>& records,
+std::vector<const Measure*> measures_to_propose(const json& provenance) {
+  std::vector<const Measure*> measures;
+  const json plan = provenance.is_object() ? provenance.value("plan_data", json()) : json();
+  if (!plan.is_object()) return measures;
+  const auto add = [&](const std::string& name) {
+    const Measure* measure = find_measure(name);
+    if (measure == nullptr || !measure->scalar || is_measured_anew(*measure)) return;
+    if (std::find(measures.begin(), measures.end(), measure) == measures.end()) measures.push_back(measure);
+  };
+  for (const json& name : plan.value("measure", json::array())) {
+    if (name.is_string()) add(name.get<std::string>());
+  }
+  const json accept = plan.value("accept", json::object());
+  for (const auto& [name, bound] : accept.items()) add(name);
+  return measures;
+}
+
+ordered_json propose_accepted(const std::filesystem::path& folder, const RunRows& rows,
                               const std::string& plan, const std::vector<FigureKind>& kinds) {
   const auto wanted = [&](FigureKind kind) {
     return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
@@ -132,22 +128,20 @@ ordered_json propose_accepted(const std::filesystem::path& folder, const std::ve
       throw InputError(std::string("a ") + kFigureKindNames.of(kind) +
                        " is for you to write: no run says which cases are to be held against each other");
   }
-  const json provenance = reference::read_json_file(RunPaths{folder}.provenance());
-  const auto measures = measures_of_plan(provenance.value("plan_data", json::object()));
+  const auto measures = measures_to_propose(reference::read_json_file(RunPaths{folder}.provenance()));
   ordered_json figures = ordered_json::array();
   std::set<std::string> done;
-  for (const json& record : records) {
-    const auto id = record.at("case").get<std::string>();
-    if (record.at("outcome") != "accepted" || !done.insert(id).second) continue;
-    const bool is_answer = !record.value("contestant", json()).is_null();
-    if (wanted(FigureKind::kValidity) && is_answer)
+  for (const RunRow& row : rows.all()) {
+    const std::string& id = *row.run_case;
+    if (*row.outcome != "accepted" || !done.insert(id).second) continue;
+    if (wanted(FigureKind::kValidity) && row.is_answer)
       figures.push_back({{"kind", "validity"}, {"case", id}, {"outcome", nullptr}});
     for (const Measure* measure : measures) {
       const FigureKind kind = kind_of_measure(measure->name);
-      if (wanted(kind) && figure_of(record, *measure))
+      if (wanted(kind) && rows.figure(row, *measure))
         figures.push_back(figure_of_measure(id, *measure, kind));
     }
-    if (wanted(FigureKind::kHash) && is_answer && repeats_agree(records, id))
+    if (wanted(FigureKind::kHash) && row.is_answer && repeats_agree(rows, id))
       figures.push_back({{"kind", "hash"}, {"case", id}, {"value", nullptr}});
   }
   if (figures.empty())

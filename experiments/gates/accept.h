@@ -30,6 +30,9 @@ std::vector<AcceptedChange> update_accepted(const GateResult& result,
 /// ratios of times are for their author to write.
 std::vector<FigureKind> default_kinds();
 
+/// The measures that propose_accepted looks for in the rows of a run with this provenance.
+std::vector<const Measure*> measures_to_propose(const nlohmann::json& provenance);
+
 /// Accepted figures (palpate/accepted/2) for a run that has none yet, without values (update_accepted puts
 /// them in) and with tolerances of 0 for their author to widen. Of every accepted case and input, of the
 /// measures that its plan names under `measure` and `accept`, without times and memory:
@@ -40,8 +43,7 @@ std::vector<FigureKind> default_kinds();
 ///   hash       where a case has at least two repeats, and all gave one output
 ///
 /// Throws: InputError if the run has no such figure, or a kind is one that cannot be read off a run.
-nlohmann::ordered_json propose_accepted(const std::filesystem::path& folder,
-                                        const std::vector<nlohmann::json>& records, const std::string& plan,
-                                        const std::vector<FigureKind>& kinds);
+nlohmann::ordered_json propose_accepted(const std::filesystem::path& folder, const RunRows& rows,
+                                        const std::string& plan, const std::vector<FigureKind>& kinds);
 
 }  // namespace palpate::experiments

@@ -17,26 +17,11 @@
 namespace palpate::experiments {
 namespace {
 
-using nlohmann::json;
-
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Whether the figure is an error against a reference that is not good enough to tell it.
-bool is_marked(const json& record, const Measure& measure) {
-  static const json::json_pointer mark_place("/judge/reference_too_coarse");
-  return std::string_view(measure.name).starts_with("displacement_") && record.contains(mark_place) &&
-         record.at(mark_place) == true;
-}
-
-/// The repeats of a case after warm-up, and with them if asked.
-std::vector<const json*> repeats_of_case(const std::vector<json>& records, const std::string& run_case,
-                                         bool with_warmup) {
-  std::vector<const json*> own;
-  for (const json& record : records) {
-    if (record.at("case") == run_case && (with_warmup || !record.value("warmup", false)))
-      own.push_back(&record);
-  }
-  return own;
+bool is_marked(const RunRow& row, const Measure& measure) {
+  return row.has_coarse_reference && std::string_view(measure.name).starts_with("displacement_");
 }
 
 /// Figures of a measure in all repeats of a case after warm-up, or why there are none.
@@ -45,13 +30,14 @@ struct Figures {
   std::string problem;
 };
 
-Figures figures_of(const std::vector<json>& records, const std::string& run_case, const Measure& measure) {
+Figures figures_of(const RunRows& rows, const std::string& run_case, const Measure& measure,
+                   bool with_searches = true) {
   Figures figures;
-  for (const json* record : repeats_of_case(records, run_case, false)) {
-    if (record->at("outcome") != "accepted")
-      return {{}, "a repeat is " + record->at("outcome").get<std::string>()};
-    if (is_marked(*record, measure)) return {{}, "marked: its reference is not five times better"};
-    const auto figure = figure_of(*record, measure);
+  for (const RunRow* row : rows.of_case(run_case)) {
+    if (row->is_warmup || (row->has_searched && !with_searches)) continue;
+    if (*row->outcome != "accepted") return {{}, "a repeat is " + *row->outcome};
+    if (is_marked(*row, measure)) return {{}, "marked: its reference is not five times better"};
+    const auto figure = rows.figure(*row, measure);
     if (!figure) return {{}, "a repeat has no figure"};
     figures.values.push_back(*figure);
   }
@@ -115,8 +101,8 @@ void hold_stability(GateLine& line) {
 }
 
 /// A number of each repeat: accuracy, validity, stability.
-void hold_number(GateLine& line, const std::vector<json>& records) {
-  Figures figures = figures_of(records, line.figure.run_case, *find_measure(line.figure.measure));
+void hold_number(GateLine& line, const RunRows& rows) {
+  Figures figures = figures_of(rows, line.figure.run_case, *find_measure(line.figure.measure));
   if (!figures.problem.empty()) return fail_without_figure(line, figures.problem);
   line.measured = median(figures.values);
   if (line.figure.kind == FigureKind::kValidity) {
@@ -129,17 +115,16 @@ void hold_number(GateLine& line, const std::vector<json>& records) {
 }
 
 /// An outcome, or the hash of the output: a word that all repeats have in common.
-void hold_word(GateLine& line, const std::vector<json>& records) {
+void hold_word(GateLine& line, const RunRows& rows) {
   const bool is_hash = line.figure.kind == FigureKind::kHash;
-  const char* key = is_hash ? "output_hash" : "outcome";
-  const auto repeats = repeats_of_case(records, line.figure.run_case, is_hash);
-  if (repeats.empty()) return fail_without_figure(line, "the run has no such case");
   std::set<std::string> words;
-  for (const json* record : repeats) {
-    const json word = record->value(key, json());
-    if (!word.is_string()) return fail_without_figure(line, "a repeat left no output");
-    words.insert(word.get<std::string>());
+  for (const RunRow* row : rows.of_case(line.figure.run_case)) {
+    if (row->is_warmup && !is_hash) continue;
+    const std::string* word = is_hash ? row->output_hash : row->outcome;
+    if (word == nullptr) return fail_without_figure(line, "a repeat left no output");
+    words.insert(*word);
   }
+  if (words.empty()) return fail_without_figure(line, "the run has no such case");
   if (words.size() > 1) {
     const std::string many = std::to_string(words.size());
     return fail_without_figure(line,
@@ -169,11 +154,11 @@ std::optional<std::pair<double, double>> medians_of_both(GateLine& line, const R
   return both;
 }
 
-void hold_comparison(GateLine& line, const std::vector<json>& records) {
+void hold_comparison(GateLine& line, const RunRows& rows) {
   const AcceptedFigure& figure = line.figure;
   const Measure& measure = *find_measure(figure.measure);
-  const auto both = medians_of_both(
-      line, [&](const std::string& run_case) { return figures_of(records, run_case, measure); });
+  const auto both =
+      medians_of_both(line, [&](const std::string& run_case) { return figures_of(rows, run_case, measure); });
   if (!both) return;
   const auto [left, right] = *both;
   if (figure.by_factor != 1.0 && (left < 0.0 || right < 0.0))
@@ -191,26 +176,21 @@ void hold_comparison(GateLine& line, const std::vector<json>& records) {
 }
 
 /// The times of a case that may be compared: of a process, those of repeats without a search.
-Figures times_of(const std::vector<json>& records, const std::string& run_case, const Measure& measure) {
+Figures times_of(const RunRows& rows, const std::string& run_case, const Measure& measure) {
   const std::string_view name = measure.name;
   const bool of_process = name == "wall_s" || name == "user_s";
-  std::vector<json> counted;
-  for (const json& record : records) {
-    if (record.at("case") == run_case && !(of_process && record.value("searched", false)))
-      counted.push_back(record);
-  }
-  Figures figures = figures_of(counted, run_case, measure);
+  Figures figures = figures_of(rows, run_case, measure, !of_process);
   if (figures.problem.empty() && figures.values.size() < kLeastTimeRepeats)
     figures.problem = std::to_string(figures.values.size()) + " repeats, a ratio of times needs at least " +
                       std::to_string(kLeastTimeRepeats);
   return figures;
 }
 
-void hold_time_ratio(GateLine& line, const std::vector<json>& records) {
+void hold_time_ratio(GateLine& line, const RunRows& rows) {
   const AcceptedFigure& figure = line.figure;
   const Measure& measure = *find_measure(figure.measure);
-  const auto both = medians_of_both(
-      line, [&](const std::string& run_case) { return times_of(records, run_case, measure); });
+  const auto both =
+      medians_of_both(line, [&](const std::string& run_case) { return times_of(rows, run_case, measure); });
   if (!both) return;
   const auto [own, divisor] = *both;
   if (divisor <= 0.0) return fail_without_figure(line, figure.other_case + ": its time is not above zero");
@@ -242,29 +222,39 @@ std::vector<const GateLine*> GateResult::failures() const {
   return failing;
 }
 
-GateLine hold_figure(const AcceptedFigure& figure, const std::vector<json>& records) {
+std::vector<const Measure*> measures_of(const AcceptedFile& accepted) {
+  std::vector<const Measure*> measures;
+  for (const AcceptedFigure& figure : accepted.figures) {
+    const Measure* measure = find_measure(figure.measure);
+    if (measure != nullptr && std::find(measures.begin(), measures.end(), measure) == measures.end())
+      measures.push_back(measure);
+  }
+  return measures;
+}
+
+GateLine hold_figure(const AcceptedFigure& figure, const RunRows& rows) {
   GateLine line;
   line.figure = figure;
   if (figure.kind == FigureKind::kComparison) {
-    hold_comparison(line, records);
+    hold_comparison(line, rows);
   } else if (figure.kind == FigureKind::kTimeRatio) {
-    hold_time_ratio(line, records);
+    hold_time_ratio(line, rows);
   } else if (figure.is_word()) {
-    hold_word(line, records);
+    hold_word(line, rows);
   } else {
-    hold_number(line, records);
+    hold_number(line, rows);
   }
   return line;
 }
 
-GateResult hold_against(const std::vector<json>& records, const std::string& plan,
+GateResult hold_against(const RunRows& rows, const std::string& plan,
                         const std::filesystem::path& accepted_file) {
   const AcceptedFile accepted = read_accepted(accepted_file, plan);
   GateResult result;
   result.plan = plan;
   bool compared = false;
   for (const AcceptedFigure& figure : accepted.figures) {
-    result.lines.push_back(hold_figure(figure, records));
+    result.lines.push_back(hold_figure(figure, rows));
     const GateLine& line = result.lines.back();
     compared = compared || line.problem.empty() || std::isfinite(line.shortfall) || line.measured ||
                !line.measured_word.empty();

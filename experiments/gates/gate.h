@@ -2,12 +2,13 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/gates/accepted_figures.h"
+#include "experiments/judging/measure.h"
+#include "experiments/records/run_rows.h"
 
 namespace palpate::experiments {
 
@@ -39,7 +40,10 @@ struct GateResult {
 /// Repeats that a ratio of two times needs of each of its cases.
 inline constexpr std::size_t kLeastTimeRepeats = 5;
 
-/// Holds a run's records against accepted figures (docs/gates.md):
+/// The measures whose figures of a run's records accepted figures are held against, each once.
+std::vector<const Measure*> measures_of(const AcceptedFile& accepted);
+
+/// Holds a run, by the rows of its records, against accepted figures (docs/gates.md):
 ///
 ///   accuracy    the median over the repeats after warm-up is within [value - lower, value + upper]
 ///   validity    each repeat has exactly this figure, or ended with this outcome
@@ -54,11 +58,12 @@ inline constexpr std::size_t kLeastTimeRepeats = 5;
 /// null figure fails. An error of a displacement whose row is marked (reference_too_coarse) is never held: it
 /// fails, so that the figure is taken out of the file. Without a figure that the run has there is nothing to
 /// compare, which is a problem of the run.
+/// The rows keep the figures of the file's measures (measures_of).
 /// Throws: InputError with the file and the key if the accepted file is not what it has to be.
-GateResult hold_against(const std::vector<nlohmann::json>& records, const std::string& plan,
+GateResult hold_against(const RunRows& rows, const std::string& plan,
                         const std::filesystem::path& accepted_file);
 
-/// What holding one figure against the records gives.
-GateLine hold_figure(const AcceptedFigure& figure, const std::vector<nlohmann::json>& records);
+/// What holding one figure against the rows gives, which keep its measure's figures.
+GateLine hold_figure(const AcceptedFigure& figure, const RunRows& rows);
 
 }  // namespace palpate::experiments

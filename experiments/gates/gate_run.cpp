@@ -1,6 +1,5 @@
 #include "experiments/gates/gate_run.h"
 
-#include <map>
 #include <set>
 
 #include "core/base/error.h"
@@ -51,14 +50,7 @@ bool is_failure(const std::string& outcome) {
   return failures.count(outcome) > 0;
 }
 
-/// What the records hold of a case.
-struct SeenCase {
-  std::set<std::int64_t> repeats;
-  bool closed = false;
-};
-
-void check_cases(const json& provenance, const std::vector<json>& records,
-                 std::vector<std::string>& problems) {
+void check_cases(const json& provenance, const RunRows& rows, std::vector<std::string>& problems) {
   const json cases = provenance.value("cases", json());
   const json repeats = provenance.value("repeats", json());
   const json warmup = provenance.value("warmup", json());
@@ -67,53 +59,50 @@ void check_cases(const json& provenance, const std::vector<json>& records,
         "provenance.json does not list the run's cases and repeats: it cannot be told whole");
     return;
   }
-  std::map<std::string, SeenCase> seen;
-  for (const json& record : records) {
-    SeenCase& own = seen[record.at("case").get<std::string>()];
-    own.repeats.insert(record.at("repeat").get<std::int64_t>());
-    own.closed = own.closed || is_closing(record.at("outcome").get<std::string>());
-  }
   const json own_repeats = provenance.value("repeats_of", json::object());
   std::set<std::string> known;
   for (const json& name : cases) {
     if (!name.is_string()) continue;
     const auto& id = *known.insert(name.get<std::string>()).first;
-    const SeenCase& own = seen[id];
+    std::set<std::int64_t> seen;
+    bool closed = false;
+    for (const RunRow* row : rows.of_case(id)) {
+      seen.insert(row->repeat);
+      closed = closed || is_closing(*row->outcome);
+    }
     const auto wanted = own_repeats.value(id, repeats.get<std::int64_t>()) + warmup.get<std::int64_t>();
-    const std::int64_t missing = wanted - static_cast<std::int64_t>(own.repeats.size());
-    if (missing > 0 && !own.closed)
+    const std::int64_t missing = wanted - static_cast<std::int64_t>(seen.size());
+    if (missing > 0 && !closed)
       problems.push_back(id + ": " + std::to_string(missing) + " of its " + std::to_string(wanted) +
                          " repeats are missing");
   }
   std::set<std::string> strangers;
-  for (const json& record : records) {
-    const auto id = record.at("case").get<std::string>();
-    if (!record.value("contestant", json()).is_null() && known.count(id) == 0 && strangers.insert(id).second)
+  for (const RunRow& row : rows.all()) {
+    const std::string& id = *row.run_case;
+    if (row.is_answer && known.count(id) == 0 && strangers.insert(id).second)
       problems.push_back(id + ": is no case of the run's plan");
   }
 }
 
-void check_outcomes(const std::vector<json>& records, std::vector<std::string>& problems) {
+void check_outcomes(const RunRows& rows, std::vector<std::string>& problems) {
   std::set<std::pair<std::string, std::string>> said;
-  for (const json& record : records) {
-    const auto outcome = record.at("outcome").get<std::string>();
-    if (outcome == "accepted" || (!record.value("required", true) && !is_failure(outcome))) continue;
-    const auto id = record.at("case").get<std::string>();
-    if (!said.insert({id, outcome}).second) continue;
-    const json message = record.value("message", json());
-    problems.push_back(id + ": " + outcome + (message.is_string() ? ": " + message.get<std::string>() : ""));
+  for (const RunRow& row : rows.all()) {
+    const std::string& outcome = *row.outcome;
+    if (outcome == "accepted" || (!row.is_required && !is_failure(outcome))) continue;
+    if (!said.insert({*row.run_case, outcome}).second) continue;
+    problems.push_back(*row.run_case + ": " + outcome + (row.message != nullptr ? ": " + *row.message : ""));
   }
 }
 
 }  // namespace
 
-std::vector<std::string> find_run_problems(const fs::path& folder, const std::vector<json>& records) {
+std::vector<std::string> find_run_problems(const fs::path& folder, const RunRows& rows) {
   const RunPaths paths{folder};
   std::vector<std::string> problems;
   const json provenance = read_provenance(paths, problems);
   check_plan(paths, provenance, problems);
-  if (provenance.is_object()) check_cases(provenance, records, problems);
-  check_outcomes(records, problems);
+  if (provenance.is_object()) check_cases(provenance, rows, problems);
+  check_outcomes(rows, problems);
   return problems;
 }
 

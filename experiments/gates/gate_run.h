@@ -2,9 +2,10 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "experiments/records/run_rows.h"
 
 namespace palpate::experiments {
 
@@ -13,7 +14,6 @@ namespace palpate::experiments {
 /// cases that it does not have; a record that the plan requires is not accepted; any other one crashed, ran
 /// out of memory, gave a bad answer, failed or was not judged. (A contestant that is not required may be
 /// unavailable, be rejected, refuse its input or time out.)
-std::vector<std::string> find_run_problems(const std::filesystem::path& folder,
-                                           const std::vector<nlohmann::json>& records);
+std::vector<std::string> find_run_problems(const std::filesystem::path& folder, const RunRows& rows);
 
 }  // namespace palpate::experiments

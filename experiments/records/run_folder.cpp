@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
-#include <map>
-#include <utility>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -34,22 +32,6 @@ void empty_folder(const fs::path& folder) {
     if (fs::is_directory(at->symlink_status(own))) fs::permissions(at->path(), fs::perms::owner_all, own);
   }
   fs::remove_all(folder, error);
-}
-
-/// The place of each case in the plan's order; none if the run's provenance cannot tell.
-std::map<std::string, int> planned_places(const fs::path& folder) {
-  std::map<std::string, int> places;
-  try {
-    const nlohmann::json provenance = reference::read_json_file(folder / "provenance.json");
-    if (!provenance.is_object()) return places;
-    const nlohmann::json cases = provenance.value("cases", nlohmann::json::array());
-    for (const nlohmann::json& name : cases) {
-      if (name.is_string()) places.emplace(name.get<std::string>(), static_cast<int>(places.size()));
-    }
-  } catch (const InputError&) {  // whoever needs the provenance itself says what is wrong with it
-    places.clear();
-  }
-  return places;
 }
 
 }  // namespace
@@ -102,20 +84,6 @@ fs::path new_run_folder(const fs::path& parent) {
   fs::path folder = parent / name;
   for (int i = 2; fs::exists(folder); ++i) folder = parent / (name + "-" + std::to_string(i));
   return folder;
-}
-
-std::vector<nlohmann::json> read_run_records(const fs::path& folder) {
-  std::vector<nlohmann::json> records = read_records(folder / "records.jsonl");
-  const std::map<std::string, int> places = planned_places(folder);
-  if (places.empty()) return records;
-  const auto key = [&places](const nlohmann::json& record) {
-    const auto place = places.find(record.at("case").get<std::string>());
-    if (place == places.end()) return std::pair(-1, -1);
-    return std::pair(record.at("repeat").get<int>(), place->second);
-  };
-  std::stable_sort(records.begin(), records.end(),
-                   [&key](const auto& a, const auto& b) { return key(a) < key(b); });
-  return records;
 }
 
 fs::path find_run(const fs::path& folder) {

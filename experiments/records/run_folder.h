@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
@@ -90,10 +89,5 @@ std::filesystem::path new_run_folder(const std::filesystem::path& parent);
 /// The run in `folder` itself if it holds one, otherwise its newest sub-folder that does.
 /// Throws: InputError if there is none.
 std::filesystem::path find_run(const std::filesystem::path& folder);
-
-/// The records of a run, round by round and in the order of the plan's cases, whatever order the rounds were
-/// run in; what is no case of the plan (inputs, references) comes first. Without a list of cases in the
-/// provenance they stay as they are. Throws: InputError as read_records does.
-std::vector<nlohmann::json> read_run_records(const std::filesystem::path& folder);
 
 }  // namespace palpate::experiments

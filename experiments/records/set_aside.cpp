@@ -18,20 +18,19 @@ std::size_t set_aside(const std::filesystem::path& records, const std::filesyste
                       const std::function<bool(const json&)>& is_taken) {
   std::error_code error;
   if (!std::filesystem::exists(records, error)) return 0;
-  std::string kept;
-  std::size_t taken = 0;
-  {
-    RecordFile retried(aside);
-    for (const json& record : read_records(records)) {
-      if (is_taken(record)) {
-        retried.append(record);
-        ++taken;
-      } else {
-        kept += record_line(record);
-      }
+  RecordFile retried(aside);
+  std::size_t taken = 0;  // all lines are read before the first one moves: a broken one leaves all as it is
+  for_each_record(records, [&](const json& record) { taken += is_taken(record) ? 1U : 0U; });
+  if (taken == 0) return 0;
+  AtomicFile kept(records);
+  for_each_record(records, [&](const json& record) {
+    if (is_taken(record)) {
+      retried.append(record);
+    } else {
+      kept.write(record_line(record));
     }
-  }
-  if (taken > 0) write_file_atomically(records, kept);
+  });
+  kept.commit();
   return taken;
 }
 

@@ -129,10 +129,10 @@ std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {
   const json timed_on = node_kind(provenance_);
   const std::size_t first_sitting = provenance_.at("sittings").size();
   std::size_t taken = 0;
-  for (json& record : read_records(part / "records.jsonl")) {
+  const auto take_record = [&](json record) {
     const std::pair<std::string, int> key{record.at("case").get<std::string>(),
                                           record.at("repeat").get<int>()};
-    if (recorded_.count(key) > 0) continue;
+    if (recorded_.count(key) > 0) return;
     const auto kept = kept_.find(key.first);
     const bool is_case = !record.at("contestant").is_null();
     if (is_case && kept == kept_.end())
@@ -146,7 +146,10 @@ std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {
     records.append(record);
     recorded_.insert(key);
     ++taken;
-  }
+  };
+  const fs::path theirs_file = part / "records.jsonl";
+  for_each_record(theirs_file, [](const json&) {});  // a broken line is found before anything is taken
+  for_each_record(theirs_file, take_record);
   for (json sitting : theirs.value("sittings", json::array())) {
     sitting["node"] = kind;
     provenance_["sittings"].push_back(std::move(sitting));

@@ -108,6 +108,14 @@ def make_run(program, folder, records, repeats=10, meshes=8):
     return write_records(folder / "records.jsonl", small_run(program, meshes), plan.stem, seeds, repeats)
 
 
+def fail_first(path):
+    """Makes the first record, an input's, one that crashed. It stays as long as it was."""
+    with open(path, "r+b") as lines:
+        first = lines.readline()
+        lines.seek(0)
+        lines.write(first.replace(b'"outcome":"accepted"', b'"outcome":"crashed" '))
+
+
 def main():
     parser = argparse.ArgumentParser(description="A run folder of very many made-up records.")
     parser.add_argument("program", metavar="PALPATE")

@@ -1,4 +1,4 @@
-"""A run of a million records: its report and its resumption keep within 2 GB, count every record, and leave a page that can be opened.
+"""A run of a million records: its report, its gate and its resumption keep within 2 GB, count every record, and leave a page that can be opened.
 
     /usr/bin/python3 -B tests/campaign/many_records_test.py PALPATE [RECORDS]
 
@@ -6,6 +6,7 @@ PALPATE is the program. The folder takes some 3.5 GB below TMPDIR. Nothing is ti
 """
 
 import csv
+import json
 import os
 import pathlib
 import subprocess
@@ -13,7 +14,7 @@ import sys
 import tempfile
 import unittest
 
-from many_records import LABELS, make_run
+from many_records import LABELS, fail_first, make_run
 
 PROGRAM = sys.argv[1] if len(sys.argv) > 1 else ""
 RECORDS = int(sys.argv[2]) if len(sys.argv) > 2 else 1_000_000
@@ -67,6 +68,25 @@ class ManyRecords(unittest.TestCase):
         print(f"resumption of {self.count} records: {memory / 1e6:.0f} MB")
         self.assertLess(memory, MOST_BYTES)
         self.assertEqual(records.stat().st_size, before.st_size)
+
+    def test_it_is_held_against_accepted_figures_within_two_gigabytes(self):
+        accepted = self.run_folder.with_name("accepted.json")
+        memory = max(self.palpate("gate", self.run_folder, "--accepted", accepted, *more) for more in (("--update",), ("--all",)))
+        print(f"gate of {self.count} records: {memory / 1e6:.0f} MB")
+        self.assertLess(memory, MOST_BYTES)
+        cases = (self.count - MESHES) // REPEATS
+        figures = json.loads(accepted.read_text(encoding="utf-8"))["figures"]
+        self.assertEqual(len(figures), MESHES + 3 * cases, "an input has its figure; a case has its outcome and its output as well")
+
+    def test_what_failed_is_run_anew_within_two_gigabytes(self):
+        records = self.run_folder / "records.jsonl"
+        before = records.stat().st_size
+        fail_first(records)
+        memory = self.palpate("run", self.run_folder.with_suffix(".yaml"), "--out", self.run_folder, "--resume", "--retry-failed", "--no-report")
+        print(f"retried in {self.count} records: {memory / 1e6:.0f} MB")
+        self.assertLess(memory, MOST_BYTES)
+        self.assertEqual(len((self.run_folder / "retried.jsonl").read_bytes().splitlines()), 1)
+        self.assertLess(abs(records.stat().st_size - before), 1000, "it has its record again")
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
     /usr/bin/python3 -B tests/campaign/scaling_figures.py PALPATE [--only NAME]... [--most RECORDS] [--most-jobs JOBS]
 
-NAME is one of run, report, jobs, take, side_by_side, ranks. Times are of processor and of the clock; where something else runs on the machine only those of
+NAME is one of run, report, gate, jobs, take, side_by_side, ranks. Times are of processor and of the clock; where something else runs on the machine only those of
 the processor are worth something, and they too grow by a third or more. It is a tool, no test: nothing is held against a bound.
 """
 
@@ -16,7 +16,7 @@ import tempfile
 import time
 from dataclasses import dataclass
 
-from many_records import LABELS, make_run, plan_text
+from many_records import LABELS, fail_first, make_run, plan_text
 
 LONGEST_S = 900  # of one command
 
@@ -97,6 +97,25 @@ def measure_report(options):
         size *= 10
     table("A report and a resumption with nothing to run, ten repeats a case", ["records", "MB of records", *(f"report: {head}" for head in COST_HEADS),
           "report over json.loads of all lines", "page, MB", *(f"resumption: {head}" for head in COST_HEADS)], rows)
+
+
+def measure_gate(options):
+    """A run held against all figures that it has, newly accepted and again; and a resumption that runs anew what failed, which is one input."""
+    rows, size = [], 10_000
+    while size <= options.most:
+        with tempfile.TemporaryDirectory(prefix="palpate-scaling-") as folder:
+            run = pathlib.Path(folder) / "run"
+            count = make_run(options.program, run, size)
+            accepted = pathlib.Path(folder) / "accepted.json"
+            gate = [options.program, "gate", run, "--accepted"]
+            figures = [cost_of(*gate, accepted, "--update"), cost_of(*gate, accepted)]
+            fail_first(run / "records.jsonl")
+            again = cost_of(options.program, "run", run.with_suffix(".yaml"), "--out", run, "--resume", "--retry-failed", "--no-report")
+            rows.append([f"{count:,}", f"{len(json.loads(accepted.read_text(encoding='utf-8'))['figures']):,}",
+                         *(cell for cost in (*figures, again) for cell in cost_cells(cost))])
+        size *= 10
+    table("A gate and a resumption that runs one failed repeat anew, ten repeats a case",
+          ["records", "figures", *(f"{what}: {head}" for what in ("gate --update", "gate", "--retry-failed") for head in COST_HEADS)], rows)
 
 
 def measure_jobs(options):
@@ -184,7 +203,7 @@ def measure_ranks(options):
     table("Ranks, a kidney under gravity", ["method", "scaling", "ranks", "vertices", "repeats", "kernel by the clock, s", "whole process, s", "memory, MB"], rows)
 
 
-MEASURES = {"run": measure_run, "report": measure_report, "jobs": measure_jobs, "take": measure_take, "side_by_side": measure_side_by_side, "ranks": measure_ranks}
+MEASURES = {"run": measure_run, "report": measure_report, "gate": measure_gate, "jobs": measure_jobs, "take": measure_take, "side_by_side": measure_side_by_side, "ranks": measure_ranks}
 
 
 def main():

@@ -5,12 +5,14 @@
 #include "core/base/error.h"
 #include "experiments/gates/accept.h"
 #include "experiments/gates/gate.h"
+#include "tests/support/run_rows_of.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+using test::run_rows_of;
 using testing::HasSubstr;
 
 /// A repeat of a case with a time, a count, a margin and an output.
@@ -41,7 +43,7 @@ std::vector<json> both(std::vector<json> a, const std::vector<json>& b) {
 GateResult hold(const json& figure, const std::vector<json>& records) {
   const test::ScratchFolder folder;
   const json file = {{"schema", "palpate/accepted/2"}, {"plan", "p"}, {"figures", {figure}}};
-  return hold_against(records, "p", folder.add("p.json", file.dump()));
+  return hold_against(run_rows_of(records), "p", folder.add("p.json", file.dump()));
 }
 
 std::string problem_of(const json& figure, const std::vector<json>& records) {
@@ -166,7 +168,7 @@ TEST(GateKinds, KindsHaveTheirKeys) {
   EXPECT_THAT(refusal_of(nameless), HasSubstr("the key \"kind\" is missing"));
   const test::ScratchFolder folder;
   const json old = {{"schema", "palpate/accepted/1"}, {"plan", "p"}, {"figures", {kHash}}};
-  EXPECT_THROW(hold_against({}, "p", folder.add("p.json", old.dump())), InputError);
+  EXPECT_THROW(hold_against(run_rows_of({}), "p", folder.add("p.json", old.dump())), InputError);
 }
 
 TEST(GateKinds, UpdateTakesValuesOfAllKindsAndKeepsTolerances) {
@@ -179,13 +181,13 @@ TEST(GateKinds, UpdateTakesValuesOfAllKindsAndKeepsTolerances) {
   const auto file = folder.add(
       "p.json", json{{"schema", "palpate/accepted/2"}, {"plan", "p"}, {"figures", figures}}.dump());
   std::vector<std::string> texts;
-  for (const AcceptedChange& change : update_accepted(hold_against(records, "p", file), file))
+  for (const AcceptedChange& change : update_accepted(hold_against(run_rows_of(records), "p", file), file))
     texts.push_back(change.text());
   EXPECT_THAT(texts, testing::ElementsAre(
                          "m/a inverted_tets: 4 -> 0 (-100%)", "m/a outcome: none -> accepted",
                          "m/a hash: xxh3:old -> xxh3:a", "m/a measured_over_predicted: 1.1 -> 1.02 (-7.27%)",
                          "m/a / m/b kernel_s: 1.5 -> 3 (+100%)", "m/a < m/b mean_quality: none -> 1.5"));
-  EXPECT_TRUE(hold_against(records, "p", file).holds());
+  EXPECT_TRUE(hold_against(run_rows_of(records), "p", file).holds());
   const json after = json::parse(test::bytes_of(file)).at("figures");
   EXPECT_EQ(after[3], with(with(kMargin, "at_least", 0.9), "value", 1.02));
   EXPECT_EQ(after[4], with(kRatio, "value", 3.0));
@@ -200,7 +202,8 @@ TEST(GateKinds, WhatFellShortFarthestComesFirst) {
                      accuracy("min_quality", 0.1, 0.0), kInverted};
   const test::ScratchFolder folder;
   const json file = {{"schema", "palpate/accepted/2"}, {"plan", "p"}, {"figures", figures}};
-  const GateResult result = hold_against(repeats("m/a", {1}), "p", folder.add("p.json", file.dump()));
+  const GateResult result =
+      hold_against(run_rows_of(repeats("m/a", {1})), "p", folder.add("p.json", file.dump()));
   std::vector<std::string> order;
   for (const GateLine* line : result.failures()) order.push_back(line->figure.measure);
   EXPECT_THAT(order, testing::ElementsAre("min_quality", "measured_over_predicted", "mean_quality"));

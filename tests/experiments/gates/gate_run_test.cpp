@@ -4,13 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "experiments/gates/accept.h"
 #include "experiments/gates/gate.h"
 #include "experiments/records/record_file.h"
-#include "experiments/records/run_folder.h"
+#include "experiments/records/run_rows.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {
@@ -32,11 +37,22 @@ class GateRun : public testing::Test {
     fixture_.run(plan);
   }
   std::filesystem::path folder() const { return fixture_.folder() / "run"; }
-  std::vector<json> records() const { return read_run_records(folder()); }
-  nlohmann::ordered_json propose(const std::string& plan, const std::vector<FigureKind>& kinds) const {
-    return propose_accepted(folder(), records(), plan, kinds);
+  /// With the figures of the plan.
+  RunRows rows() const { return read_run_rows(folder(), measures_to_propose(known_provenance(folder()))); }
+  /// Round by round, in the order of the plan's cases.
+  std::vector<json> records() const {
+    std::map<std::pair<std::string, std::int64_t>, json> read;
+    for (const json& record : read_records(folder() / "records.jsonl"))
+      read[{record.at("case").get<std::string>(), record.at("repeat").get<std::int64_t>()}] = record;
+    std::vector<json> all;
+    const RunRows ordered = rows();
+    for (const RunRow& row : ordered.all()) all.push_back(read.at({*row.run_case, row.repeat}));
+    return all;
   }
-  std::vector<std::string> problems() const { return find_run_problems(folder(), records()); }
+  nlohmann::ordered_json propose(const std::string& plan, const std::vector<FigureKind>& kinds) const {
+    return propose_accepted(folder(), rows(), plan, kinds);
+  }
+  std::vector<std::string> problems() const { return find_run_problems(folder(), rows()); }
   void keep_lines(std::size_t count) const {
     std::string text;
     const auto all = records();
@@ -108,7 +124,7 @@ TEST_F(GateRun, TheFirstAcceptedFiguresAreThePlansWithoutTimes) {
   run();
   const auto file = fixture_.folder().add("plan.json", propose("plan", default_kinds()).dump());
   std::vector<std::string> texts;
-  for (const AcceptedChange& change : update_accepted(hold_against(records(), "plan", file), file))
+  for (const AcceptedChange& change : update_accepted(hold_against(rows(), "plan", file), file))
     texts.push_back(change.text());
   const std::string hash = records().back().at("output_hash").get<std::string>();
   EXPECT_THAT(texts, ElementsAre("cube/input tets_out: none -> 384", "cube/input inverted_tets: none -> 0",
@@ -116,7 +132,7 @@ TEST_F(GateRun, TheFirstAcceptedFiguresAreThePlansWithoutTimes) {
                                  "cube/a inverted_tets: none -> 0", "cube/a hash: none -> " + hash,
                                  "cube/b outcome: none -> accepted", "cube/b tets_out: none -> 384",
                                  "cube/b inverted_tets: none -> 0", "cube/b hash: none -> " + hash));
-  EXPECT_TRUE(hold_against(records(), "plan", file).holds());
+  EXPECT_TRUE(hold_against(rows(), "plan", file).holds());
   const json kinds = propose("plan", {FigureKind::kValidity});
   EXPECT_EQ(kinds.at("figures").size(), 5U);
   EXPECT_THROW(propose("plan", {FigureKind::kComparison}), InputError);
@@ -182,6 +198,22 @@ TEST_F(GateRun, TheCommandSaysWhatFellShortFirstAndWritesBothSummaries) {
       test::run_program({"gate", folder().string(), "--accepted", accepted.string(), "--kinds", "hash"})
           .error,
       HasSubstr("--kinds belongs to --update"));
+}
+
+TEST_F(GateRun, WhatIsNeededIsReadWhateverPlanTheProvenanceNames) {
+  run();
+  const std::string accepted = (fixture_.folder() / "accepted.json").string();
+  const std::vector<std::string> gate{"gate", folder().string(), "--accepted", accepted};
+  std::vector<std::string> update = gate;
+  update.emplace_back("--update");
+  json provenance = json::parse(test::bytes_of(folder() / "provenance.json"));
+  provenance["plan"] = "another";
+  fixture_.folder().add("run/provenance.json", provenance.dump());
+  EXPECT_EQ(test::run_program(update).exit_code, 0);
+  EXPECT_EQ(test::run_program(gate).out,
+            "holds: 10 of 10 figures hold: 3 of accuracy, 5 of validity, 2 of hash\n");
+  std::filesystem::remove(folder() / "provenance.json");
+  EXPECT_THAT(test::run_program(gate).out, HasSubstr("10 of 10 figures hold"));
 }
 
 TEST_F(GateRun, ARunWithoutRecordsHasNothingToCompare) {

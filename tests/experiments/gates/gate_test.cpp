@@ -5,13 +5,14 @@
 
 #include "core/base/error.h"
 #include "experiments/gates/accept.h"
-#include "experiments/records/record_file.h"
+#include "tests/support/run_rows_of.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
+using test::run_rows_of;
 using testing::HasSubstr;
 
 json record(int repeat, const json& value, bool warmup = false, const std::string& outcome = "accepted") {
@@ -41,7 +42,7 @@ std::string accepted_text(const json& value, double lower, double upper,
 
 GateLine gate_of(const std::string& accepted, const std::vector<json>& records) {
   const test::ScratchFolder folder;
-  return hold_against(records, "p", folder.add("p.json", accepted)).lines.at(0);
+  return hold_against(run_rows_of(records), "p", folder.add("p.json", accepted)).lines.at(0);
 }
 
 TEST(Gate, MedianAfterWarmUpIsHeld) {
@@ -108,17 +109,18 @@ TEST(Gate, FilesThatAreNoAcceptedFigures) {
   text.replace(text.find("upper"), 5, "uper");
   EXPECT_THAT(gate_error(text), HasSubstr("unknown key \"uper\"; did you mean \"upper\"?"));
   const test::ScratchFolder folder;
-  EXPECT_THROW(hold_against(kRecords, "p", folder / "none.json"), InputError);
-  EXPECT_THROW(hold_against(kRecords, "q", folder.add("p.json", accepted_text(1, 1, 1))), InputError);
+  EXPECT_THROW(hold_against(run_rows_of(kRecords), "p", folder / "none.json"), InputError);
+  EXPECT_THROW(hold_against(run_rows_of(kRecords), "q", folder.add("p.json", accepted_text(1, 1, 1))),
+               InputError);
 }
 
 TEST(Gate, UpdateTakesValuesAndKeepsTolerances) {
   const test::ScratchFolder folder;
   const auto file = folder.add("p.json", accepted_text(nullptr, 0.5, 0.25));
-  const auto changes = update_accepted(hold_against(kRecords, "p", file), file);
+  const auto changes = update_accepted(hold_against(run_rows_of(kRecords), "p", file), file);
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].text(), "kidney/a kernel_s: none -> 2 s");
-  const GateResult after = hold_against(kRecords, "p", file);
+  const GateResult after = hold_against(run_rows_of(kRecords), "p", file);
   EXPECT_TRUE(after.holds());
   EXPECT_DOUBLE_EQ(*after.lines[0].figure.value, 2.0);
   EXPECT_DOUBLE_EQ(after.lines[0].figure.lower, 0.5);
@@ -130,7 +132,7 @@ TEST(Gate, UpdateTakesValuesAndKeepsTolerances) {
 TEST(Gate, UpdateShowsTheChangeInPercent) {
   const test::ScratchFolder folder;
   const auto file = folder.add("p.json", accepted_text(1.6, 0.5, 0.25));
-  const auto changes = update_accepted(hold_against(kRecords, "p", file), file);
+  const auto changes = update_accepted(hold_against(run_rows_of(kRecords), "p", file), file);
   ASSERT_EQ(changes.size(), 1U);
   EXPECT_EQ(changes[0].text(), "kidney/a kernel_s: 1.6 -> 2 s (+25%)");
 }
@@ -138,21 +140,21 @@ TEST(Gate, UpdateShowsTheChangeInPercent) {
 TEST(Gate, NothingToCompareFails) {
   const test::ScratchFolder folder;
   const auto empty = folder.add("p.json", R"({"schema":"palpate/accepted/1","plan":"p","figures":[]})");
-  const GateResult none = hold_against(kRecords, "p", empty);
+  const GateResult none = hold_against(run_rows_of(kRecords), "p", empty);
   EXPECT_FALSE(none.holds());
   EXPECT_THAT(none.problems, testing::ElementsAre(HasSubstr("nothing to compare")));
   const auto strange = folder.add("p.json", accepted_text(1.0, 1.0, 1.0, "liver/a"));
-  EXPECT_THAT(hold_against(kRecords, "p", strange).problems,
+  EXPECT_THAT(hold_against(run_rows_of(kRecords), "p", strange).problems,
               testing::ElementsAre("nothing to compare: the run has none of the 1 accepted figures"));
   const auto known = folder.add("p.json", accepted_text(1.0, 1.0, 1.0));
-  EXPECT_TRUE(hold_against(kRecords, "p", known).problems.empty());
+  EXPECT_TRUE(hold_against(run_rows_of(kRecords), "p", known).problems.empty());
 }
 
 TEST(Gate, UpdateLeavesFiguresWithoutAMeasuredValue) {
   const test::ScratchFolder folder;
   const auto file = folder.add("p.json", accepted_text(7.0, 0.5, 0.25, "kidney/gone"));
-  EXPECT_TRUE(update_accepted(hold_against(kRecords, "p", file), file).empty());
-  EXPECT_DOUBLE_EQ(*hold_against(kRecords, "p", file).lines[0].figure.value, 7.0);
+  EXPECT_TRUE(update_accepted(hold_against(run_rows_of(kRecords), "p", file), file).empty());
+  EXPECT_DOUBLE_EQ(*hold_against(run_rows_of(kRecords), "p", file).lines[0].figure.value, 7.0);
 }
 
 TEST(Gate, MedianOfAnEvenNumber) {

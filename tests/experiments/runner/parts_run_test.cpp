@@ -143,6 +143,20 @@ TEST_F(PartsRunTest, APartOfAnotherPlanInputOrOutputIsRefused) {
   EXPECT_THAT(run(plan, "d", {"--take", folder("nothing")}).error, HasSubstr("expected the folder of a run"));
 }
 
+TEST_F(PartsRunTest, OfAPartWithABrokenLineNothingIsTaken) {
+  const std::string plan = add_plan("timed: false");
+  ASSERT_EQ(run(plan, "part").exit_code, 0);
+  const std::string lines = test::bytes_of(fixture_.folder() / "part/records.jsonl");
+  fixture_.folder().add("part/records.jsonl", lines + "broken\n");
+  const ProgramResult refused = run(plan, "taken", {"--take", folder("part")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("part/records.jsonl:23: expected JSON"));
+  for (const auto& [id, record] : records_of("taken")) EXPECT_TRUE(record.at("contestant").is_null()) << id;
+  fixture_.folder().add("part/records.jsonl", lines);
+  ASSERT_EQ(run(plan, "taken", {"--resume", "--take", folder("part")}).exit_code, 0);
+  EXPECT_EQ(records_of("taken"), records_of("part"));
+}
+
 TEST_F(PartsRunTest, TimesOfUnlikeNodesAreNeverTogether) {
   const std::string plan = add_plan("timed: true");
   const std::string one = fixture_.folder().add("one.txt", "one/hierarchical\n").string();

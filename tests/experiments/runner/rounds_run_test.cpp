@@ -6,6 +6,7 @@
 
 #include "experiments/gates/gate_run.h"
 #include "experiments/records/record_file.h"
+#include "experiments/records/run_rows.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "tests/support/experiment_fixture.h"
@@ -108,7 +109,7 @@ TEST(Rounds, AChoiceOfCasesIsStatedAndCompleted) {
   json sittings = provenance_of(folder).at("sittings");
   ASSERT_EQ(sittings.size(), 1U);
   EXPECT_EQ(sittings[0].at("chosen"), json({{"only", {"b", "cube/e"}}}));
-  const auto missing = find_run_problems(folder, read_records(folder / "records.jsonl"));
+  const auto missing = find_run_problems(folder, read_run_rows(folder, {}));
   EXPECT_THAT(missing, testing::UnorderedElementsAre(HasSubstr("cube/a: 3 of its 3 repeats are missing"),
                                                      HasSubstr("cube/c: 3 of its 3 repeats are missing")));
   // The rounds' order does not change by the choice, so that positions are those of the whole plan.
@@ -119,7 +120,7 @@ TEST(Rounds, AChoiceOfCasesIsStatedAndCompleted) {
   sittings = provenance_of(folder).at("sittings");
   ASSERT_EQ(sittings.size(), 2U);
   EXPECT_FALSE(sittings[1].contains("chosen"));
-  EXPECT_THAT(find_run_problems(folder, read_records(folder / "records.jsonl")), testing::IsEmpty());
+  EXPECT_THAT(find_run_problems(folder, read_run_rows(folder, {})), testing::IsEmpty());
   run_quietly(fixture, plan, fixture.folder() / "whole");
   for (const auto& [id, records] : records_by_case(fixture.folder() / "whole")) {
     const auto before = positions.find(id);
@@ -151,7 +152,7 @@ TEST(Rounds, RepeatsUntilTheIntervalIsNarrowOrTheLimit) {
     EXPECT_EQ(provenance.at("repeats_ended").at("cube/a").at("repeats"), expected - 1);
     EXPECT_EQ(provenance.at("repeats_ended").at("cube/crash").at("reason"), "no_time");
     EXPECT_FALSE(provenance.at("repeats_ended").contains("cube/seeded/seed=4"));
-    for (const std::string& problem : find_run_problems(folder, read_records(folder / "records.jsonl")))
+    for (const std::string& problem : find_run_problems(folder, read_run_rows(folder, {})))
       EXPECT_EQ(problem.find("missing"), std::string::npos) << problem;
     EXPECT_EQ(run_quietly(fixture, plan, folder, true).records_added, 0U) << "it has ended";
   }
@@ -170,10 +171,10 @@ TEST(Rounds, ARunThatIsBrokenOffIsNotWholeAndGoesOn) {
   provenance["repeats_of"] = json({{"cube/a", 8}});
   fixture.folder().add("run/records.jsonl", kept);
   fixture.folder().add("run/provenance.json", provenance.dump());
-  EXPECT_THAT(find_run_problems(folder, read_records(folder / "records.jsonl")),
+  EXPECT_THAT(find_run_problems(folder, read_run_rows(folder, {})),
               testing::ElementsAre(HasSubstr("cube/a: 4 of its 8 repeats are missing")));
   EXPECT_EQ(run_quietly(fixture, plan, folder, true).records_added, 4U);
-  EXPECT_THAT(find_run_problems(folder, read_records(folder / "records.jsonl")), testing::IsEmpty());
+  EXPECT_THAT(find_run_problems(folder, read_run_rows(folder, {})), testing::IsEmpty());
 }
 
 }  // namespace
