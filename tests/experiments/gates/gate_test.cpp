@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "experiments/gates/accept.h"
+#include "experiments/records/record_file.h"
 #include "tests/support/run_rows_of.h"
 #include "tests/support/scratch_folder.h"
 

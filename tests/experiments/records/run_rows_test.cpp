@@ -45,6 +45,7 @@ class RunRowsTest : public testing::Test {
   }
   void write(const std::vector<json>& records) const {
     std::vector<std::string> lines;
+    lines.reserve(records.size());
     for (const json& record : records) lines.push_back(record.dump());
     write_lines(lines);
   }
