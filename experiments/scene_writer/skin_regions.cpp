@@ -202,11 +202,10 @@ RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
 
 namespace {
 
-/// The next number of three digits that is no smaller: what a scene's text has, so that it takes hold of what
-/// was looked at.
+/// The nearest number of three digits: what a scene's text has, so that it takes hold of what was looked at.
 double to_three_digits(double length_m) {
   const double step = std::pow(10.0, std::floor(std::log10(length_m)) - 2.0);
-  return step * std::ceil(length_m / step - 1e-9);
+  return step * std::round(length_m / step);
 }
 
 }  // namespace
