@@ -210,9 +210,8 @@ std::size_t clean_up(pid_t program, int& status) {
   unsigned wait_us = kShortestWaitUs;
   bool has_ended = false;
   std::vector<pid_t> last;
-  while (true) {
+  while (collect(program, kMostAtOnce, status, has_ended) != Collected::kNobodyLeft) {
     const std::vector<pid_t> found = kill_descendants(::getpid());
-    if (collect(program, kMostAtOnce, status, has_ended) == Collected::kNobodyLeft) return 0;
     const Clock::time_point now = Clock::now();
     if (now > end || (found == last && now > changed + std::chrono::seconds(kPatienceS))) return found.size();
     if (found == last) {
@@ -224,10 +223,11 @@ std::size_t clean_up(pid_t program, int& status) {
     wait_us = kShortestWaitUs;
     last = found;
     for (int i = 0; i < kLooksAtChildren; ++i) {
-      kill_children();
       if (collect(program, kMostAtOnce, status, has_ended) == Collected::kNobodyLeft) return 0;
+      kill_children();
     }
   }
+  return 0;
 }
 
 }  // namespace
