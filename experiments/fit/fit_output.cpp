@@ -8,7 +8,6 @@
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/files/file_bytes.h"
-#include "experiments/fit/fitted_scene.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
@@ -106,12 +105,40 @@ std::optional<json> describe_stepping_saving(const FitPoint& choice) {
   return std::nullopt;
 }
 
+/// The model, against the most accurate of the search on the same mesh; where the choice's share lies between
+/// two of the search, on the mesh of the nearest.
+std::optional<json> describe_model_saving(const FitResult& result) {
+  const FitCandidate& own = result.choice->candidate;
+  const FitPoint* mine = nullptr;
+  const auto distance = [&](const FitPoint& point) {
+    return std::abs(point.candidate.removed() - own.removed());
+  };
+  for (const FitPoint& point : result.searched) {
+    const FitCandidate& theirs = point.candidate;
+    const bool is_own = theirs.model.label == own.model.label && theirs.simplifier == own.simplifier;
+    if (is_own && point.failure.empty() && (mine == nullptr || distance(point) < distance(*mine)))
+      mine = &point;
+  }
+  const FitPoint* other = nullptr;
+  for (const FitPoint& point : result.searched) {
+    const FitCandidate& theirs = point.candidate;
+    if (mine == nullptr || theirs.model.label == own.model.label || !point.failure.empty()) continue;
+    if (theirs.simplifier != own.simplifier || theirs.ratio != mine->candidate.ratio) continue;
+    if (other == nullptr || point.error.front() < other->error.front()) other = &point;
+  }
+  if (other == nullptr) return std::nullopt;
+  const bool is_same_mesh = mine->candidate.ratio == own.ratio;
+  const std::string where = "model, against the most accurate on the " +
+                            (is_same_mesh ? std::string("same mesh") : "mesh of " + mine->candidate.name());
+  return describe_saving(where, *other, *mine);
+}
+
 /// Each step that makes the choice cheap, measured in the search with all else as in the choice.
 json describe_savings(const FitResult& result) {
   json savings = json::array();
   const FitCandidate& own = result.choice->candidate;
   const FitPoint* now = find_point(result.searched, own.model.label, own.simplifier, own.ratio);
-  if (now == nullptr) return savings;
+  if (now == nullptr) now = &*result.choice;  // a share between two of the search
   const auto add = [&](const std::string& what, const FitPoint* before) {
     if (before != nullptr && before != now && before->failure.empty())
       savings.push_back(describe_saving(what, *before, *now));
@@ -126,14 +153,7 @@ json describe_savings(const FitResult& result) {
                          {"error_after", *tried.motion_error}});
   }
   add("simplification", find_point(result.searched, own.model.label, kNoSimplifier, std::nullopt));
-  const FitPoint* other = nullptr;
-  for (const FitPoint& point : result.searched) {
-    const FitCandidate& theirs = point.candidate;
-    if (theirs.simplifier != own.simplifier || theirs.ratio != own.ratio || !point.failure.empty()) continue;
-    if (theirs.model.label == own.model.label) continue;
-    if (other == nullptr || point.error.front() < other->error.front()) other = &point;
-  }
-  add("model, against the most accurate on the same mesh", other);
+  if (const auto saved = describe_model_saving(result)) savings.push_back(*saved);
   if (const auto saved = describe_stepping_saving(*result.choice)) savings.push_back(*saved);
   return savings;
 }
@@ -165,6 +185,14 @@ std::string seconds_of(const json& seconds) {
 const char* work_text(FitWork work) {
   if (work == FitWork::kSecond) return "a simulated second takes";
   return work == FitWork::kFurther ? "an answer to a new load takes" : "a first answer takes";
+}
+
+/// On which loads the choice's error was looked at.
+std::string loads_text(const json& fit) {
+  const auto further = fit.at("confirming_loads").get<std::size_t>();
+  std::string text = "it and on " + std::to_string(kOtherLoads) + " other loads that it was chosen by";
+  if (further > 0) return text + ", and on " + std::to_string(further) + " more that it was not chosen by";
+  return text + " (no further ones were run)";
 }
 
 void add_steppings(const json& choice, std::ostringstream& text) {
@@ -199,8 +227,8 @@ void add_choice(const FitResult& result, const json& fit, std::ostringstream& te
   text << "**" << choice.at("name").get<std::string>() << "** (" << choice.at("method").get<std::string>()
        << ", " << choice.at("tets") << " tetrahedra): " << work_text(result.work) << " "
        << seconds_of(choice.at("cost_s")) << ", error " << percent_of(choice.at("error").front())
-       << " on the scene, at most " << percent_of(choice.at("worst_error")) << " on it and on " << kOtherLoads
-       << " loads that the choice never saw, the reference's own error on top.\n";
+       << " on the scene, at most " << percent_of(choice.at("worst_error")) << " on " << loads_text(fit)
+       << ", the reference's own error on top.\n";
   if (choice.contains("explicit_step_s"))
     text << "\nLongest stable step, undamped, predicted: " << seconds_of(choice.at("explicit_step_s"))
          << ".\n";
@@ -255,6 +283,7 @@ json describe_fit(const FitResult& result) {
            {"dropped", result.dropped},
            {"choice", nullptr},
            {"nearest", nullptr},
+           {"confirming_loads", 0},
            {"savings", json::array()},
            {"tried", json::array()},
            {"checked", json::array()},
@@ -277,6 +306,7 @@ json describe_fit(const FitResult& result) {
   });
   if (result.choice) {
     fit["choice"] = describe_point(*result.choice);
+    fit["confirming_loads"] = std::max(result.choice->error.size(), 1 + kOtherLoads) - 1 - kOtherLoads;
     fit["savings"] = describe_savings(result);
   } else if (result.nearest) {
     fit["nearest"] = describe_point(*result.nearest);

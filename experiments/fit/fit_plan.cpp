@@ -11,6 +11,7 @@
 #include "core/base/types.h"
 #include "experiments/files/output_file.h"
 #include "experiments/plan_reader/plan.h"
+#include "experiments/scene_writer/placed_text.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
@@ -184,6 +185,15 @@ json static_scene(const Scene& scene) {
   if (!scene.mesh.shape) out["mesh"]["file"] = fs::absolute(scene.mesh.file).lexically_normal().string();
   for (json& load : out["load"]) load = static_load(load);
   return out;
+}
+
+json build_fitted_scene(const Scene& placed, const FitModel& model) {
+  json scene = placed_scene(placed, "organ.mesh");
+  const std::size_t dot = model.method.find('.');
+  const std::string kind = model.method.substr(0, dot);
+  scene["model"] = model.set;
+  scene["model"][kind == "fem" ? "finite_elements" : kind] = model.method.substr(dot + 1);
+  return scene;
 }
 
 json perturbed_scene(const json& scene, std::uint64_t seed) {

@@ -21,6 +21,9 @@ struct FitCandidate {
 
   /// "edge_node, refined -80%".
   std::string name() const;
+
+  /// The share of tetrahedra that is removed; 0 for the mesh as it is.
+  double removed() const { return ratio.value_or(0.0); }
 };
 
 /// All of a list that can do what the scene needs; `dropped` gets the others' labels with the reason.
@@ -36,6 +39,10 @@ nlohmann::json static_scene(const Scene& scene);
 /// 1.3, and its place moved by up to half its radius (a direction on the surface, by up to 15 degrees). The
 /// same seed gives the same loads. A load that cannot be moved without leaving the body keeps its place.
 nlohmann::json perturbed_scene(const nlohmann::json& scene, std::uint64_t seed);
+
+/// The scene with the model and `organ.mesh` (metres) beside it. Regions are in metres: they stay where the
+/// scene's own mesh had them. `placed` is the scene on that (place_scene).
+nlohmann::json build_fitted_scene(const Scene& placed, const FitModel& model);
 
 /// One plan of a fit and where it goes.
 struct FitPlan {

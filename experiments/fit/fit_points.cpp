@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 
 #include "core/base/number_text.h"
 #include "experiments/plan_reader/plan.h"
@@ -42,6 +44,45 @@ std::optional<double> cost_of(const json& record, FitWork work) {
   const auto kernel = number_at(record, "/kernel_s");
   if (!kernel) return std::nullopt;
   return *kernel + number_at(record, "/solved_on/simplify_s").value_or(0.0);
+}
+
+bool is_same(const FitCandidate& a, const FitCandidate& b) {
+  return plan_label(a) == plan_label(b);
+}
+
+const FitPoint* find_same(const std::vector<FitPoint>& points, const FitCandidate& candidate) {
+  const auto at = std::find_if(points.begin(), points.end(),
+                               [&](const FitPoint& point) { return is_same(point.candidate, candidate); });
+  return at == points.end() ? nullptr : &*at;
+}
+
+/// A share of one model and simplifier, as far as it is known.
+struct KnownShare {
+  const FitPoint* point;
+  bool meets;      ///< on all loads where it was checked, on the scene itself else
+  bool is_likely;  ///< it meets all on other loads too, as far as its model is known
+};
+
+/// The middle between a share that meets all and the next one up, which does not; null: nothing there is.
+std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShare* high,
+                                          const std::string& simplifier) {
+  constexpr double kAll = 1.0;  // no mesh is left there
+  const double from = low.point->candidate.removed();
+  const double to = high == nullptr ? kAll : high->point->candidate.removed();
+  if (to - from < 2.0 * kLeastShareStep) return std::nullopt;
+  constexpr double kThousandth = 1000.0;  // names of shares have so many digits
+  const double middle = std::round(kThousandth * 0.5 * (from + to)) / kThousandth;
+  FitProspect found;
+  found.candidate = low.point->candidate;
+  found.candidate.simplifier = simplifier;
+  found.candidate.ratio = middle;
+  const double cost = low.point->cost();
+  const bool is_between = high != nullptr && std::isfinite(high->point->cost());
+  found.cost_s = is_between ? cost + (high->point->cost() - cost) * (middle - from) / (to - from)
+                            : cost * (kAll - middle) / (kAll - from);
+  found.is_likely = low.is_likely;
+  found.is_between = true;
+  return found;
 }
 
 std::string scene_of(const json& record) {
@@ -171,6 +212,82 @@ const FitPoint* take_modal_finalist(std::vector<const FitPoint*>& good, double a
   const FitPoint* found = *taken;
   good.erase(taken);
   return found;
+}
+
+double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
+                       const std::string& model) {
+  double growth = 1.0;
+  for (const FitPoint& point : checked) {
+    if (point.candidate.model.label != model || point.error.empty()) continue;
+    const FitPoint* own = find_same(searched, point.candidate);
+    const double alone = own != nullptr && !own->error.empty()
+                             ? own->worst_error()
+                             : point.error.front() + point.own_error.front();
+    if (alone > 0.0 && std::isfinite(point.worst_error()))
+      growth = std::max(growth, point.worst_error() / alone);
+  }
+  return growth;
+}
+
+std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
+                                        const std::vector<FitPoint>& checked, const FitCandidates& candidates,
+                                        const SceneRequirement& require, double most_cost_s) {
+  std::vector<FitProspect> found;
+  // By model, all that is known of it: a check says more than the search.
+  std::map<std::string, std::vector<KnownShare>> known;
+  for (const FitPoint& point : checked)
+    known[point.candidate.model.label].push_back({&point, why_not(point, require).empty(), true});
+  for (const FitPoint& point : searched) {
+    if (find_same(checked, point.candidate) != nullptr) continue;
+    const std::string& model = point.candidate.model.label;
+    const bool meets = why_not(point, require).empty();
+    const bool is_likely =
+        meets && point.worst_error() * growth_on_loads(searched, checked, model) <= require.at_most;
+    known[model].push_back({&point, meets, is_likely});
+    if (meets) found.push_back({point.candidate, point.cost(), is_likely, false});
+  }
+  for (auto& [model, shares] : known) {
+    std::stable_sort(shares.begin(), shares.end(), [](const KnownShare& a, const KnownShare& b) {
+      return a.point->candidate.removed() < b.point->candidate.removed();
+    });
+    for (const FitSimplifier& simplifier : candidates.simplifiers) {
+      if (simplifier.grade) continue;
+      std::vector<KnownShare> own;
+      std::copy_if(shares.begin(), shares.end(), std::back_inserter(own), [&](const KnownShare& share) {
+        const FitCandidate& candidate = share.point->candidate;
+        return !candidate.ratio || candidate.simplifier == simplifier.label;
+      });
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
+        if (!own[k].meets || (next != nullptr && next->meets)) continue;
+        if (const auto middle = prospect_above(own[k], next, simplifier.label)) found.push_back(*middle);
+      }
+    }
+  }
+  const auto is_out = [&](const FitProspect& each) {
+    return !(each.cost_s < most_cost_s) || find_same(checked, each.candidate) != nullptr;
+  };
+  found.erase(std::remove_if(found.begin(), found.end(), is_out), found.end());
+  std::stable_sort(found.begin(), found.end(), [](const FitProspect& a, const FitProspect& b) {
+    return a.is_likely != b.is_likely ? a.is_likely : a.cost_s < b.cost_s;
+  });
+  return found;
+}
+
+std::vector<FitCandidate> take_prospects(const std::vector<FitProspect>& prospects, std::size_t count,
+                                         bool has_choice) {
+  std::vector<FitCandidate> taken;
+  const auto take = [&](std::size_t most, bool between) {
+    for (const FitProspect& each : prospects) {
+      const bool is_new = std::none_of(taken.begin(), taken.end(), [&](const FitCandidate& other) {
+        return is_same(other, each.candidate);
+      });
+      if (taken.size() < most && is_new && (between || !each.is_between)) taken.push_back(each.candidate);
+    }
+  };
+  if (!has_choice) take((count + 1) / 2, false);
+  take(count, true);
+  return taken;
 }
 
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require) {

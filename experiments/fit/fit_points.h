@@ -59,6 +59,37 @@ bool is_modal(const FitCandidate& candidate);
 /// with the least error. What was not taken stays. Null if there is none of modes.
 const FitPoint* take_modal_finalist(std::vector<const FitPoint*>& good, double at_most);
 
+/// What a candidate that may be looked at on more loads is expected to come to: neither decides anything but
+/// the order.
+struct FitProspect {
+  FitCandidate candidate;
+  double cost_s = 0.0;
+  bool is_likely = true;    ///< what is known of its model on other loads does not speak against it
+  bool is_between = false;  ///< it is a share between two, which the search has not run
+};
+
+/// How many times a model's worst error over all loads is that on the scene itself: the most of what was
+/// checked of it, at least 1; 1 where nothing was.
+double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
+                       const std::string& model);
+
+/// What is worth a check on all loads, the likely ones first, the cheapest of each first: points of the
+/// search that meet all on the scene itself, and, where one share of a simplifier meets it and the next one
+/// up does not, the share in the middle (down to steps of kLeastShareStep; above the greatest share, half of
+/// what is left). Costs in the middle are read off the line between both. Left out: what was checked, graded
+/// meshes (their sizes are for one share), and what is expected to cost `most_cost_s` or more.
+std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
+                                        const std::vector<FitPoint>& checked, const FitCandidates& candidates,
+                                        const SceneRequirement& require, double most_cost_s);
+
+/// The next `count` of them to check. Where nothing is verified yet (`has_choice` false), the first half of
+/// them are points of the search, which are surer than what lies between.
+std::vector<FitCandidate> take_prospects(const std::vector<FitProspect>& prospects, std::size_t count,
+                                         bool has_choice);
+
+/// Shares closer than that are not told apart.
+inline constexpr double kLeastShareStep = 0.02;
+
 /// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
 /// and over the budget; of equals the cheapest. Null without any figure.
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require);

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <map>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_freeze.h"
 #include "experiments/fit/fit_grading.h"
-#include "experiments/fit/fitted_scene.h"
+#include "experiments/fit/fit_motions.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/record_file.h"
@@ -18,7 +20,6 @@
 #include "experiments/runner/side_by_side.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/trials/modal_stepping.h"
-#include "experiments/trials/motion_stepping.h"
 #include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
@@ -32,9 +33,9 @@ constexpr std::size_t kFinalists = 4;
 constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
-constexpr double kMotionShare = 0.6;  ///< of the time that is left, for the motion of another finalist
-constexpr double kModalShare = 0.5;   ///< ... for that of modes: others wait
-constexpr double kRestShare = 0.1;    ///< of the time limit: no other one's is begun with less
+constexpr double kRestShare = 0.1;       ///< of the time limit: no still part is looked for with less
+constexpr double kWorthChecking = 0.97;  ///< of the cost of what is verified: dearer ones are no gain
+constexpr double kLookingShare = 0.85;   ///< of the time limit: then no cheaper one is looked for any more
 /// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
 constexpr std::size_t kMostTetsForThirdLevel = 12'000;
 constexpr double kEnoughShare =
@@ -57,10 +58,12 @@ class Fit {
   FitResult run() {
     const FitPlan search = plan_search();
     prepare_references(search, {"scene_0", "scene_1"});
+    progress_.show_long("search: " + std::to_string(search.candidates.size()) + " candidates");
     run_stage(search, kSearchShare * options_.time_limit_s - watch_.seconds());
     result_.searched = read_stage(search);
     result_.run = search.folder / "run";
-    if (!result_.is_interrupted) check_finalists(search);
+    if (!result_.is_interrupted && is_stepped()) check_in_motion(search);
+    if (!result_.is_interrupted && !is_stepped()) check_at_rest(search);
     if (!result_.choice && !result_.nearest) {
       if (const FitPoint* nearest = find_nearest(result_.searched, require())) result_.nearest = *nearest;
       result_.run = search.folder / "run";
@@ -81,7 +84,7 @@ class Fit {
     plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
     if (plan.candidates.empty())
       throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
-    progress_.show("mesh");
+    progress_.show_long("mesh");
     const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
     find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
     grade_simplifiers(candidates_, result_.scene, mesh, registry_, options_.out / "sizes", options_.stop_flag,
@@ -134,11 +137,11 @@ class Fit {
     SideBySide setting;
     setting.jobs = std::min(usable_processors(), kMostReferences);
     if (setting.jobs < 2 || left_s() <= 0.0) return;
-    progress_.show("references");
+    progress_.show_long("references");
     FitPlan plan = search;
     plan.folder = options_.out / "references";
     plan.candidates.resize(1);
-    for (std::size_t k = 1; k <= kOtherLoads; ++k)
+    for (std::size_t k = 1; k <= kOtherLoads + kConfirmingLoads; ++k)
       plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
     setting.plan = write_fit_plan(plan, candidates_);
     setting.folder = plan.folder / "runs";
@@ -167,18 +170,102 @@ class Fit {
     return read_fit_points(read_records(records), plan, require());
   }
 
-  /// The cheapest of the search, and the cheapest to step implicitly, some at a time, on more loads; the
-  /// first round in which one meets the tolerance everywhere decides.
-  void check_finalists(const FitPlan& search) {
-    const SceneRequirement& first = is_stepped() ? without_budget() : require();
-    std::vector<const FitPoint*> good = choose_cheapest(result_.searched, first);
+  /// A check of some candidates on the scene and on the other loads that decide.
+  FitPlan plan_check(const FitPlan& search, std::size_t other_loads) {
+    FitPlan plan = search;
+    plan.folder = options_.out / ("check_" + std::to_string(checks_++));
+    plan.measures_answers = false;
+    plan.candidates.clear();
+    for (std::size_t k = 1; k <= other_loads; ++k)
+      plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+    return plan;
+  }
+
+  /// A scene at rest: rounds of what is worth a check, the cheapest first, until nothing cheaper than what is
+  /// verified is left, or no time; then loads that no choice was made by. What those refuse is over the
+  /// tolerance, so that all dearer ones are worth a check again.
+  void check_at_rest(const FitPlan& search) {
+    bool has_references = false;
+    while (left_s() > 0.0 && !result_.is_interrupted) {
+      const FitPoint* best = find_verified();
+      const double most_cost =
+          best == nullptr ? std::numeric_limits<double>::infinity() : kWorthChecking * best->cost();
+      const auto prospects =
+          list_prospects(result_.searched, result_.checked, candidates_, require(), most_cost);
+      const bool may_look = best == nullptr || watch_.seconds() < kLookingShare * options_.time_limit_s;
+      if (!prospects.empty() && may_look) {
+        if (!has_references) prepare_references(search, {"scene_2", "scene_3"});
+        has_references = true;
+        check(search, take_prospects(prospects, kFinalists, best != nullptr));
+        continue;
+      }
+      if (!prospects.empty()) result_.is_complete = false;
+      if (best == nullptr || confirm(search, *best)) break;
+    }
+    if (const FitPoint* best = find_verified()) {
+      result_.choice = *best;
+      result_.run = runs_.at(plan_label(best->candidate));
+    } else if (const FitPoint* nearest = find_nearest(result_.checked, require())) {
+      result_.nearest = *nearest;
+      result_.run = runs_.at(plan_label(nearest->candidate));
+    }
+  }
+
+  /// The cheapest of what was checked that meets everything on all loads that it was run on; null: none.
+  const FitPoint* find_verified() const {
+    const auto good = choose_cheapest(result_.checked, require());
+    return good.empty() ? nullptr : good.front();
+  }
+
+  /// Runs candidates on the scene and on the other loads. One that the time was not enough for is not
+  /// looked at again.
+  void check(const FitPlan& search, std::vector<FitCandidate> candidates) {
+    FitPlan plan = plan_check(search, kOtherLoads);
+    plan.candidates = std::move(candidates);
+    progress_.show_long("checks " + names_of(plan.candidates));
+    run_stage(plan, left_s());
+    std::vector<FitPoint> points = read_stage(plan);
+    time_again(plan, points);
+    for (const FitPoint& point : points) runs_[plan_label(point.candidate)] = plan.folder / "run";
+    result_.checked.insert(result_.checked.end(), points.begin(), points.end());
+  }
+
+  static std::string names_of(const std::vector<FitCandidate>& candidates) {
+    std::string text;
+    for (const FitCandidate& each : candidates) text += (text.empty() ? "" : "; ") + each.name();
+    return text;
+  }
+
+  /// Runs the choice on the loads that confirm it; its errors there count like the others. True if it holds,
+  /// or if no time is left to tell; FitPoint::error says how many loads it was run on.
+  bool confirm(const FitPlan& search, const FitPoint& best) {
+    FitPoint& point = result_.checked[static_cast<std::size_t>(&best - result_.checked.data())];
+    if (point.error.size() > 1 + kOtherLoads || left_s() <= 0.0) return true;
+    FitPlan plan = plan_check(search, kOtherLoads + kConfirmingLoads);
+    plan.candidates = {point.candidate};
+    progress_.show_long("confirms " + point.candidate.name());
+    prepare_references(search, {"scene_4", "scene_5"});
+    if (left_s() <= 0.0) return true;
+    run_stage(plan, left_s());
+    const FitPoint again = read_stage(plan).front();
+    const bool is_cut_short = left_s() <= 0.0 || result_.is_interrupted;
+    if (again.failure.empty()) {
+      point.error = again.error;
+      point.own_error = again.own_error;
+    } else if (!is_cut_short) {
+      point.failure = "on further loads: " + again.failure;
+    }
+    return is_cut_short || why_not(point, require()).empty();
+  }
+
+  /// A scene that moves: the cheapest of the search, and the cheapest to step implicitly, some at a time, on
+  /// more loads and in motion; the first round in which one meets the tolerance everywhere decides.
+  void check_in_motion(const FitPlan& search) {
+    std::vector<const FitPoint*> good = choose_cheapest(result_.searched, without_budget());
     if (!good.empty()) prepare_references(search, {"scene_2", "scene_3"});
     for (std::size_t round = 0; !good.empty() && round < kMostRounds; ++round) {
       if (left_s() <= 0.0) break;
-      FitPlan plan = search;
-      plan.folder = options_.out / ("check_" + std::to_string(round));
-      plan.measures_answers = false;
-      plan.candidates.clear();
+      FitPlan plan = plan_check(search, kOtherLoads);
       const FitPoint* modal = take_modal_finalist(good, require().at_most);
       std::vector<const FitPoint*> others;
       std::copy_if(good.begin(), good.end(), std::back_inserter(others),
@@ -188,22 +275,21 @@ class Fit {
         good.erase(std::find(good.begin(), good.end(), finalist));
       }
       if (modal != nullptr) plan.candidates.push_back(modal->candidate);
-      for (std::size_t k = 1; k <= kOtherLoads; ++k)
-        plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+      progress_.show_long("checks " + names_of(plan.candidates));
       run_stage(plan, left_s());
       std::vector<FitPoint> points = read_stage(plan);
       time_again(plan, points);
-      if (is_stepped()) step_motions(plan, points);
+      if (!step_motions(motion_search(), plan, registry_, progress_, points)) result_.is_complete = false;
       result_.checked.insert(result_.checked.end(), points.begin(), points.end());
       const auto best = choose_cheapest(points, require());
       if (!best.empty()) {
         result_.choice = *best.front();
         result_.run = plan.folder / "run";
-        if (is_stepped()) freeze(plan);
+        freeze(plan);
         return;
       }
       if (result_.is_interrupted) return;
-      if (const auto dear = choose_cheapest(points, without_budget()); is_stepped() && !dear.empty()) {
+      if (const auto dear = choose_cheapest(points, without_budget()); !dear.empty()) {
         result_.nearest = *dear.front();  // the tolerance is met: those that follow are dearer
         result_.run = plan.folder / "run";
         return;
@@ -216,7 +302,7 @@ class Fit {
     FitPoint& choice = *result_.choice;
     if (!choice.stepping || is_modal(choice.candidate)) return;
     if (left_s() <= kRestShare * options_.time_limit_s) return;
-    progress_.show("still parts of " + choice.candidate.name());
+    progress_.show_long("still parts of " + choice.candidate.name());
     const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
     FreezeTask task;
     task.check = check;
@@ -254,46 +340,15 @@ class Fit {
     return *without_budget_;
   }
 
-  /// Tries the integrators on the motion of those that meet the tolerance at rest, the cheapest first; what
-  /// the best of them costs and leaves is the point's then.
-  void step_motions(const FitPlan& check, std::vector<FitPoint>& points) {
-    const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
-    bool is_first = true;
-    for (const FitPoint* good : choose_cheapest(points, without_budget())) {
-      FitPoint& point = points[static_cast<std::size_t>(good - points.data())];
-      if (left_s() <= (is_first ? 0.0 : kRestShare * options_.time_limit_s)) {
-        point.failure = "its motion was not run: no time was left";
-        result_.is_complete = false;
-        continue;
-      }
-      progress_.show("motion of " + point.candidate.name());
-      SteppingTask task;
-      task.scene = build_fitted_scene(placed, point.candidate.model);
-      task.mesh = check.folder / "run" / "problems" / point.mesh / "in.mesh";
-      task.probes_m = choose_probes(result_.scene, task.mesh, kTrialProbes);
-      task.most_error = require().at_most - point.worst_error();
-      const bool of_modes = is_modal(point.candidate);
-      task.time_limit_s = of_modes ? kModalShare * left_s() : is_first ? left_s() : kMotionShare * left_s();
-      task.folder = check.folder / "motion" / plan_label(point.candidate);
-      task.stop_flag = options_.stop_flag;
-      point.steppings = of_modes ? try_modes(task, steppings_of(true), registry_)
-                                 : try_steppings(task, steppings_of(false), registry_);
-      is_first = is_first && of_modes;
-      if (const SteppingTry* best = choose_stepping(point.steppings)) {
-        point.stepping = *best;
-        point.memory_bytes = std::max(point.memory_bytes, best->memory_bytes);
-      } else {
-        const SteppingTry& last = of_modes ? point.steppings.back() : point.steppings.front();
-        point.failure = "no step leaves so little of its motion: " + last.stepping.label + " " + last.why_not;
-      }
-    }
-  }
-
-  std::vector<FitStepping> steppings_of(bool modes) const {
-    std::vector<FitStepping> own;
-    std::copy_if(candidates_.steppings.begin(), candidates_.steppings.end(), std::back_inserter(own),
-                 [&](const FitStepping& stepping) { return stepping.modes.has_value() == modes; });
-    return own;
+  MotionSearch motion_search() {
+    const Scene& scene = result_.scene;
+    return {scene,
+            place_scene(scene, build_scene_mesh(scene.mesh).mesh),
+            candidates_.steppings,
+            without_budget(),
+            options_.time_limit_s,
+            [this] { return left_s(); },
+            options_.stop_flag};
   }
 
   /// Runs those that meet the tolerance some times more on the scene itself: which is the cheapest is told by
@@ -324,6 +379,8 @@ class Fit {
   Progress& progress_;
   Stopwatch watch_;
   FitCandidates candidates_;
+  std::size_t checks_ = 0;                ///< each has a folder
+  std::map<std::string, fs::path> runs_;  ///< of what was checked at rest, by its label
   std::optional<SceneRequirement> without_budget_;
   FitResult result_;
 };

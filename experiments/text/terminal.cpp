@@ -99,6 +99,11 @@ void Progress::show(const std::string& what) {
   if (terminal_) draw();
 }
 
+void Progress::show_long(const std::string& what) {
+  show(what);
+  if (!terminal_) say(what);
+}
+
 void Progress::step(double seconds_left) {
   reach(done_ + 1, seconds_left);
 }

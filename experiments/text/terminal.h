@@ -74,6 +74,9 @@ class Progress {
   /// Says what is being done now.
   void show(const std::string& what);
 
+  /// The same of what may take long: a line of its own where there is no terminal.
+  void show_long(const std::string& what);
+
   /// One step is done; `seconds_left` is the estimate for the rest.
   void step(double seconds_left);
 

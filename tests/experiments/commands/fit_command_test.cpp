@@ -66,7 +66,8 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
   const json found = report();
   ASSERT_TRUE(found.at("complete").get<bool>());
   const json& choice = found.at("choice");
-  EXPECT_EQ(choice.at("error").size(), 4U);  // the scene and three other loads
+  EXPECT_EQ(choice.at("error").size(), 6U);  // the scene, three other loads, two that confirm the choice
+  EXPECT_EQ(found.at("confirming_loads"), 2);
   EXPECT_LE(choice.at("worst_error").get<double>(), 0.3);
   EXPECT_GT(choice.at("cost_s").get<double>(), 0.0);
   for (const json& point : found.at("tried")) {

@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+"""The figures of docs/fit.md, "Thirty scenes", against the table that they are read from, results/fit_scenes.csv.
+
+    fit_page_test.py
+"""
+
+import csv
+import pathlib
+import statistics
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def three_digits(value):
+    return f"{value:.3g}"
+
+
+class ThirtyScenes(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        with (ROOT / "results/fit_scenes.csv").open(encoding="utf-8") as stream:
+            cls.rows = list(csv.DictReader(stream))
+        text = (ROOT / "docs/fit.md").read_text(encoding="utf-8")
+        start = text.index("## Thirty scenes")
+        cls.section = " ".join(text[start:text.index("\n## ", start + 1)].split())
+        cls.judged = [row for row in cls.rows if row["kept"]]
+
+    def holds(self, sentence):
+        self.assertIn(sentence, self.section)
+
+    def test_every_scene_has_its_row(self):
+        self.assertEqual(sorted(int(row["scene"]) for row in self.rows), list(range(30)))
+
+    def test_tolerances(self):
+        kept = [row for row in self.judged if row["kept"] == "True"]
+        self.holds(f"{len(kept)} of {len(self.judged)} keep their tolerance on the five fresh loads")
+        worst = max(float(row["worst_fresh_error"]) / float(row["tolerance"]) for row in self.judged)
+        self.holds(f"the worst with {three_digits(100 * worst)}% of it")
+
+    def test_promises(self):
+        over = [float(row["worst_fresh_error"]) / float(row["promised_error"]) - 1 for row in self.judged]
+        more = [each for each in over if each > 0]
+        self.holds(f"{len(more)} of them leave more there than `fit.json` promised, by up to {three_digits(100 * max(more, default=0))}%")
+
+    def test_costs(self):
+        ratios = [float(row["ratio"]) for row in self.judged]
+        self.holds(f"median {statistics.median(ratios):.2f}, {min(ratios):.2f} to {max(ratios):.2f}")
+        unseen = [float(row["ratio"]) for row in self.judged if row["held_out"] == "True"]
+        self.holds(f"bodies that nothing was chosen on: median {statistics.median(unseen):.2f}, at most {max(unseen):.2f} ({len(unseen)} scenes)")
+
+    def test_scenes_without_a_model(self):
+        others = [row for row in self.rows if not row["kept"]]
+        none = [row["scene"] for row in others if row["note"] == "nothing does"]
+        self.assertEqual(len(none), len(others), [row["note"] for row in others])
+        self.holds(f"in {len(none)} neither did")
+
+
+if __name__ == "__main__":
+    unittest.main()
