@@ -15,7 +15,7 @@ import pathlib
 import sys
 from dataclasses import dataclass
 
-from deform import convergence, cost, counts, deform, deform_page, deform_tables, frontier, targets
+from deform import convergence, cost, counts, deform, deform_page, deform_tables, frontier, standing, targets
 from engine import engine, engine_page
 from motion import motion, motion_page, stages
 from page import write_page
@@ -109,7 +109,7 @@ def report_displacements(run):
     points = frontier.read_points(run) if frontier.asked(run) else {}
     equals = frontier.equal_error_rows(run, points) if points else []
     names = deform_tables.write_tables(run, sections, folder)
-    names |= frontier.write_frontier(points, equals, folder) if points else set()
+    names |= frontier.write_frontier(points, equals, folder) | standing.write_standings(run, points, folder) if points else set()
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     curves = counts.read_curves(run, sections)
@@ -120,6 +120,8 @@ def report_displacements(run):
         say(f"{run.plan_data['question']}\n")
     # With a frontier its points are many: the tables have them one by one.
     say(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
+    if points and standing.standing_text(run, points):
+        say(f"\n{standing.standing_text(run, points)}")
     if costs and not points:
         say(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
     if series:

@@ -33,7 +33,7 @@ constexpr std::size_t kFinalists = 4;
 constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
-constexpr double kRestShare = 0.1;       ///< of the time limit: no still part is looked for with less
+constexpr double kStillShare = 0.1;      ///< of the time limit: no still part is looked for with less
 constexpr double kWorthChecking = 0.97;  ///< of the cost of what is verified: dearer ones are no gain
 constexpr double kLookingShare = 0.85;   ///< of the time limit: then no cheaper one is looked for any more
 /// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
@@ -301,7 +301,7 @@ class Fit {
   void freeze(const FitPlan& check) {
     FitPoint& choice = *result_.choice;
     if (!choice.stepping || is_modal(choice.candidate)) return;
-    if (left_s() <= kRestShare * options_.time_limit_s) return;
+    if (left_s() <= kStillShare * options_.time_limit_s) return;
     progress_.show_long("still parts of " + choice.candidate.name());
     const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
     FreezeTask task;

@@ -117,6 +117,18 @@ class Points(FrontierTest):
         self.assertIn("Not on any frontier", out)
 
 
+class Standing(FrontierTest):
+    def test_each_family_is_told_what_it_is_good_for_and_what_to_take_elsewhere(self):
+        lines = [reference(), reference("ball"), *repeats("quick", 0.08, 0.01), *repeats("exact", 0.01, 1.0),
+                 *repeats("middle", 0.05, 0.2, scene="ball"), *repeats("exact", 0.04, 0.1, scene="ball")]
+        _, out = self.run_frontier(lines, scenes=["bar", "ball"])
+        rows = {row["family"]: row for row in self.table("standing.csv") if row["work"] == "first"}
+        self.assertEqual([(row["scenes"], row["scenes_on_frontier"], row["good_for"], row["elsewhere"]) for row in (rows["ours"], rows["theirs"])],
+                         [("2", "1", "8.00% in 10 ms", "theirs, 2 times as fast"), ("2", "2", "1.00 to 4.00% in 100 ms to 1 s", "")])
+        self.assertIn("What each family is good for", out)
+        self.assertEqual([row for row in self.table("standing.csv") if row["work"] == "second"], [])
+
+
 class OfSimplifiers(FrontierTest):
     def test_a_family_may_be_the_meshes_that_a_simplifier_left(self):
         frontier = {**PLAN["frontier"], "of": "simplifiers", "families": {"as it is": ["none"], "ours": ["one"], "theirs": ["other"]}}
