@@ -66,6 +66,8 @@ def list_stages(options, folder):
         Stage("foreign", f"{options.fuzz_seconds} s a reader of a vendor's", foreign),
         Stage("sanitize", "the tests of C++ under the sanitizers", [palpate, "test", "-E", without_cpp], {"PALPATE_PRESET": "sanitize"},
               8 * HOUR),
+        Stage("fits", "thirty scenes are fitted, and held to what was promised", [*PYTHON, str(ROOT / "tests" / "experiments" / "fit" / "fit_scenes.py"),
+                                                                                 str(BUILD / "bin" / "palpate"), str(folder / "fits")], limit_s=8 * HOUR),
         Stage("bench", "all benchmarks, the large ones too", [str(BUILD / "bin" / "palpate_bench"), f"--benchmark_out={folder / 'bench.json'}",
                                                              "--benchmark_out_format=json"], {"PALPATE_BENCH_LARGE": "1"}),
         Stage("soak", "24 simulated hours of palpation, springs", [*soak, "--model", "springs", "-o", str(folder / "soak")]),
