@@ -24,6 +24,9 @@ constexpr double kMostTurn = std::numbers::pi / 6.0;        // of a load
 constexpr double kMostPlaceTurn = std::numbers::pi / 12.0;  // of a place on the surface
 constexpr double kMostGrowth = 0.3;
 constexpr double kMostShift = 0.5;  // radii
+// At which a reference stops: it moves a kidney by less than 1e-7 of its displacement (docs/fit.md), four
+// orders below what two levels of the mesh differ by, and saves two fifths of the iterations.
+constexpr double kReferenceResidual = 1e-6;
 
 Vec3 vector_of(const json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
@@ -225,7 +228,10 @@ fs::path write_fit_plan(const FitPlan& plan, const FitCandidates& candidates) {
     out["scenes"].push_back({{"name", name}, {"file", name + ".yaml"}});
     is_large = is_large || plan.scenes[k].value("strain", "small") == "large";
   }
-  out["reference"] = {{"method", "fem.p2"}, {"levels", plan.levels}, {"enough", plan.enough}};
+  out["reference"] = {{"method", "fem.p2"},
+                      {"levels", plan.levels},
+                      {"enough", plan.enough},
+                      {"set", {{"rtol", kReferenceResidual}}}};
   add_simplifiers(plan, candidates, out);
   for (const FitCandidate& candidate : plan.candidates)
     out["contestants"].push_back(contestant_json(candidate, plan, is_large));

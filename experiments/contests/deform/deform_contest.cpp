@@ -232,14 +232,14 @@ class DeformContest : public Contest {
   std::filesystem::path folder_of(const std::string& id) const { return setting_.folder.paths().problem(id); }
 
   /// The problems after this one that differ from it in their loads alone.
-  std::vector<std::filesystem::path> companions_of(const std::string& id) const {
+  std::vector<const DeformInput*> companions_of(const std::string& id) const {
     const std::string name = stiffness_name(inputs_.at(id).own);
-    std::vector<std::filesystem::path> found;
+    std::vector<const DeformInput*> found;
     if (name.empty()) return found;
     const auto at = std::find(order_.begin(), order_.end(), id);
     for (auto other = std::next(at); other != order_.end(); ++other) {
-      const ProblemFiles& files = inputs_.at(*other).own;
-      if (stiffness_name(files) == name) found.push_back(files.problem_file);
+      const DeformInput& input = inputs_.at(*other);
+      if (stiffness_name(input.own) == name) found.push_back(&input);
     }
     return found;
   }

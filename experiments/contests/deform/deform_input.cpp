@@ -23,6 +23,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kReferenceTimeout = 7200.0;  // s
+constexpr int kLevelsOfAll = 2;               // that every reference has
 
 void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
   reference.outcome = outcome;
@@ -62,9 +63,7 @@ std::vector<Vec3> solve_level(const DeformInput& input, int level, const Contest
   task.options = resolve_options(*task.method.method, plan.set);
   task.options["refine"] = level;
   task.timeout_s = kReferenceTimeout;
-  // Two levels are always solved; whether a third is, only each problem's own second one tells.
-  const bool is_certain = level < 2 || !plan.enough;
-  const Solution solution = solve(task, "converged", is_certain ? companions : std::span<const fs::path>());
+  const Solution solution = solve(task, "converged", companions);
   const std::string which = "level " + std::to_string(level) + " of the reference ";
   reference.interrupted = solution.interrupted;
   if (solution.interrupted) return {};
@@ -131,6 +130,25 @@ bool is_enough(const DeformInput& input, const PlanReference& plan, const judge:
          *error.chosen_deformation <= *plan.enough;
 }
 
+/// Two levels are always solved; whether a third one is, each problem's own coarser ones tell. Those were
+/// solved along, and are in the cache.
+bool is_asked_for(const DeformInput& input, int level, const ContestSetting& setting) {
+  const PlanReference& plan = *setting.plan.reference;
+  if (level < kLevelsOfAll || !plan.enough) return true;
+  DeformReference reference;
+  std::vector<std::vector<Vec3>> levels;
+  for (int coarser = 0; coarser < level; ++coarser) {
+    levels.push_back(solve_level(input, coarser, setting, {}, reference));
+    if (reference.interrupted || !reference.failure.empty()) return false;
+  }
+  try {
+    estimate_from(input, plan, levels, reference);
+  } catch (const InputError&) {
+    return false;  // is said when it is its turn
+  }
+  return !is_enough(input, plan, reference.estimate.error);
+}
+
 }  // namespace
 
 DeformInput build_input(const PlanScene& scene, const json& sweep, const fs::path& folder) {
@@ -163,12 +181,16 @@ std::string stiffness_name(const ProblemFiles& files) {
 }
 
 DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting,
-                                std::span<const fs::path> companions) {
+                                std::span<const DeformInput* const> companions) {
   const PlanReference& plan = *setting.plan.reference;
   DeformReference reference;
   std::vector<std::vector<Vec3>> levels;
   for (int level = 0; level < plan.levels; ++level) {
-    levels.push_back(solve_level(input, level, setting, companions, reference));
+    std::vector<fs::path> along;
+    for (const DeformInput* companion : companions) {
+      if (is_asked_for(*companion, level, setting)) along.push_back(companion->own.problem_file);
+    }
+    levels.push_back(solve_level(input, level, setting, along, reference));
     if (reference.interrupted || !reference.failure.empty()) return reference;
     try {
       estimate_from(input, plan, levels, reference);

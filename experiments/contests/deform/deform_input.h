@@ -61,10 +61,10 @@ DeformInput build_input(const PlanScene& scene, const nlohmann::json& sweep,
 std::string stiffness_name(const ProblemFiles& files);
 
 /// Solves the reference on the problem's mesh and its refinements; what an earlier run solved is taken from
-/// the cache. `companions` are problem files of the same stiffness that come later: they are solved along, as
-/// far as it is certain that they will be asked for.
+/// the cache. `companions` are problems of the same stiffness that come later: they are solved along, as far
+/// as it is certain that they will be asked for (a third level where their own second one is not enough).
 DeformReference solve_reference(const DeformInput& input, const ContestSetting& setting,
-                                std::span<const std::filesystem::path> companions = {});
+                                std::span<const DeformInput* const> companions = {});
 
 /// Simplifies the problem's mesh (or takes the mesh from the cache) and puts the problem on it.
 SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& simplifier, const Stop& stop,

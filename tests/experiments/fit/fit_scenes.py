@@ -127,7 +127,7 @@ def run_choices(program, run, scenes, repeats, each, choices, searched):
     ratios = sorted({choice["tets_removed_ratio"] for choice in choices.values()} - {None})
     plan = {"schema": "palpate/plan/1", "question": "Does the choice hold?", "contest": "deform",
             "scenes": [{"name": name, "file": f"{name}.yaml"} for name in scenes],
-            "reference": {"method": "fem.p2", "levels": 3, "enough": 0.1 * each["tolerance"]},
+            "reference": {"method": "fem.p2", "levels": 3, "enough": 0.1 * each["tolerance"], "set": {"rtol": 1e-6}},
             "simplify": [one for one in searched if (one if one == "none" else one["label"]) in used],
             "contestants": [contestant(choice, label, each["work"]) for label, choice in choices.items()],
             "run": {"repeats": repeats, "warmup": 1 if repeats > 1 else 0, "threads": 1, "timeout_s": 300, "memory_mib": 8192},
