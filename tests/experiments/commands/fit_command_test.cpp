@@ -182,6 +182,8 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
               HasSubstr("outside of what was fitted: Young's modulus times 100, measured to hold up to"));
   EXPECT_THAT(warnings("\"poisson_ratio\":0.45", "\"poisson_ratio\":0.3"),
               HasSubstr("Poisson's ratio is another"));
+  EXPECT_THAT(warnings("\"elastic_pa_per_m\":1000000.0", "\"elastic_pa_per_m\":500000.0"),
+              HasSubstr("outside of what was fitted: support 1: elastic_pa_per_m is 500000"));
   EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
   std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
