@@ -27,7 +27,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSearchShare = 0.6;  ///< of the time limit
+constexpr double kSearchShare = 0.6;   ///< of the time limit
+constexpr double kGradingShare = 0.5;  ///< of that, up to which graded meshes are prepared
 constexpr std::size_t kFinalists = 4;
 constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
@@ -65,6 +66,10 @@ class Fit {
       if (const FitPoint* nearest = find_nearest(result_.searched, require())) result_.nearest = *nearest;
       result_.run = search.folder / "run";
     }
+    if (options_.stop_flag != nullptr && *options_.stop_flag != 0) {  // in whatever it was
+      result_.is_interrupted = true;
+      result_.is_complete = false;
+    }
     result_.wall_s = watch_.seconds();
     return std::move(result_);
   }
@@ -78,14 +83,18 @@ class Fit {
     plan.work = result_.work;
     plan.scenes.push_back(static_scene(result_.scene));
     drop_modes();
+    drop_unable_steppings();
     plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
     if (plan.candidates.empty())
       throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
     progress_.show("mesh");
     const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
     find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
-    grade_simplifiers(candidates_, result_.scene, mesh, registry_, options_.out / "sizes", options_.stop_flag,
-                      result_.dropped);
+    const double grading_s = kGradingShare * kSearchShare * options_.time_limit_s - watch_.seconds();
+    if (!grade_simplifiers(candidates_, result_.scene, mesh,
+                           {registry_, options_.out / "sizes", grading_s, options_.stop_flag},
+                           result_.dropped))
+      result_.is_complete = false;
     plan.candidates.erase(
         std::remove_if(plan.candidates.begin(), plan.candidates.end(),
                        [&](const FitCandidate& candidate) { return !is_known(candidate.simplifier); }),
@@ -114,6 +123,14 @@ class Fit {
                                   return !why.empty();
                                 }),
                  models.end());
+  }
+
+  /// Leaves out integrators that what may change would cost a new set-up.
+  void drop_unable_steppings() {
+    if (!is_stepped()) return;
+    drop_steppings(candidates_.steppings, require().needs, result_.dropped);
+    if (steppings_of(false).empty())
+      throw InputError(options_.scene.string() + ": require: no stepping can do all of it" + dropped_text());
   }
 
   bool is_known(const std::string& simplifier) const {
@@ -275,6 +292,7 @@ class Fit {
       const bool of_modes = is_modal(point.candidate);
       task.time_limit_s = of_modes ? kModalShare * left_s() : is_first ? left_s() : kMotionShare * left_s();
       task.folder = check.folder / "motion" / plan_label(point.candidate);
+      task.memory_bytes = require().memory_bytes;
       task.stop_flag = options_.stop_flag;
       point.steppings = of_modes ? try_modes(task, steppings_of(true), registry_)
                                  : try_steppings(task, steppings_of(false), registry_);

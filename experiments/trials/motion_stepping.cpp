@@ -93,6 +93,9 @@ class SteppingTrials {
     found.cost_s = kNever;
     try {
       const MotionTrial motion = step(stepping, step_s, most_seconds());
+      found.memory_bytes = motion.memory_bytes;
+      found.ending = over_memory(motion.memory_bytes, task_.memory_bytes);
+      if (!found.ending.empty()) return found;  // shorter steps take as much
       if (motion.simulated_s > 0.0) found.cost_s = motion.second_s();
       if (motion.outcome != "completed") {
         found.ending = motion.outcome;

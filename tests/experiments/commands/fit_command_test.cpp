@@ -225,6 +225,7 @@ TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
   for (const char* label : {"explicit", "trapezoidal"}) {
     EXPECT_LE(cost, tried.at(label).at("cost_s").get<double>()) << label;
     EXPECT_GT(tried.at(label).at("motion_error").get<double>(), 0.0) << label;
+    EXPECT_GT(tried.at(label).at("memory_bytes").get<double>(), 1e6) << label;
   }
   double rest = 0.0;
   for (std::size_t k = 0; k < choice.at("error").size(); ++k)
