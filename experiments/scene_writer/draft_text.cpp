@@ -146,8 +146,8 @@ std::string write_draft(const SceneWish& wish, const SceneDraft& draft) {
          (wish.is_dynamic
               ? std::string(". ")
               : ": what steps of this organ would take in a simulator, though it is at rest here. "
-                "Where one\n# answer at rest is all, take time_per_second_s out, or say answer_s "
-                "(a first answer) or rate_hz (further ones).\n# ") +
+                "Where one\n# answer at rest is all, take time_per_second_s out, or have answer_s "
+                "(a first\n# answer) or rate_hz (further ones) in its place. ") +
          "Other commands leave it alone.\n"
          "require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}\n";
 }

@@ -320,6 +320,20 @@ TEST_F(FitCommand, RefusesWhatItCannotFit) {
   EXPECT_THAT(full.error, HasSubstr("a new or an empty folder"));
 }
 
+/// Where supports may change, what keeps a matrix is left out; where nothing else is there, that is an error.
+TEST_F(FitCommand, WithoutASteppingThatKeepsChangesPossibleNothingIsRun) {
+  text_.analysis = "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.1}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {second: [supports]}}]\n"
+               "steppings: [{label: factored, integrator: bdf2}]\n");
+  const test::ProgramResult none = fit("error: {measure: energy, at_most: 0.1}, may_change: [supports]");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.error, AllOf(HasSubstr("require: no stepping can do all of it"),
+                                HasSubstr("factored (bdf2 steps) are not tried: they need a new set-up for a "
+                                          "change of supports")));
+}
+
 // Sizes are found on the scene's own loads: on other loads the candidate has the same mesh.
 TEST_F(FitCommand, AGradedMeshIsTheSameOnOtherLoads) {
   ASSERT_TRUE(has_finite_elements()) << "fem.p2 is not built";

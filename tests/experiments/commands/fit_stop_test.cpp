@@ -22,12 +22,11 @@ using testing::HasSubstr;
 class FitStop : public testing::Test {
  protected:
   FitStop() {
-    test::SceneText text;
-    text.mesh = "{make: bar, vertices: 300, length_m: 0.1}";
-    text.material = "{young_modulus_pa: 10000, poisson_ratio: 0.45, density_kg_m3: 1000}";
-    text.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+6}]";
-    text.rest = "require: {error: {measure: deformation_l2, at_most: 0.3}}\n";
-    folder().add("scene.yaml", text.yaml());
+    text_.mesh = "{make: bar, vertices: 300, length_m: 0.1}";
+    text_.material = "{young_modulus_pa: 10000, poisson_ratio: 0.45, density_kg_m3: 1000}";
+    text_.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+6}]";
+    text_.rest = "require: {error: {measure: deformation_l2, at_most: 0.3}}\n";
+    folder().add("scene.yaml", text_.yaml());
     folder().add("candidates.yaml",
                  "schema: palpate/candidates/1\n"
                  "simplifiers: [{label: refined, method: palpate.refined, ratios: [0.2, 0.3, 0.4, 0.5]}]\n"
@@ -42,8 +41,26 @@ class FitStop : public testing::Test {
   const test::ScratchFolder& folder() const { return fixture_.folder(); }
   std::string path(const std::string& name) const { return (folder() / name).string(); }
 
+  /// Fits the scene, and interrupts it once this shell condition on the folder "$1" holds, however long that
+  /// takes.
+  ProcessResult interrupt_when(const std::string& condition) const {
+    ProcessSpec spec;
+    spec.standard_output = folder() / "out";
+    spec.standard_error = folder() / "error";
+    spec.arguments = {
+        "/bin/sh", "-c",
+        "\"$0\" fit \"$1/scene.yaml\" -o \"$1/fit\" --candidates \"$1/candidates.yaml\" & p=$!; "
+        "while ! " +
+            condition +
+            " 2> /dev/null && kill -0 $p; do sleep 0.02; done; kill -INT $p; "
+            "wait $p",
+        program_folder() + "/palpate", folder().path().string()};
+    return run_process(spec);
+  }
+  std::string said() const { return test::bytes_of(folder() / "error"); }
+
   /// fit.json of one that was stopped, with what holds of each.
-  json stopped_fit() const {
+  json stopped_fit(std::size_t candidates) const {
     if (!fs::exists(folder() / "fit/fit.json")) {
       ADD_FAILURE() << "no fit.json";
       return {};
@@ -52,7 +69,7 @@ class FitStop : public testing::Test {
     EXPECT_EQ(fit.at("schema"), "palpate/fit/1");
     EXPECT_FALSE(fit.at("complete").get<bool>());
     EXPECT_TRUE(fit.at("choice").is_null());
-    EXPECT_EQ(fit.at("tried").size(), 10U) << "all candidates, run or not";
+    EXPECT_EQ(fit.at("tried").size(), candidates) << "all candidates, run or not";
     EXPECT_FALSE(fs::exists(folder() / "fit/scene.yaml"));
     EXPECT_THAT(test::bytes_of(folder() / "fit/fit.md"),
                 HasSubstr("The search was stopped before all was tried."));
@@ -60,6 +77,7 @@ class FitStop : public testing::Test {
   }
 
   test::ExperimentFixture fixture_;
+  test::SceneText text_;
   bool has_reference_ = false;
 };
 
@@ -71,7 +89,7 @@ TEST_F(FitStop, AtTheTimeLimitItSaysWhatItKnows) {
                    "--time-limit", "1"});
   EXPECT_EQ(result.exit_code, 1) << result.error;
   EXPECT_THAT(result.error, HasSubstr("stopped before all was tried: what is known so far is written"));
-  const json fit = stopped_fit();
+  const json fit = stopped_fit(10);
   std::size_t not_run = 0;
   for (const json& point : fit.at("tried")) {
     if (point.at("why_not") == "not run") ++not_run;
@@ -79,23 +97,13 @@ TEST_F(FitStop, AtTheTimeLimitItSaysWhatItKnows) {
   EXPECT_GE(not_run, 1U);
 }
 
-/// It is interrupted once some candidates have an answer, however long that takes.
 TEST_F(FitStop, CtrlCLeavesWhatIsKnownAndNamesTheNearest) {
   ASSERT_TRUE(has_reference_) << "fem.p2 is not built";
-  ProcessSpec spec;
-  spec.standard_output = folder() / "out";
-  spec.standard_error = folder() / "error";
-  spec.arguments = {
-      "/bin/sh", "-c",
-      "\"$0\" fit \"$1/scene.yaml\" -o \"$1/fit\" --candidates \"$1/candidates.yaml\" & p=$!; "
-      "while ! grep -q '\"label\":\"edge_node-' \"$1/fit/search/run/records.jsonl\" 2> /dev/null "
-      "&& kill -0 $p; do sleep 0.02; done; kill -INT $p; wait $p",
-      program_folder() + "/palpate", folder().path().string()};
-  const ProcessResult result = run_process(spec);
-  EXPECT_EQ(result.exit_code, 130) << test::bytes_of(spec.standard_error);
-  EXPECT_THAT(test::bytes_of(spec.standard_error),
-              HasSubstr("stopped before all was tried: what is known so far is written"));
-  const json fit = stopped_fit();
+  const ProcessResult result =
+      interrupt_when("grep -q '\"label\":\"edge_node-' \"$1/fit/search/run/records.jsonl\"");
+  EXPECT_EQ(result.exit_code, 130) << said();
+  EXPECT_THAT(said(), HasSubstr("stopped before all was tried: what is known so far is written"));
+  const json fit = stopped_fit(10);
   std::size_t known = 0;
   for (const json& point : fit.at("tried")) {
     if (!point.at("error").empty()) ++known;
@@ -106,6 +114,29 @@ TEST_F(FitStop, CtrlCLeavesWhatIsKnownAndNamesTheNearest) {
               HasSubstr("What comes closest is " + fit.at("/nearest/name"_json_pointer).get<std::string>()));
   // Each case that was judged can be looked at and run again.
   EXPECT_TRUE(fs::exists(folder() / "fit/search/plan.yaml"));
+}
+
+/// A motion of minutes, interrupted when it has begun: the search is over by then, and all of it is written.
+TEST_F(FitStop, CtrlCInAMotionLeavesTheSearch) {
+  ASSERT_TRUE(has_reference_) << "fem.p2 is not built";
+  text_.load =
+      "[{force: {half_space: {normal: [-1, 0, 0], share: 0.1}, total_n: [0, 0.02, 0]}, "
+      "profile: {times_s: [0, 0.1], shares: [0, 1]}}]";
+  text_.analysis =
+      "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 1000, damping: {mass_per_s: "
+      "20}}}";
+  folder().add("scene.yaml", text_.yaml());
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {second: []}}]\n"
+               "steppings: [{label: explicit, integrator: symplectic_euler}]\n");
+  const ProcessResult result = interrupt_when("ls \"$1\"/fit/check_0/motion/*/*/body*");
+  EXPECT_EQ(result.exit_code, 130) << said();
+  EXPECT_THAT(said(), HasSubstr("stopped before all was tried: what is known so far is written"));
+  const json fit = stopped_fit(1);
+  EXPECT_EQ(fit.at("/tried/0/error"_json_pointer).size(), 1U);
+  EXPECT_EQ(fit.at("/checked/0/error"_json_pointer).size(), 4U);
+  EXPECT_THAT(fit.at("/checked/0/why_not"_json_pointer).get<std::string>(), HasSubstr("motion"));
 }
 
 }  // namespace

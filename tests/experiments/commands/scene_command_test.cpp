@@ -81,7 +81,7 @@ TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
   EXPECT_THAT(
       text,
       HasSubstr("\nrequire: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
-  EXPECT_THAT(text, HasSubstr("take time_per_second_s out, or say answer_s"));
+  EXPECT_THAT(text, HasSubstr("take time_per_second_s out, or have answer_s"));
   expect_good();
   const json report = simulated();
   EXPECT_EQ(report.at("outcome"), "converged");
