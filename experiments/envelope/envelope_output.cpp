@@ -7,6 +7,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "experiments/envelope/fitted_difference.h"
 #include "experiments/files/file_bytes.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/text/yaml_value.h"
@@ -113,6 +114,44 @@ std::string beyond(const json& axis, double factor) {
                    : " and no further looked at");
 }
 
+/// What is beyond the borders of all axes.
+void add_beyond(const json& axes, const EnvelopeFactors& factors, std::vector<std::string>& lines) {
+  for (const json& axis : axes) {
+    for (const EnvelopeAxis each : kEnvelopeAxes) {
+      const auto& factor = factors.factor.at(static_cast<std::size_t>(each));
+      if (axis.at("name") != axis_name(each) || !factor) continue;
+      std::string line = beyond(axis, *factor);
+      if (!line.empty()) lines.push_back(std::move(line));
+    }
+  }
+}
+
+/// All ways in which the scene is not the fitted one, a line each.
+std::vector<std::string> exits_of(const Scene& scene, const json& own, const json& envelope) {
+  constexpr const char* kNothing = ": the envelope says nothing of it";
+  std::vector<std::string> lines;
+  if (own.value("model", json()) != envelope.at("model"))
+    lines.push_back(std::string("its model is not the fitted one") + kNothing);
+  if (scene.mesh.shape || !fs::exists(scene.mesh.file) ||
+      hash_file(scene.mesh.file) != envelope.at("mesh_hash"))
+    lines.push_back(std::string("its mesh is not the fitted one") + kNothing);
+  EnvelopeFactors factors = factors_between(read_place(envelope.at("place")), place_of(own));
+  if (!factors.why_none.empty()) lines.push_back(factors.why_none + kNothing);
+  if (!lines.empty()) return lines;
+  if (envelope.contains("scene")) {
+    const json& fitted = envelope.at("scene");
+    for (const std::string& line : differences_between(fitted, own)) lines.push_back(line + kNothing);
+    if (const auto shorter = times_shortened(fitted, own))
+      factors.factor.at(static_cast<std::size_t>(EnvelopeAxis::kFaster)) = shorter;
+  } else {
+    lines.push_back(scene.envelope->string() +
+                    " is of an older Palpate and does not say with which supports, places of loads and "
+                    "integrator it was measured: remove it and run palpate envelope again");
+  }
+  add_beyond(envelope.at("axes"), factors, lines);
+  return lines;
+}
+
 }  // namespace
 
 json describe_envelope(const EnvelopeResult& result) {
@@ -122,6 +161,7 @@ json describe_envelope(const EnvelopeResult& result) {
            {"place", describe_place(result.place)},
            {"model", result.model},
            {"mesh_hash", result.mesh_hash},
+           {"scene", result.scene},
            {"complete", result.borders.size() == result.axes.size()},
            {"wall_s", result.wall_s},
            {"at_one", result.borders.empty() ? json() : describe_probe(result.at_one)},
@@ -166,40 +206,17 @@ void write_envelope(const json& envelope, const fs::path& folder) {
 }
 
 std::vector<std::string> leaves_envelope(const Scene& scene) {
-  std::vector<std::string> lines;
-  if (!scene.envelope) return lines;
+  if (!scene.envelope) return {};
   const json envelope = reference::read_json_file(*scene.envelope, {kLargestEnvelope, kEnvelopeDepth});
   const json own = read_yaml(scene.file).json();
   try {
     if (envelope.at("schema") != "palpate/envelope/1")
       throw InputError(scene.envelope->string() + ": schema", 0, "palpate/envelope/1",
                        envelope.at("schema").dump());
-    if (own.value("model", json()) != envelope.at("model")) {
-      lines.emplace_back("its model is not the fitted one: the envelope says nothing of it");
-      return lines;
-    }
-    if (scene.mesh.shape || !fs::exists(scene.mesh.file) ||
-        hash_file(scene.mesh.file) != envelope.at("mesh_hash")) {
-      lines.emplace_back("its mesh is not the fitted one: the envelope says nothing of it");
-      return lines;
-    }
-    const EnvelopeFactors factors = factors_between(read_place(envelope.at("place")), place_of(own));
-    if (!factors.why_none.empty()) {
-      lines.push_back(factors.why_none + ": the envelope says nothing of it");
-      return lines;
-    }
-    for (const json& axis : envelope.at("axes")) {
-      for (const EnvelopeAxis each : kEnvelopeAxes) {
-        const auto& factor = factors.factor.at(static_cast<std::size_t>(each));
-        if (axis.at("name") != axis_name(each) || !factor) continue;
-        std::string line = beyond(axis, *factor);
-        if (!line.empty()) lines.push_back(std::move(line));
-      }
-    }
+    return exits_of(scene, own, envelope);
   } catch (const json::exception& error) {
     throw InputError(scene.envelope->string() + ": not as palpate envelope leaves it: " + error.what());
   }
-  return lines;
 }
 
 }  // namespace palpate::experiments

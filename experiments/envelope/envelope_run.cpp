@@ -43,6 +43,7 @@ class Envelope {
     result_.at_most = fitted_.at_most();
     result_.measure = fitted_.fit.at("measure").get<std::string>();
     result_.model = fitted_.scene.at("model");
+    result_.scene = fitted_.scene;
     result_.axes = axes_of(fitted_.scene);
     is_moving_ = fitted_.scene.at("analysis").is_object();
   }

@@ -26,6 +26,7 @@ struct EnvelopeResult {
   std::string measure;    ///< of the error at rest
   EnvelopePlace place;    ///< of the fitted scene; its step as it is run
   nlohmann::json model;   ///< of the fitted scene
+  nlohmann::json scene;   ///< the fitted scene: what another is held against
   std::string mesh_hash;  ///< of organ.mesh
   EnvelopeProbe at_one;   ///< the scene as it is
   std::vector<EnvelopeAxis> axes;

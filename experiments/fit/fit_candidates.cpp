@@ -71,8 +71,27 @@ FitModel read_fit_model(const YamlValue& value, const Registry& registry) {
   return model;
 }
 
+/// What may change is said, or follows from the integrator: explicit steps ask the forces alone, all others
+/// are taken to keep factors or tables.
+std::vector<std::string> read_may_change(const YamlFields& fields, const std::string& integrator) {
+  const std::vector<std::string>& things = changeable_things();
+  std::vector<std::string> own;
+  if (const auto given = fields.find("may_change")) {
+    for (const YamlValue& item : given->items()) {
+      require_known(item, "thing that may change", item.text(), things);
+      if (std::find(own.begin(), own.end(), item.text()) != own.end())
+        item.fail("\"" + item.text() + "\" twice");
+      own.push_back(item.text());
+    }
+    return own;
+  }
+  if (integrator == reference::kExponential) return own;
+  return is_implicit(dynamics::parse_integrator(integrator)) ? own : things;
+}
+
 FitStepping read_fit_stepping(const YamlValue& value) {
-  const YamlFields fields = value.fields({"label", "integrator", "precision", "solver", "modes"});
+  const YamlFields fields =
+      value.fields({"label", "integrator", "precision", "solver", "modes", "may_change"});
   FitStepping stepping;
   stepping.label = fields.need("label").identifier();
   const YamlValue integrator = fields.need("integrator");
@@ -87,6 +106,7 @@ FitStepping read_fit_stepping(const YamlValue& value) {
     stepping.single_precision = precision->text() == "single";
   }
   if (const auto solver = fields.find("solver")) stepping.solver = solver->json();
+  stepping.may_change = read_may_change(fields, stepping.integrator);
   const bool is_modal = stepping.integrator == reference::kExponential;
   const auto modes = fields.find("modes");
   if (is_modal != modes.has_value())
@@ -166,6 +186,21 @@ FitCandidates read_candidates(const std::filesystem::path& path, const Registry&
     fields.need("steppings").fail_expected("at least one that is not of modes");
   if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");
   return candidates;
+}
+
+void drop_steppings(std::vector<FitStepping>& steppings, const std::vector<std::string>& needs,
+                    std::vector<std::string>& dropped) {
+  std::vector<FitStepping> kept;
+  for (FitStepping& stepping : steppings) {
+    const std::string missing = stepping.cannot(needs);
+    if (missing.empty()) {
+      kept.push_back(std::move(stepping));
+    } else if (!stepping.modes) {
+      dropped.push_back(stepping.label + " (" + stepping.integrator +
+                        " steps) are not tried: they need a new set-up for a change of " + missing);
+    }
+  }
+  steppings = std::move(kept);
 }
 
 std::filesystem::path candidates_path() {

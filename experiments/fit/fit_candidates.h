@@ -60,6 +60,11 @@ struct FitCandidates {
 /// nearest) or option.
 FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry);
 
+/// Takes out the steppings that cannot keep possible what a scene needs; `dropped` gets their labels with
+/// the reason (of modes, whose model says it itself, nothing).
+void drop_steppings(std::vector<FitStepping>& steppings, const std::vector<std::string>& needs,
+                    std::vector<std::string>& dropped);
+
 /// experiments/fit/candidates.yaml.
 std::filesystem::path candidates_path();
 

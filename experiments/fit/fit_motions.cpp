@@ -44,6 +44,7 @@ bool step_motions(const MotionSearch& search, const FitPlan& check, const Regist
     const bool of_modes = is_modal(point.candidate);
     task.time_limit_s = of_modes ? kModalShare * left_s : is_first ? left_s : kMotionShare * left_s;
     task.folder = check.folder / "motion" / plan_label(point.candidate);
+    task.memory_bytes = search.require.memory_bytes;
     task.stop_flag = search.stop_flag;
     const std::vector<FitStepping> steppings = steppings_of(search.steppings, of_modes);
     point.steppings =

@@ -36,6 +36,7 @@ json describe_stepping(const SteppingTry& tried) {
            {"why_not", tried.why_not}};
   if (!own.solver.is_null()) out["solver"] = own.solver;
   if (own.modes) out["modes"] = *own.modes;
+  if (tried.memory_bytes > 0) out["memory_bytes"] = tried.memory_bytes;
   if (tried.setup_s) out["setup_s"] = *tried.setup_s;
   return out;
 }

@@ -28,7 +28,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSearchShare = 0.6;  ///< of the time limit
+constexpr double kSearchShare = 0.6;   ///< of the time limit
+constexpr double kGradingShare = 0.5;  ///< of that, up to which graded meshes are prepared
 constexpr std::size_t kFinalists = 4;
 constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
@@ -68,6 +69,10 @@ class Fit {
       if (const FitPoint* nearest = find_nearest(result_.searched, require())) result_.nearest = *nearest;
       result_.run = search.folder / "run";
     }
+    if (options_.stop_flag != nullptr && *options_.stop_flag != 0) {  // in whatever it was
+      result_.is_interrupted = true;
+      result_.is_complete = false;
+    }
     result_.wall_s = watch_.seconds();
     return std::move(result_);
   }
@@ -81,14 +86,18 @@ class Fit {
     plan.work = result_.work;
     plan.scenes.push_back(static_scene(result_.scene));
     drop_modes();
+    drop_unable_steppings();
     plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
     if (plan.candidates.empty())
       throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
     progress_.show_long("mesh");
     const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
     find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
-    grade_simplifiers(candidates_, result_.scene, mesh, registry_, options_.out / "sizes", options_.stop_flag,
-                      result_.dropped);
+    const double grading_s = kGradingShare * kSearchShare * options_.time_limit_s - watch_.seconds();
+    if (!grade_simplifiers(candidates_, result_.scene, mesh,
+                           {registry_, options_.out / "sizes", grading_s, options_.stop_flag},
+                           result_.dropped))
+      result_.is_complete = false;
     plan.candidates.erase(
         std::remove_if(plan.candidates.begin(), plan.candidates.end(),
                        [&](const FitCandidate& candidate) { return !is_known(candidate.simplifier); }),
@@ -117,6 +126,15 @@ class Fit {
                                   return !why.empty();
                                 }),
                  models.end());
+  }
+
+  /// Leaves out integrators that what may change would cost a new set-up.
+  void drop_unable_steppings() {
+    if (!is_stepped()) return;
+    drop_steppings(candidates_.steppings, require().needs, result_.dropped);
+    const auto& left = candidates_.steppings;
+    if (std::all_of(left.begin(), left.end(), [](const FitStepping& one) { return one.modes.has_value(); }))
+      throw InputError(options_.scene.string() + ": require: no stepping can do all of it" + dropped_text());
   }
 
   bool is_known(const std::string& simplifier) const {

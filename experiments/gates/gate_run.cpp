@@ -38,6 +38,17 @@ void check_plan(const RunPaths& paths, const json& provenance, std::vector<std::
   }
 }
 
+/// Figures are accepted for a plan: what says where they come from has to name the one that the records do.
+void check_plan_name(const json& provenance, const RunRows& rows, std::vector<std::string>& problems) {
+  const json named = provenance.value("plan", json());
+  const std::string start = "provenance.json names the plan " + named.dump() + ", and records are of ";
+  std::set<std::string> said;
+  for (const RunRow& row : rows.all()) {
+    const std::string own = row.plan->dump();
+    if (named != *row.plan && said.insert(own).second) problems.push_back(start + own);
+  }
+}
+
 bool is_closing(const std::string& outcome) {
   return outcome == "timed_out" || outcome == "bad_input" || outcome == "unavailable" ||
          outcome == "not_judged";
@@ -101,6 +112,7 @@ std::vector<std::string> find_run_problems(const fs::path& folder, const RunRows
   std::vector<std::string> problems;
   const json provenance = read_provenance(paths, problems);
   check_plan(paths, provenance, problems);
+  if (provenance.is_object()) check_plan_name(provenance, rows, problems);
   if (provenance.is_object()) check_cases(provenance, rows, problems);
   check_outcomes(rows, problems);
   return problems;

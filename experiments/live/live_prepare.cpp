@@ -50,7 +50,7 @@ Found draft(const LiveWish& wish, std::vector<std::string>& notes) {
   const SceneDraft made = draft_scene(draft_wish);
   print_note(wish.source.string() + ": its unit is the " + unit_name(made.unit_m) + ", " + made.unit_reason);
   notes.insert(notes.end(), made.notes.begin(), made.notes.end());
-  notes.push_back("It rests on elastic supports under its lowest part (" + std::string(1, made.up) +
+  notes.push_back("It rests on elastic supports under its lowest part (" + made.up +
                   " is up), as palpate scene finds them.");
   write_file_atomically(draft_wish.scene, made.yaml);
   return {read_scene(draft_wish.scene), made.mesh, "mesh"};

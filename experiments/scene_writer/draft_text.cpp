@@ -1,5 +1,6 @@
 #include "experiments/scene_writer/draft_text.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -68,10 +69,10 @@ std::string material_text(const SceneWish& wish) {
 std::string clamp_text(const SceneWish& wish, const SceneDraft& draft) {
   const Vec3 up = up_direction(draft.up);
   const std::string lies =
-      draft.up_is_chosen
-          ? std::string("# It lies on its broad side: up is the axis along which it is shortest, ") +
-                draft.up + ".\n"
-          : "";
+      (draft.up_is_chosen ? "# It lies on its broad side: up is the axis along which it is shortest, "
+                          : "# Up is, as asked for, ") +
+      draft.up + ", and gravity pulls along " + other_way(draft.up) +
+      ".\n# palpate scene --up takes +x, -x, +y, -y, +z and -z.\n";
   return lies + "# What holds it: an elastic bed under the lowest " + percent(draft.support.share) +
          " of its height along " + draft.up + ", E / 10 mm a unit of area.\n# It takes hold of " +
          std::to_string(draft.support.faces) + " faces, " + percent(draft.support.area_share) +
@@ -116,11 +117,16 @@ std::string analysis_text(const SceneWish& wish, const SceneDraft& draft) {
 
 }  // namespace
 
-Vec3 up_direction(char up) {
-  if (up == 'x') return {1, 0, 0};
-  if (up == 'y') return {0, 1, 0};
-  if (up == 'z') return {0, 0, 1};
-  throw InputError("--up", 0, "x, y or z", std::string("\"") + up + "\"");
+Vec3 up_direction(const std::string& up) {
+  if (std::find(kUpNames.begin(), kUpNames.end(), up) == kUpNames.end())
+    throw InputError("--up", 0, "+x, -x, +y, -y, +z or -z", "\"" + up + "\"");
+  const double sign = up.front() == '-' ? -1.0 : 1.0;
+  const char axis = up.back();
+  return {axis == 'x' ? sign : 0.0, axis == 'y' ? sign : 0.0, axis == 'z' ? sign : 0.0};
+}
+
+std::string other_way(const std::string& up) {
+  return (up.front() == '-' ? "" : "-") + up.substr(up.size() - 1);
 }
 
 std::string write_draft(const SceneWish& wish, const SceneDraft& draft) {
@@ -136,7 +142,13 @@ std::string write_draft(const SceneWish& wish, const SceneDraft& draft) {
          analysis_text(wish, draft) +
          "# What a model has to reach here, for palpate fit (docs/fit.md): the error of the deformation, "
          "and\n"
-         "# seconds of the clock for a simulated one. Other commands leave it alone.\n"
+         "# seconds of the clock for a simulated one" +
+         (wish.is_dynamic
+              ? std::string(". ")
+              : ": what steps of this organ would take in a simulator, though it is at rest here. "
+                "Where one\n# answer at rest is all, take time_per_second_s out, or have answer_s "
+                "(a first\n# answer) or rate_hz (further ones) in its place. ") +
+         "Other commands leave it alone.\n"
          "require: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}\n";
 }
 

@@ -92,11 +92,12 @@ void choose_unit(const SceneWish& wish, SceneDraft& draft) {
 /// lies on its broad side.
 void choose_up(const SceneWish& wish, SceneDraft& draft) {
   constexpr double kClearly = 0.99;
-  draft.up = wish.up.value_or('z');
+  draft.up = wish.up.value_or("z");
+  if (draft.up.front() == '+') draft.up.erase(0, 1);
   draft.up_is_chosen = !wish.up;
   if (wish.up) return;
   double shortest = draft.size_m.z;
-  for (const auto& [name, size] : {std::pair{'y', draft.size_m.y}, std::pair{'x', draft.size_m.x}}) {
+  for (const auto& [name, size] : {std::pair{"y", draft.size_m.y}, std::pair{"x", draft.size_m.x}}) {
     if (size >= kClearly * shortest) continue;
     shortest = size;
     draft.up = name;

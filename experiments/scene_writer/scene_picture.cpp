@@ -9,6 +9,12 @@
 
 namespace palpate::experiments {
 
+std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& scene) {
+  const std::filesystem::path folder = std::filesystem::absolute(scene).parent_path();
+  const std::string stem = scene.stem().string();
+  return {folder / (stem + ".png"), folder / (stem + ".svg")};
+}
+
 std::vector<std::filesystem::path> draw_scene(const std::filesystem::path& scene, const TetMesh& mesh,
                                               const BoundaryProblem& problem) {
   const ScratchFolder scratch;
@@ -18,7 +24,7 @@ std::vector<std::filesystem::path> draw_scene(const std::filesystem::path& scene
   const std::string stem = scene.stem().string();
   run_script(report_script("show_scene.py", {scratch.path().string(), folder.string(), stem}), scratch,
              "the picture");
-  return {folder / (stem + ".png"), folder / (stem + ".svg")};
+  return pictures_of(scene);
 }
 
 }  // namespace palpate::experiments

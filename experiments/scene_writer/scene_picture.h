@@ -10,9 +10,11 @@
 
 namespace palpate::experiments {
 
-/// Draws the scene's skin from above and from below by the report's Python (report/show_scene.py): STEM.png
-/// and STEM.svg beside the scene, STEM being its name without its ending. Returns both paths. Throws:
-/// UnavailableError if the script, Python or matplotlib is missing, or fails.
+/// What draw_scene writes: STEM.png and STEM.svg beside the scene, STEM being its name without its ending.
+std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& scene);
+
+/// Draws the scene's skin from above and from below by the report's Python (report/show_scene.py).
+/// Returns both paths. Throws: UnavailableError if the script, Python or matplotlib is missing, or fails.
 std::vector<std::filesystem::path> draw_scene(const std::filesystem::path& scene, const TetMesh& mesh,
                                               const BoundaryProblem& problem);
 

@@ -22,7 +22,7 @@ struct SceneWish {
   bool repair = false;                    ///< of a surface
   Material material{10000.0, 0.45, 1050.0};
   bool is_dynamic = false;
-  std::optional<char> up;  ///< x, y or z; nothing: the axis along which it is shortest
+  std::optional<std::string> up;  ///< as up_direction takes it; nothing: the axis along which it is shortest
 };
 
 /// What was found, and the scene's text.
@@ -32,9 +32,9 @@ struct SceneDraft {
   bool is_surface = false;
   std::optional<std::uint64_t> vertices;  ///< that a surface is filled to; nothing: its skin as it is
   double unit_m = 0.0;
-  std::string unit_reason;  ///< "guessed: with mm it is 12.3 cm across"
-  Vec3 size_m;              ///< of its box
-  char up = 'z';
+  std::string unit_reason;    ///< "guessed: with mm it is 12.3 cm across"
+  Vec3 size_m;                ///< of its box
+  std::string up = "z";       ///< "x", "-x", "y", "-y", "z" or "-z"
   bool up_is_chosen = false;  ///< as the axis along which it is shortest
   RestingRegion support;
   PadRegion pad;

@@ -1,10 +1,12 @@
 #include "experiments/trials/fit_stepping.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/base/number_text.h"
 #include "experiments/records/record_file.h"
+#include "experiments/scene_reader/scene_require.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
@@ -28,6 +30,20 @@ void FitStepping::apply(const nlohmann::json& step, nlohmann::json& scene) const
   if (modes) scene["model"]["modes"] = *modes;
 }
 
+std::string FitStepping::cannot(const std::vector<std::string>& needs) const {
+  const std::vector<std::string>& things = changeable_things();
+  for (const std::string& need : needs) {
+    if (std::find(things.begin(), things.end(), need) == things.end()) continue;
+    if (std::find(may_change.begin(), may_change.end(), need) == may_change.end()) return need;
+  }
+  return "";
+}
+
+std::string over_memory(std::uint64_t bytes, const std::optional<std::uint64_t>& most) {
+  if (!most || bytes <= *most) return "";
+  return "takes " + std::to_string(bytes) + " bytes, over " + std::to_string(*most);
+}
+
 double SteppingTry::cost() const {
   return cost_s.empty() ? std::numeric_limits<double>::infinity() : median(cost_s);
 }
@@ -44,6 +60,7 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
     tried.step_s = step_s;
     tried.error = found.error;
     tried.cost_s = {found.cost_s};
+    tried.memory_bytes = std::max(tried.memory_bytes, found.memory_bytes);
     tried.why_not.clear();
     if (found.ending.empty() && found.error && *found.error <= most_error) return tried;
     tried.why_not =

@@ -17,10 +17,15 @@ inline constexpr const char* kExplicitIntegrator = "symplectic_euler";
 /// An integrator as a fit tries it; of a model of modes, how many of them.
 struct FitStepping {
   std::string label;
-  std::string integrator;              ///< as a scene names it
-  bool single_precision = false;       ///< of the plain engine or the tet engine
-  nlohmann::json solver;               ///< as a scene has it; null: its own
-  std::optional<std::size_t> modes{};  ///< of reference::kExponential: how many of the lowest
+  std::string integrator;                 ///< as a scene names it
+  bool single_precision = false;          ///< of the plain engine or the tet engine
+  nlohmann::json solver;                  ///< as a scene has it; null: its own
+  std::optional<std::size_t> modes{};     ///< of reference::kExponential: how many of the lowest
+  std::vector<std::string> may_change{};  ///< what may change without a new set-up: of changeable_things()
+
+  /// What of `needs` may not change without a new set-up, the first; empty if all may. What is no thing that
+  /// changes (large_strain) is a matter of models.
+  std::string cannot(const std::vector<std::string>& needs) const;
 
   /// Puts it into a moving scene, with this step (s, or "auto") in place of the scene's. Integrator,
   /// precision, engine and solver of the scene are replaced, and the number of its model's modes.
@@ -33,6 +38,7 @@ struct SteppedMotion {
   std::optional<double>
       error;           ///< what the step leaves of the motion, relative; nothing where it did not end
   std::string ending;  ///< empty, or what ended it: "diverged", "timed_out", why it was refused
+  std::uint64_t memory_bytes = 0;  ///< the most that the run took; 0: not measured
 };
 
 /// What came of an integrator.
@@ -44,7 +50,7 @@ struct SteppingTry {
   std::vector<double> cost_s;       ///< of that step, one a run
   std::string why_not;              ///< empty: verified at that step
   std::optional<double> setup_s{};  ///< of modes: what they take to be found, which is in no cost
-  std::uint64_t memory_bytes = 0;   ///< of modes: the most that their run took; 0: not measured
+  std::uint64_t memory_bytes = 0;   ///< the most that its runs took; 0: not measured
 
   /// The median; infinite without a run.
   double cost() const;
@@ -56,6 +62,9 @@ struct SteppingTry {
 /// decide what holds, times alone what is not looked at any more.
 SteppingTry find_step(const FitStepping& stepping, double longest_s, double shortest_s, double most_error,
                       double most_cost_s, const std::function<SteppedMotion(double step_s)>& run);
+
+/// "takes 900000 bytes, over 500000"; empty where it does not, or nothing was measured or asked.
+std::string over_memory(std::uint64_t bytes, const std::optional<std::uint64_t>& most);
 
 /// The cheapest that is verified, the first of equals; null if none is.
 const SteppingTry* choose_stepping(const std::vector<SteppingTry>& tries);

@@ -149,6 +149,8 @@ class ModalTrials {
       }
       tried.setup_s = motion.setup_s;
       tried.memory_bytes = motion.memory_bytes;
+      tried.why_not = over_memory(motion.memory_bytes, task_.memory_bytes);
+      if (!tried.why_not.empty()) return;
       for (const double kernel_s : motion.again_s) tried.cost_s.push_back(motion.second_of(kernel_s));
       tried.error = difference_at_rows(motion.history, truth_) + rest_of_truth_;
       if (!(*tried.error <= task_.most_error))

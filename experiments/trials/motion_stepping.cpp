@@ -39,8 +39,14 @@ class SteppingTrials {
         duration_s_(task.scene.at("/analysis/dynamic/duration_s"_json_pointer).get<double>()) {}
 
   std::vector<SteppingTry> run(const std::vector<FitStepping>& steppings) {
-    find_truth();
     std::vector<SteppingTry> tries;
+    if (!find_truth()) {
+      for (const FitStepping& stepping : steppings) {
+        tries.emplace_back().stepping = stepping;
+        tries.back().why_not = "not tried: its motion was stopped before it had a step";
+      }
+      return tries;
+    }
     for (const FitStepping& stepping : steppings) {
       const SteppingTry* best = choose_stepping(tries);
       cheapest_s_ = best != nullptr ? best->cost() : kNever;
@@ -70,8 +76,9 @@ class SteppingTrials {
     return tried;
   }
 
-  /// The scene's motion by explicit steps of its own choice, and in a quarter of them.
-  void find_truth() {
+  /// The scene's motion by explicit steps of its own choice, and in a quarter of them. False where time or
+  /// user stopped it before anything was known.
+  bool find_truth() {
     const FitStepping plain{"", kExplicitIntegrator, false, nullptr};
     json scene = task_.scene;
     scene = with_fixed_step(scene, 1.0, task_.probes_m);
@@ -79,13 +86,15 @@ class SteppingTrials {
     plain.apply("auto", scene);
     const MotionTrial own = run_motion_trial(scene, next_trial(kTruthShare * left_s()), registry_);
     bound_s_ = own.step_s;
+    if (!(bound_s_ > 0.0) && *deadline_.flag() != 0) return false;
     if (!(bound_s_ > 0.0))
       throw InputError("the fitted scene's motion is " + own.outcome + " before it has a step");
-    if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return;
+    if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return true;
     MotionTrial fine = step(plain, kFinerStep * bound_s_, kTruthShare * left_s());
-    if (fine.outcome != "completed") return;
+    if (fine.outcome != "completed") return true;
     rest_of_truth_ = history_difference(own.history, fine.history) / 3.0;
     truth_ = std::move(fine.history);
+    return true;
   }
 
   SteppedMotion look_at(const FitStepping& stepping, double step_s) {
@@ -93,6 +102,9 @@ class SteppingTrials {
     found.cost_s = kNever;
     try {
       const MotionTrial motion = step(stepping, step_s, most_seconds());
+      found.memory_bytes = motion.memory_bytes;
+      found.ending = over_memory(motion.memory_bytes, task_.memory_bytes);
+      if (!found.ending.empty()) return found;  // shorter steps take as much
       if (motion.simulated_s > 0.0) found.cost_s = motion.second_s();
       if (motion.outcome != "completed") {
         found.ending = motion.outcome;

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +16,13 @@ namespace palpate::experiments {
 
 /// A fitted scene whose motion is to be stepped.
 struct SteppingTask {
-  nlohmann::json scene;          ///< as build_fitted_scene makes it
-  std::filesystem::path mesh;    ///< in m
-  nlohmann::json probes_m;       ///< where motions are held against each other
-  double most_error = 0.0;       ///< that a step may leave
-  double time_limit_s = 100.0;   ///< of the clock, for all of it
-  std::filesystem::path folder;  ///< is made; the runs go there
+  nlohmann::json scene;                         ///< as build_fitted_scene makes it
+  std::filesystem::path mesh;                   ///< in m
+  nlohmann::json probes_m;                      ///< where motions are held against each other
+  double most_error = 0.0;                      ///< that a step may leave
+  double time_limit_s = 100.0;                  ///< of the clock, for all of it
+  std::optional<std::uint64_t> memory_bytes{};  ///< that a run may take
+  std::filesystem::path folder;                 ///< is made; the runs go there
   const volatile std::sig_atomic_t* stop_flag = nullptr;
 };
 
@@ -32,7 +35,7 @@ struct SteppingTask {
 /// each relative to v, over the whole time and all probes; where v would take more than two fifths of the
 /// time, by 4/3 of the difference from the same integrator in steps of a quarter. Verified ones are run
 /// three times. An integrator is not looked at any further once it is dearer than the cheapest that is
-/// verified and its error still too large.
+/// verified and its error still too large, or once a run of it takes more memory than there may be.
 ///
 /// Returns: one a stepping, in their order. Throws: as simulate, but for what an integrator cannot take.
 std::vector<SteppingTry> try_steppings(const SteppingTask& task, const std::vector<FitStepping>& steppings,

@@ -48,6 +48,12 @@ def names_in(texts):
     return [name for name in OWN if name in wanted]
 
 
+def is_drafted(name, texts):
+    """Whether the first command that names a scene is the one that writes it: it writes over none."""
+    first = next((text for text in texts if name in text), "")
+    return re.search(rf" scene .* -o {re.escape(name)}(?!\S)", first) is not None
+
+
 def making(texts):
     """Commands for a shell that make those files, each where it is not there yet."""
-    return [f"if ! compgen -G '{name}*' > /dev/null; then {OWN[name]}\nfi" for name in names_in(texts)]
+    return [f"if ! compgen -G '{name}*' > /dev/null; then {OWN[name]}\nfi" for name in names_in(texts) if not is_drafted(name, texts)]

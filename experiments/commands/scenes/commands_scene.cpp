@@ -11,6 +11,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
 #include "experiments/judging/judge_record.h"
+#include "experiments/scene_writer/draft_text.h"
 #include "experiments/scene_writer/scene_draft.h"
 #include "experiments/scene_writer/scene_picture.h"
 #include "experiments/scene_writer/unit_guess.h"
@@ -28,6 +29,7 @@ struct SceneArguments {
   std::uint64_t vertices = 0;
   std::string motion = "static";
   std::string up;  ///< empty: found
+  bool force = false;
   Material material{10000.0, 0.45, 1050.0};
   bool repair = false;
   bool show = false;
@@ -43,7 +45,7 @@ SceneWish wish_of(const SceneArguments& arguments) {
   wish.repair = arguments.repair;
   wish.material = arguments.material;
   wish.is_dynamic = arguments.motion == "dynamic";
-  if (!arguments.up.empty()) wish.up = arguments.up.front();
+  if (!arguments.up.empty()) wish.up = arguments.up;
   return wish;
 }
 
@@ -53,7 +55,7 @@ json describe_draft(const SceneDraft& draft, const SceneArguments& arguments) {
           {"analysis", arguments.motion},
           {"unit_m", draft.unit_m},
           {"unit_guessed", arguments.unit_m <= 0.0},
-          {"up", std::string(1, draft.up)},
+          {"up", draft.up},
           {"size_m", {draft.size_m.x, draft.size_m.y, draft.size_m.z}},
           {"vertices", draft.mesh.points.size()},
           {"tets", draft.mesh.tets.size()},
@@ -111,14 +113,27 @@ BoundaryProblem verify(const std::filesystem::path& scene) {
   }
 }
 
+/// A scene that was drafted has been edited since, more often than not.
+void refuse_to_overwrite(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::exists(file, error))
+    throw InputError(file.string(), 0, "a new file (--force writes over one)", "one that is there already");
+}
+
 int scene(const SceneArguments& arguments) {
   const std::filesystem::path out = arguments.out;
   check_output_yaml(out);
+  if (!arguments.force) {
+    refuse_to_overwrite(out);
+    for (const std::filesystem::path& picture : pictures_of(out)) {
+      if (arguments.show) refuse_to_overwrite(picture);
+    }
+  }
   const SceneDraft draft = draft_scene(wish_of(arguments));
   print_note(arguments.organ + ": its unit is the " + unit_name(draft.unit_m) + ", " + draft.unit_reason +
              (arguments.unit_m > 0.0 ? "" : "; --unit-m says otherwise"));
   if (draft.up_is_chosen)
-    print_note(std::string("it lies on its broad side, with ") + draft.up + " up; --up says otherwise");
+    print_note("it lies on its broad side, with " + draft.up + " up; --up says otherwise");
   for (const std::string& note : draft.notes) print_note(note);
   write_file_atomically(out, draft.yaml);
   const BoundaryProblem problem = verify(out);
@@ -174,13 +189,14 @@ void add_scene_command(CLI::App& app, int& exit_code) {
       ->type_name("HOW");
   command
       ->add_option("--up", arguments->up,
-                   "The axis that points up; without it, that along which it is shortest")
-      ->check(CLI::IsMember({"x", "y", "z"}))
+                   "What points up, against gravity; without it, the axis along which it is shortest")
+      ->check(CLI::IsMember(std::vector<std::string>(kUpNames.begin(), kUpNames.end())))
       ->type_name("AXIS");
   command->add_flag("--repair", arguments->repair,
                     "Mend a surface that is open, inside out or intersects itself");
   command->add_flag("--show", arguments->show,
                     "Draw where it is held and pressed: FILE's name with .png and .svg");
+  command->add_flag("--force", arguments->force, "Write over a FILE that is there already");
   command->add_flag("--json", arguments->as_json, "Print what was found as JSON");
   command->footer(
       "The scene holds how its mesh is made, the unit, the material, elastic supports on the underside, "

@@ -183,6 +183,8 @@ TEST_F(FitCommand, AnEnvelopeSaysHowFarTheModelGoesAndSimulateWarnsBeyond) {
               HasSubstr("outside of what was fitted: Young's modulus times 100, measured to hold up to"));
   EXPECT_THAT(warnings("\"poisson_ratio\":0.45", "\"poisson_ratio\":0.3"),
               HasSubstr("Poisson's ratio is another"));
+  EXPECT_THAT(warnings("\"elastic_pa_per_m\":1000000.0", "\"elastic_pa_per_m\":500000.0"),
+              HasSubstr("outside of what was fitted: support 1: elastic_pa_per_m is 500000"));
   EXPECT_THAT(run_program({"envelope", path("fit")}).error, HasSubstr("expected a fit without an envelope"));
   std::ofstream(folder() / "fit/envelope.json") << "{\"schema\": \"palpate/envelope/1\"}";
   EXPECT_THAT(warnings("", ""), HasSubstr("not as palpate envelope leaves it"));
@@ -224,6 +226,7 @@ TEST_F(FitCommand, AMovingSceneIsSteppedByWhatIsVerified) {
   for (const char* label : {"explicit", "trapezoidal"}) {
     EXPECT_LE(cost, tried.at(label).at("cost_s").get<double>()) << label;
     EXPECT_GT(tried.at(label).at("motion_error").get<double>(), 0.0) << label;
+    EXPECT_GT(tried.at(label).at("memory_bytes").get<double>(), 1e6) << label;
   }
   double rest = 0.0;
   for (std::size_t k = 0; k < choice.at("error").size(); ++k)
@@ -316,6 +319,20 @@ TEST_F(FitCommand, RefusesWhatItCannotFit) {
   const test::ProgramResult full = fit("error: {measure: energy, at_most: 0.1}");
   EXPECT_EQ(full.exit_code, 2);
   EXPECT_THAT(full.error, HasSubstr("a new or an empty folder"));
+}
+
+/// Where supports may change, what keeps a matrix is left out; where nothing else is there, that is an error.
+TEST_F(FitCommand, WithoutASteppingThatKeepsChangesPossibleNothingIsRun) {
+  text_.analysis = "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.1}}";
+  folder().add("candidates.yaml",
+               "schema: palpate/candidates/1\nsimplifiers: []\n"
+               "models: [{label: edge_node, method: smoothed.edge_node, works: {second: [supports]}}]\n"
+               "steppings: [{label: factored, integrator: bdf2}]\n");
+  const test::ProgramResult none = fit("error: {measure: energy, at_most: 0.1}, may_change: [supports]");
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.error, AllOf(HasSubstr("require: no stepping can do all of it"),
+                                HasSubstr("factored (bdf2 steps) are not tried: they need a new set-up for a "
+                                          "change of supports")));
 }
 
 // Sizes are found on the scene's own loads: on other loads the candidate has the same mesh.

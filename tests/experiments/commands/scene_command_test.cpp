@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -37,7 +39,7 @@ class SceneCommand : public testing::Test {
 
   /// Runs palpate scene with these words behind the organ and the output; it must succeed.
   ProgramResult write(const std::string& organ, std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"scene", organ, "-o", path("mine.yaml")};
+    std::vector<std::string> words{"scene", organ, "-o", path("mine.yaml"), "--force"};
     words.insert(words.end(), more.begin(), more.end());
     ProgramResult result = run_program(words);
     EXPECT_EQ(result.exit_code, 0) << result.error;
@@ -79,6 +81,7 @@ TEST_F(SceneCommand, ASurfaceBecomesASceneThatCanBeSolved) {
   EXPECT_THAT(
       text,
       HasSubstr("\nrequire: {error: {measure: deformation_l2, at_most: 0.05}, time_per_second_s: 0.5}"));
+  EXPECT_THAT(text, HasSubstr("take time_per_second_s out, or have answer_s"));
   expect_good();
   const json report = simulated();
   EXPECT_EQ(report.at("outcome"), "converged");
@@ -109,6 +112,62 @@ TEST_F(SceneCommand, AMeshIsTakenAsItIs) {
   EXPECT_EQ(simulated().at("outcome"), "converged");
   write(path("block.mesh"), {"--up", "x"});
   EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("gravity_m_s2: [-9.81, 0, 0]"));
+}
+
+TEST_F(SceneCommand, UpIsAnyOfSixWays) {
+  TetMesh mesh = build_kuhn_cube(6, 0.1, 1);
+  for (Vec3& p : mesh.points) p = {8.0 * p.x, 6.0 * p.y, 5.0 * p.z};
+  write_medit(folder_ / "block.mesh", mesh);
+  const std::map<std::string, std::string> gravity{
+      {"x", "[-9.81, 0, 0]"}, {"+x", "[-9.81, 0, 0]"}, {"-x", "[9.81, 0, 0]"}, {"+y", "[0, -9.81, 0]"},
+      {"-y", "[0, 9.81, 0]"}, {"+z", "[0, 0, -9.81]"}, {"-z", "[0, 0, 9.81]"}};
+  for (const auto& [up, pull] : gravity) {
+    SCOPED_TRACE(up);
+    const json found = json::parse(write(path("block.mesh"), {"--up", up, "--json"}).out);
+    const std::string axis = up.front() == '+' ? up.substr(1) : up;
+    EXPECT_EQ(found.at("up"), axis);
+    const std::string text = test::bytes_of(folder_ / "mine.yaml");
+    EXPECT_THAT(text, HasSubstr("gravity_m_s2: " + pull));
+    EXPECT_THAT(text, HasSubstr("# Up is, as asked for, " + axis + ", and gravity pulls along "));
+    EXPECT_THAT(text, HasSubstr("--up takes +x, -x, +y, -y, +z and -z."));
+    // The pad is on the side that is up, and what holds the body on the other one.
+    const std::size_t k = up.back() == 'x' ? 0 : up.back() == 'y' ? 1 : 2;
+    const double height = found.at("pad").at("center_m").at(k).get<double>();
+    const double size = found.at("size_m").at(k).get<double>();
+    EXPECT_EQ(height > 0.5 * size, up.front() != '-') << height;
+    const BoundaryProblem placed = resolve_draft(folder_ / "mine.yaml");
+    ASSERT_EQ(placed.supports.size(), 2U);
+    const Vec3 corner = 0.01 * mesh.points[placed.supports[0].patch.faces.front()[0]];
+    const std::array<double, 3> held{corner.x, corner.y, corner.z};
+    EXPECT_EQ(held.at(k) > 0.5 * size, up.front() == '-');
+  }
+  expect_good();
+  write(path("block.mesh"), {"--up=-y"});
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("and gravity pulls along y."));
+}
+
+TEST_F(SceneCommand, AFileThatIsThereIsNotWrittenOver) {
+  TetMesh mesh = build_kuhn_cube(4, 0.1, 1);
+  for (Vec3& p : mesh.points) p = 80.0 * p;
+  write_medit(folder_ / "block.mesh", mesh);
+  folder_.add("mine.yaml", "# an afternoon's work\n");
+  const std::vector<std::string> words{"scene", path("block.mesh"), "-o", path("mine.yaml")};
+  const ProgramResult refused = run_program(words);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_EQ(refused.error, "palpate: " + path("mine.yaml") +
+                               ": expected a new file (--force writes over one), found one that is there "
+                               "already\n");
+  EXPECT_EQ(test::bytes_of(folder_ / "mine.yaml"), "# an afternoon's work\n");
+  write(path("block.mesh"));  // with --force
+  EXPECT_THAT(test::bytes_of(folder_ / "mine.yaml"), HasSubstr("schema: palpate/scene/1"));
+  std::filesystem::remove(folder_ / "mine.yaml");
+  folder_.add("mine.png", "a picture");
+  std::vector<std::string> shown = words;
+  shown.emplace_back("--show");
+  EXPECT_THAT(run_program(shown).error, HasSubstr("mine.png: expected a new file"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "mine.yaml"));
+  EXPECT_EQ(run_program(words).exit_code, 0) << "no picture was asked for";
+  EXPECT_EQ(test::bytes_of(folder_ / "mine.png"), "a picture");
 }
 
 TEST_F(SceneCommand, ADynamicOneMovesAndSaysWhatLimitsIt) {
@@ -162,6 +221,9 @@ TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
   refused({huge, "-o", out, "--repair"}, "--vertices and --repair belong to a surface");
   refused({huge, "-o", out, "--poisson", "0.5"}, "--poisson: expected a number from -0.99 to 0.4999");
   refused({huge, "-o", out, "--up", "w"}, "--up");
+  refused({huge, "-o", out, "--up", "-"}, "--up");
+  refused({huge, "-o", out, "--up", "-w"}, "--up");
+  refused({huge, "-o", out, "--up"}, "--up");
   refused({huge, "-o", out, "--unit-m", "0"}, "--unit-m: expected a number from");
   refused({path("none.stl"), "-o", out}, "none.stl");
   refused({huge, "-o", path("no/such/folder/mine.yaml")}, "no/such/folder");

@@ -5,7 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iostream>
+#include <map>
 #include <numbers>
+#include <set>
 
 #include "core/base/error.h"
 #include "core/base/types.h"
@@ -81,6 +84,98 @@ TEST_F(FitPlans, TheCandidatesOfTheProjectAreGood) {
   const FitCandidates candidates = read_candidates(candidates_path(), registry_);
   EXPECT_GE(candidates.models.size(), 6U);
   EXPECT_GE(candidates.simplifiers.size(), 2U);
+  std::set<std::string> labels;
+  const auto is_known = [&](const std::string& label, const std::string& method, const char* contest) {
+    EXPECT_TRUE(labels.insert(label).second) << label << " twice";
+    const auto entry = registry_.find(method);
+    ASSERT_TRUE(entry.has_value()) << method;
+    EXPECT_EQ(entry->contestant->contest, contest) << method;
+    const std::string why = entry->contestant->unavailable();
+    if (!why.empty()) std::cout << "[  missing ] " << method << ": " << why << '\n';
+  };
+  for (const FitSimplifier& simplifier : candidates.simplifiers) {
+    is_known(simplifier.label, simplifier.method, "simplify");
+    EXPECT_EQ(std::set<double>(simplifier.ratios.begin(), simplifier.ratios.end()).size(),
+              simplifier.ratios.size())
+        << simplifier.label << ": a share twice";
+    if (simplifier.grade && !simplifier.grade->pilot.empty()) {
+      EXPECT_TRUE(registry_.find(simplifier.grade->pilot)->contestant->unavailable().empty());
+    }
+  }
+  std::map<std::string, std::set<std::string>> by_work;  // methods that are there
+  std::set<std::string> words{"large_strain"};
+  words.insert(changeable_things().begin(), changeable_things().end());
+  const auto are_known = [&](const std::string& label, const std::vector<std::string>& things) {
+    EXPECT_EQ(std::set<std::string>(things.begin(), things.end()).size(), things.size()) << label;
+    for (const std::string& thing : things) EXPECT_EQ(words.count(thing), 1U) << label << ": " << thing;
+  };
+  for (const FitModel& model : candidates.models) {
+    is_known(model.label, model.method, "deform");
+    EXPECT_FALSE(model.works.empty()) << model.label;
+    for (const auto& [work, can] : model.works) {
+      are_known(model.label, can);
+      if (registry_.find(model.method)->contestant->unavailable().empty()) by_work[work].insert(model.method);
+    }
+  }
+  for (const FitWork work : {FitWork::kFirst, FitWork::kFurther, FitWork::kSecond}) {
+    EXPECT_FALSE(by_work[work_name(work)].empty()) << "no model for " << work_name(work);
+    for (const std::string& thing : changeable_things()) {
+      const bool can = std::any_of(candidates.models.begin(), candidates.models.end(),
+                                   [&](const auto& model) { return model.cannot(work, {thing}).empty(); });
+      // What a table or factors answer has to be made anew: nothing here keeps material and cuts there.
+      EXPECT_EQ(can, work != FitWork::kFurther || thing == "supports") << work_name(work) << " " << thing;
+    }
+  }
+  for (const FitStepping& stepping : candidates.steppings) {
+    EXPECT_TRUE(labels.insert(stepping.label).second) << stepping.label << " twice";
+    are_known(stepping.label, stepping.may_change);
+    EXPECT_TRUE(stepping.cannot({"large_strain"}).empty()) << "a matter of models";
+    const bool is_explicit = stepping.integrator == kExplicitIntegrator;
+    for (const std::string& thing : changeable_things())
+      EXPECT_EQ(stepping.cannot({thing}), is_explicit ? "" : thing) << stepping.label;
+  }
+}
+
+TEST_F(FitPlans, ASteppingThatKeepsFactorsIsDroppedWhereTheyMayChange) {
+  const std::string head =
+      "schema: palpate/candidates/1\nsimplifiers: []\nmodels: [{label: m, method: smoothed.edge_node, works: "
+      "{second: [supports]}}]\nsteppings:\n";
+  const auto steppings = [&](const std::string& lines) { return read_text(head + lines).steppings; };
+  std::vector<FitStepping> found = steppings(
+      "  - {label: plain, integrator: symplectic_euler}\n"
+      "  - {label: some, integrator: velocity_verlet, may_change: [material]}\n"
+      "  - {label: factored, integrator: bdf2}\n"
+      "  - {label: anew, integrator: vbd, may_change: [cuts, supports]}\n"
+      "  - {label: modes, integrator: exponential, modes: 3}\n");
+  EXPECT_EQ(found[0].may_change, changeable_things()) << "explicit steps ask the forces alone";
+  EXPECT_THAT(found[2].may_change, testing::IsEmpty());
+  EXPECT_THAT(found[4].may_change, testing::IsEmpty());
+  std::vector<FitStepping> kept = found;
+  std::vector<std::string> dropped;
+  drop_steppings(kept, {"large_strain"}, dropped);
+  EXPECT_EQ(kept.size(), 5U);
+  EXPECT_THAT(dropped, testing::IsEmpty());
+  drop_steppings(kept, {"large_strain", "supports"}, dropped);
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].label, "plain");
+  EXPECT_EQ(kept[1].label, "anew");
+  EXPECT_THAT(dropped, testing::ElementsAre("some (velocity_verlet steps) are not tried: they need a new "
+                                            "set-up for a change of supports",
+                                            HasSubstr("factored (bdf2 steps)")));
+  const auto message = [&](const std::string& line) {
+    try {
+      steppings("  - " + line + "\n");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  EXPECT_THAT(message("{label: a, integrator: symplectic_euler, may_change: [support]}"),
+              AllOf(HasSubstr("candidates.yaml:5:"), HasSubstr("did you mean \"supports\"?")));
+  EXPECT_THAT(message("{label: a, integrator: symplectic_euler, may_change: [cuts, cuts]}"),
+              HasSubstr("\"cuts\" twice"));
+  EXPECT_THAT(message("{label: a, integrator: symplectic_euler, may_chance: [cuts]}"),
+              HasSubstr("did you mean \"may_change\"?"));
 }
 
 TEST_F(FitPlans, BadCandidatesAreRefusedWithTheirPlace) {

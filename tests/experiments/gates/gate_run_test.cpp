@@ -200,18 +200,27 @@ TEST_F(GateRun, TheCommandSaysWhatFellShortFirstAndWritesBothSummaries) {
       HasSubstr("--kinds belongs to --update"));
 }
 
-TEST_F(GateRun, WhatIsNeededIsReadWhateverPlanTheProvenanceNames) {
+TEST_F(GateRun, AProvenanceOfAnotherPlanHoldsNothingWhateverTheFiguresSay) {
   run();
   const std::string accepted = (fixture_.folder() / "accepted.json").string();
   const std::vector<std::string> gate{"gate", folder().string(), "--accepted", accepted};
   std::vector<std::string> update = gate;
   update.emplace_back("--update");
+  ASSERT_EQ(test::run_program(update).exit_code, 0);
+  const std::string before = test::bytes_of(accepted);
   json provenance = json::parse(test::bytes_of(folder() / "provenance.json"));
   provenance["plan"] = "another";
   fixture_.folder().add("run/provenance.json", provenance.dump());
-  EXPECT_EQ(test::run_program(update).exit_code, 0);
-  EXPECT_EQ(test::run_program(gate).out,
-            "holds: 10 of 10 figures hold: 3 of accuracy, 5 of validity, 2 of hash\n");
+  const std::string problem = "provenance.json names the plan \"another\", and records are of \"plan\"";
+  EXPECT_THAT(problems(), ElementsAre(problem));
+  // What the figures need is read all the same, so that they are compared and said.
+  const test::ProgramResult foreign = test::run_program(gate);
+  EXPECT_EQ(foreign.exit_code, 1);
+  EXPECT_THAT(foreign.out, testing::AllOf(HasSubstr(problem), HasSubstr("FAILS: 10 of 10 figures hold")));
+  const test::ProgramResult kept = test::run_program(update);
+  EXPECT_EQ(kept.exit_code, 1);
+  EXPECT_THAT(kept.error, HasSubstr("the accepted figures are unchanged: the run is not sound"));
+  EXPECT_EQ(test::bytes_of(accepted), before);
   std::filesystem::remove(folder() / "provenance.json");
   EXPECT_THAT(test::run_program(gate).out, HasSubstr("10 of 10 figures hold"));
 }

@@ -101,6 +101,19 @@ TEST(ChooseStepping, WhatIsNotVerifiedIsNeverTaken) {
   EXPECT_EQ(choose_stepping({}), nullptr);
 }
 
+TEST(FitSteppings, MemoryIsHeldAgainstWhatThereMayBe) {
+  EXPECT_EQ(over_memory(501, 500), "takes 501 bytes, over 500");
+  EXPECT_EQ(over_memory(500, 500), "");
+  EXPECT_EQ(over_memory(501, std::nullopt), "");
+  EXPECT_EQ(over_memory(0, 500), "") << "not measured";
+  const SteppingTry found = find_step(stepping_of("a"), 1.0, 0.01, 0.02, kFree, [](double step_s) {
+    SteppedMotion motion = of_order_two(step_s);
+    motion.memory_bytes = step_s == 0.5 ? 900 : 700;
+    return motion;
+  });
+  EXPECT_EQ(found.memory_bytes, 900U) << "the most of all its runs";
+}
+
 TEST(FitSteppings, ReplaceWhatTheSceneHad) {
   json scene = json::parse(R"({"analysis": {"dynamic": {"integrator": "runge_kutta_4", "time_step_s": "auto",
     "safety": 0.5, "engine": "general", "duration_s": 2, "damping": {"mass_per_s": 3}}}})");

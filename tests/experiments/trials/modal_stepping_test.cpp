@@ -116,6 +116,14 @@ TEST_F(ModesOnAMotion, TheFewestThatHoldAreTakenAndTooFewAreNot) {
   EXPECT_EQ(choose_stepping(tries), &tries[2]);
 }
 
+TEST_F(ModesOnAMotion, ThoseThatTakeMoreMemoryThanThereIsAreNoChoice) {
+  ASSERT_TRUE(has_whole()) << "moving_fem.p1 is not built";
+  task_.memory_bytes = 1000;
+  const SteppingTry tried = try_modes(task_, {modes_of(30)}, registry_).front();
+  EXPECT_THAT(tried.why_not, HasSubstr(" bytes, over 1000"));
+  EXPECT_GT(tried.memory_bytes, 1'000'000U);
+}
+
 TEST_F(ModesOnAMotion, ABrokenAnswerIsNotVerified) {
   ASSERT_TRUE(has_whole()) << "moving_fem.p1 is not built";
   const auto look = [&](const std::string& change) {
