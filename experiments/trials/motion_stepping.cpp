@@ -40,10 +40,10 @@ class SteppingTrials {
 
   std::vector<SteppingTry> run(const std::vector<FitStepping>& steppings) {
     std::vector<SteppingTry> tries;
-    if (!find_truth()) {
+    if (const std::string why = find_truth(); !why.empty()) {
       for (const FitStepping& stepping : steppings) {
         tries.emplace_back().stepping = stepping;
-        tries.back().why_not = "not tried: its motion was stopped before it had a step";
+        tries.back().why_not = "not tried: its motion " + why + " before it had a step";
       }
       return tries;
     }
@@ -76,9 +76,9 @@ class SteppingTrials {
     return tried;
   }
 
-  /// The scene's motion by explicit steps of its own choice, and in a quarter of them. False where time or
-  /// user stopped it before anything was known.
-  bool find_truth() {
+  /// The scene's motion by explicit steps of its own choice, and in a quarter of them. Returns what it did
+  /// before it had a step; empty if it had one.
+  std::string find_truth() {
     const FitStepping plain{"", kExplicitIntegrator, false, nullptr};
     json scene = task_.scene;
     scene = with_fixed_step(scene, 1.0, task_.probes_m);
@@ -86,15 +86,13 @@ class SteppingTrials {
     plain.apply("auto", scene);
     const MotionTrial own = run_motion_trial(scene, next_trial(kTruthShare * left_s()), registry_);
     bound_s_ = own.step_s;
-    if (!(bound_s_ > 0.0) && *deadline_.flag() != 0) return false;
-    if (!(bound_s_ > 0.0))
-      throw InputError("the fitted scene's motion is " + own.outcome + " before it has a step");
-    if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return true;
+    if (!(bound_s_ > 0.0)) return *deadline_.flag() != 0 ? "was stopped" : "ended as " + own.outcome;
+    if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return "";
     MotionTrial fine = step(plain, kFinerStep * bound_s_, kTruthShare * left_s());
-    if (fine.outcome != "completed") return true;
+    if (fine.outcome != "completed") return "";
     rest_of_truth_ = history_difference(own.history, fine.history) / 3.0;
     truth_ = std::move(fine.history);
-    return true;
+    return "";
   }
 
   SteppedMotion look_at(const FitStepping& stepping, double step_s) {

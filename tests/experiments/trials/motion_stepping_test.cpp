@@ -16,15 +16,15 @@ namespace {
 
 using testing::HasSubstr;
 
-TEST(MotionStepping, WhatTakesMoreMemoryThanThereIsIsNoChoice) {
-  const test::ExperimentFixture fixture;
+/// A bar that swings, of a model.
+SteppingTask bar_task(const test::ExperimentFixture& fixture, const std::string& model) {
   test::SceneText text;
   text.mesh = "{make: bar, vertices: 60, length_m: 0.1}";
   text.clamp = "[{half_space: {normal: [1, 0, 0], share: 0.1}, elastic_pa_per_m: 1.0e+6}]";
   text.analysis =
       "{dynamic: {integrator: symplectic_euler, time_step_s: auto, duration_s: 0.05, damping: {mass_per_s: "
       "20}}}";
-  text.rest = "model: {smoothed: edge_node}\n";
+  text.rest = "model: " + model + "\n";
   const std::filesystem::path file = fixture.folder().add("scene.yaml", text.yaml());
   const TetMesh mesh = build_scene_mesh(read_scene(file).mesh).mesh;
   SteppingTask task;
@@ -34,6 +34,27 @@ TEST(MotionStepping, WhatTakesMoreMemoryThanThereIsIsNoChoice) {
   task.probes_m = spread_probes(mesh.points, kTrialProbes);
   task.most_error = 0.5;
   task.time_limit_s = 3000.0;  // of a machine that does other things too
+  return task;
+}
+
+/// A model whose energy has no least has no longest stable step: it is no choice, and no end of the fit.
+TEST(MotionStepping, AMotionWithoutAStepIsSaidOfEachIntegrator) {
+  const test::ExperimentFixture fixture;
+  SteppingTask task = bar_task(fixture, "{springs: thesis_printed}");
+  task.folder = fixture.folder() / "trials";
+  const std::vector<SteppingTry> tries = try_steppings(
+      task, {{"explicit", kExplicitIntegrator, false, nullptr}, {"bdf2", "bdf2", false, nullptr}},
+      fixture.registry());
+  ASSERT_EQ(tries.size(), 2U);
+  for (const SteppingTry& tried : tries)
+    EXPECT_THAT(tried.why_not,
+                testing::MatchesRegex("not tried: its motion ended as .* before it had a step"));
+  EXPECT_EQ(choose_stepping(tries), nullptr);
+}
+
+TEST(MotionStepping, WhatTakesMoreMemoryThanThereIsIsNoChoice) {
+  const test::ExperimentFixture fixture;
+  SteppingTask task = bar_task(fixture, "{smoothed: edge_node}");
   const auto tried = [&](std::optional<std::uint64_t> memory_bytes, const char* folder) {
     task.memory_bytes = memory_bytes;
     task.folder = fixture.folder() / folder;
