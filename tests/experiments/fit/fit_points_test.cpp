@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 namespace palpate::experiments {
@@ -134,7 +135,7 @@ class FitProspects : public testing::Test {
     std::vector<std::pair<double, double>> shares;
     for (const FitProspect& each : list_prospects(searched_, checked_, candidates_, require_, most_cost)) {
       const double share = each.candidate.removed();
-      shares.emplace_back(each.is_likely ? share : -share, each.cost_s);
+      shares.emplace_back(each.is_likely ? share : -share, std::round(1e9 * each.cost_s) / 1e9);
     }
     return shares;
   }
@@ -156,7 +157,9 @@ TEST_F(FitProspects, BetweenAShareThatMeetsItAndTheNextTheMiddleIsWorthACheck) {
   checked_ = {point(0.3, {0.04, 0.045}, 6.0), point(0.4, {0.048, 0.051}, 5.0)};
   EXPECT_EQ(prospects(0.97 * 6.0), (Shares{{0.35, 5.5}}));
   checked_.push_back(point(0.35, {0.041, 0.049}, 5.4));
-  EXPECT_TRUE(prospects(0.97 * 5.4).empty()) << "0.375 would cost 5.2, and 0.02 is the least step";
+  EXPECT_EQ(prospects(0.97 * 5.4), (Shares{{0.375, 5.2}}));
+  checked_.push_back(point(0.375, {0.044, 0.049}, 5.3));
+  EXPECT_TRUE(prospects(kAnyCost).size() == 1U) << "the mesh as it is; 0.387 is too near to both";
 }
 
 /// The next share up of the mesh as it is belongs to every simplifier; above the greatest half of the rest
@@ -179,7 +182,7 @@ TEST_F(FitProspects, WhatARefusedChoiceLeavesIsLookedAtAgain) {
   searched_ = {point(0.0, {0.01}, 10.0), point(0.3, {0.04}, 6.0), point(0.32, {0.06}, 5.9)};
   checked_ = {point(0.3, {0.04, 0.045}, 6.0)};
   EXPECT_TRUE(prospects(0.97 * 6.0).empty());
-  checked_[0].error = {0.04, 0.045, 0.052};
+  checked_[0] = point(0.3, {0.04, 0.045, 0.052}, 6.0);
   EXPECT_TRUE(choose_cheapest(checked_, require_).empty());
   EXPECT_EQ(prospects(kAnyCost), (Shares{{0.15, 8.0}, {0.0, 10.0}}));
 }
