@@ -1,10 +1,9 @@
 """What a contest of the engine has for the page of its run."""
 
-import json
-
 from engine.engine import HOLDS, largest_meshes, returns_of
+from engine.motion_file import read_motion
 from shared.page_parts import BAD, OPEN, PLAIN, Axis, Body, Chart, Column, PageParts, Section, Table
-from shared.records import BadRun, figure
+from shared.records import figure
 from shared.run_meshes import mesh_beside, quality_field
 
 MOST_POINTS = 400  # of one history
@@ -67,26 +66,12 @@ def verdict_of(found):
 # --- Charts -------------------------------------------------------------------------------------------------------------
 
 
-def read_motion(run, case):
-    """Columns, rows and frames that a case left, or None; what cannot be read is noted."""
-    from shared.mesh_view import inside
-    name = case.record.get("mesh_file")
-    if not isinstance(name, str):
-        return None
-    try:
-        data = json.loads(inside(run.folder, name).read_text(encoding="utf-8"))
-        return data if isinstance(data.get("columns"), list) and isinstance(data.get("rows"), list) else None
-    except (BadRun, OSError, ValueError, AttributeError) as error:
-        run.notes.append(f"no motion of {case.label} on {case.scene}: {error}")
-        return None
-
-
 def history_chart(run, found):
     rows = []
     for case in found.replays:
         motion = read_motion(run, case)
         columns = motion["columns"] if motion else []
-        if "largest_displacement_m" not in columns:
+        if not {"largest_displacement_m", "total_j"} <= set(columns):
             continue
         time, size, energy = (columns.index(name) for name in ("time_s", "largest_displacement_m", "total_j"))
         every = -(-len(motion["rows"]) // MOST_POINTS)
@@ -178,7 +163,7 @@ def bodies_of(run, found):
         mesh = mesh_beside(run, f"problems/{place}/in.mesh")
         if mesh is None or not motion:
             continue
-        frames = [(each["time_s"], each["displacement_m"]) for each in motion.get("frames", []) if len(each.get("displacement_m", [])) in (len(mesh.points), 3 * len(mesh.points))]
+        frames = [(each["time_s"], each["displacement_m"]) for each in motion["frames"] if len(each["displacement_m"]) == 3 * len(mesh.points)]
         yield Body(case.label, name_of(case), mesh, [quality_field(mesh)], moves=frames, unit="m", case=str(case.record.get("case", "")))
     seen = set()
     for case in [*found.rests, *found.ticks]:
