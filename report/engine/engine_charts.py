@@ -12,6 +12,7 @@ from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_size_axis
 from shared.mesh_file import outer_faces, read_mesh
 from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
+from shared.run_file import are_numbers
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5b3a00", "#222222"]
 MARKERS = ["o", "s", "v", "^", "D", "P", "*", "X"]
@@ -201,7 +202,7 @@ def draw_margins(cases, folder):
 
 
 def setting_of(case):
-    return case.label, str(case.chosen("precision")), case.chosen("engine_threads")
+    return case.label, str(case.chosen("precision")), case.threads
 
 
 def setting_text(setting):
@@ -240,10 +241,17 @@ def draw_budget(cases, folder):
     return save(fig, folder, "budget")
 
 
+def has_distribution(case):
+    """Whether it told how many ticks took how long, and how large its mesh was."""
+    counts, ends = case.told("buckets"), case.told("bucket_ends_s")
+    return (are_numbers(counts) and are_numbers(ends) and len(counts) == len(ends) and min(counts, default=-1) >= 0 and sum(counts) > 0
+            and min(ends) > 0 and case.vertices is not None)
+
+
 def draw_distribution(cases, folder):
     """How many ticks took longer than a time: both axes logarithmic."""
-    chosen = [case for case in cases if isinstance(case.told("buckets"), list)]
-    settings = sorted({setting_of(case) for case in chosen})
+    chosen = [case for case in cases if has_distribution(case)]
+    settings = sorted({setting_of(case) for case in chosen}, key=lambda setting: (*setting[:2], setting[2] or 0))
     if not settings:
         return []
     wide = min(len(settings), MOST_PANELS_A_ROW)
@@ -301,7 +309,7 @@ def draw_force(cases, folder):
     """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
     names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
     points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
-                     for case in with_several_sizes([each for each in cases if each.chosen("engine_threads") == 1 and each.number("force_error") is not None],
+                     for case in with_several_sizes([each for each in cases if each.threads == 1 and each.number("force_error") is not None],
                                                     lambda each: each.scene)}, key=str)
     scenes = sorted({point[0] for point in points})
     if len(points) < 2:

@@ -12,7 +12,7 @@ from array import array
 from dataclasses import dataclass, field, replace
 
 from shared.compact_record import Record, RecordPacker
-from shared.run_file import BadRun, json_fault, open_file, read_object
+from shared.run_file import BadRun, is_number, json_fault, open_file, read_object
 
 INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
@@ -168,10 +168,9 @@ def figure(record, *keys):
         if type(value) is not Record and not isinstance(value, dict):
             return None
         value = value.get(key)
-    kind = type(value)
-    if kind is float or kind is int:
-        return value if math.isfinite(value) else None
-    return float(value) if kind is bool else None
+    if is_number(value):
+        return value
+    return float(value) if type(value) is bool else None
 
 
 def histogram(record):
@@ -192,7 +191,7 @@ def shares_of(record):
 
 def figures_of(records, key):
     """`figure` of each record by a key of its own, without those that lack it."""
-    return [value for value in (record.get(key) for record in records) if type(value) in (float, int) and math.isfinite(value)]
+    return [value for value in (record.get(key) for record in records) if is_number(value)]
 
 
 def present(values):

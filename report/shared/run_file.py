@@ -113,10 +113,16 @@ def read_object(path, most=MOST_BYTES):
 
 
 def is_number(value):
-    """Whether it is a finite number of JSON; true and false are none."""
-    return type(value) in (int, float) and math.isfinite(value)
+    """Whether it is a number of JSON that a double can hold; true and false are none."""
+    try:
+        return type(value) in (int, float) and math.isfinite(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        return False
 
 
 def are_numbers(values):
     """Whether it is a list of finite numbers."""
-    return isinstance(values, list) and set(map(type, values)) <= {int, float} and all(map(math.isfinite, values))
+    try:
+        return isinstance(values, list) and set(map(type, values)) <= {int, float} and all(map(math.isfinite, values))
+    except OverflowError:
+        return False

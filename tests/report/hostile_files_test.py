@@ -9,8 +9,9 @@ import unittest.mock
 
 from support import ReportTest
 from engine import motion_file
-from engine_test import MESH, PLAN, replay
+from engine_test import MESH, PLAN, replay, ticks
 from shared import mesh_file, records, run_file
+import stability_test
 import synthetic
 
 DEEP = "[" * 100_000 + "]" * 100_000
@@ -109,6 +110,35 @@ class OddMotions(ReportTest):
         code, _, err = self.report()
         self.assertEqual(code, 2)
         self.assertIn("records.jsonl: expected a file, found a pipe", err)
+
+
+class OddRecords(ReportTest):
+    """What a contestant tells of itself may be anything: the report is made all the same."""
+
+    ODD = ([], "x", 10**400, [[1], 2], {"a": {"b": []}})
+
+    def test_blocks_that_are_the_contestants_own_may_hold_anything(self):
+        for plan, lines in ((PLAN, [ticks(4000, 1, 4e-4, 5e-3), replay("soft", 5e-6, 0.2)]), (stability_test.PLAN, [stability_test.measured("motion.plain_float", "nominal", 1.001)]),
+                            (synthetic.PLAN, synthetic.thesis_records(seeds=2, repeats=2, meshes=("kidney",)))):
+            for odd in self.ODD:
+                self.made(plan, [{**line, "report": odd, "reported": odd, "tuned": odd, "notes": odd} for line in lines])
+                self.made(plan, [{**line, "violations": odd, "message": odd} for line in lines])
+                keys = ("kind", "engine", "engine_threads", "time_step_s", "buckets", "bucket_ends_s", "tick_s", "tets_out", "rejected", "runs", "vertex")
+                self.made(plan, [{**line, **{block: {**(line.get(block) or {}), **dict.fromkeys(keys, odd)} for block in ("report", "reported")}} for line in lines])
+                for key in keys:
+                    self.made(plan, [*lines[:-1], {**lines[-1], **{block: {**(lines[-1].get(block) or {}), key: odd} for block in ("report", "reported")}}])
+
+    def made(self, plan, lines):
+        synthetic.write_run(self.folder, lines, plan)
+        code, _, err = self.report("--no-charts")
+        self.assertIn(code, (0, 1), f"{json.dumps(lines[-1])[:2000]} {err}")
+
+    def test_ticks_in_buckets_that_are_none_are_not_drawn(self):
+        for key, odd in (("buckets", [[1], 2]), ("buckets", [1]), ("buckets", [0, 0]), ("buckets", [-1, 2]), ("bucket_ends_s", 3), ("bucket_ends_s", [0, 1]), ("buckets", [10**400, 1])):
+            line = ticks(4000, 1, 4e-4, 5e-3)
+            synthetic.write_run(self.folder, [{**line, "report": {**line["report"], key: odd}}, ticks(2000, 1, 4e-4, 5e-3)], PLAN)
+            code, _, err = self.report()
+            self.assertEqual((code, err), (0, ""), f"{key} {odd}")
 
 
 if __name__ == "__main__":
