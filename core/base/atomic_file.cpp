@@ -1,5 +1,6 @@
 #include "core/base/atomic_file.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -28,7 +29,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     throw InputError(path_.string(), 0, "a file to write", "a folder");
   }
   is_special_ = std::filesystem::is_other(path_, ignored);
-  partial_ = is_special_ ? path_.string() : path_.string() + ".partial-" + std::to_string(::getpid());
+  partial_ = is_special_ ? path_.string() : path_.string() + kPartialMark + std::to_string(::getpid());
   file_ = std::fopen(partial_.c_str(), "wb");
   if (file_ == nullptr) fail("a folder that can be written");
 }
@@ -68,6 +69,18 @@ void AtomicFile::fail(const char* what) {
   const int reason = errno;
   discard();
   fail_to_write(path_, what, reason);
+}
+
+void sync_to_disk(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  for (const std::filesystem::path& each : {path, folder}) {
+    const int file = ::open(each.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool is_synced =
+        file >= 0 && (::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP);
+    const int reason = errno;
+    if (file >= 0) ::close(file);
+    if (!is_synced) fail_to_write(each, "a file that can be flushed to the disk", reason);
+  }
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 
 namespace palpate::reference {
 namespace {
@@ -28,16 +29,18 @@ bool is_word(char c) {
 /// word like NaN gets a message that names it.
 class Scan {
  public:
-  Scan(std::string_view text, const std::string& where, std::size_t depth)
-      : text_(text), where_(where), deepest_(depth) {}
+  Scan(std::string_view text, const std::string& where, const JsonBounds& bounds)
+      : text_(text), where_(where), deepest_(bounds.depth), most_values_(bounds.values) {}
 
   void run() {
     while (at_ < text_.size()) {
       const char c = text_[at_];
       if (c == '"') {
         skip_string();
-      } else if (c == '[' || c == '{') {
-        if (++depth_ > deepest_) fail("at most " + std::to_string(deepest_) + " levels of nesting", "more");
+      } else if (c == '[' || c == '{' || c == ',') {
+        if (++values_ > most_values_)
+          fail("at most " + std::to_string(most_values_) + " values of JSON", "more");
+        if (c != ',' && ++depth_ > deepest_) fail("at most " + std::to_string(deepest_) + " levels of nesting", "more");
         ++at_;
       } else if (c == ']' || c == '}') {
         if (depth_ > 0) --depth_;
@@ -77,7 +80,9 @@ class Scan {
   std::string_view text_;
   const std::string& where_;
   std::size_t deepest_;
+  std::size_t most_values_;
   std::size_t depth_ = 0;
+  std::size_t values_ = 0;
   std::size_t at_ = 0;
 };
 
@@ -106,7 +111,7 @@ Json parse(std::string_view text, const std::string& where, const JsonBounds& bo
   if (text.size() > bounds.bytes)
     throw InputError(where, 0, "at most " + std::to_string(bounds.bytes) + " bytes of JSON",
                      std::to_string(text.size()));
-  Scan(text, where, bounds.depth).run();
+  Scan(text, where, bounds).run();
   KeysOnce keys;
   const auto watch = [&keys](int, typename Json::parse_event_t event, Json& parsed) {
     return keys(event, parsed);
@@ -138,6 +143,7 @@ nlohmann::ordered_json parse_ordered_json(std::string_view text, const std::stri
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::size_t most) {
+  refuse_no_file(path, "a readable file");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw InputError(path.string(), 0, "a readable file", "none");
