@@ -1,6 +1,5 @@
 #include "core/base/atomic_file.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,6 +8,7 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "core/base/synced_file.h"
 
 namespace palpate {
 
@@ -69,18 +69,6 @@ void AtomicFile::fail(const char* what) {
   const int reason = errno;
   discard();
   fail_to_write(path_, what, reason);
-}
-
-void sync_to_disk(const std::filesystem::path& path) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  for (const std::filesystem::path& each : {path, folder}) {
-    const int file = ::open(each.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool is_synced =
-        file >= 0 && (::fsync(file) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP);
-    const int reason = errno;
-    if (file >= 0) ::close(file);
-    if (!is_synced) fail_to_write(each, "a file that can be flushed to the disk", reason);
-  }
 }
 
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes) {

@@ -21,9 +21,6 @@ class NoRoomError : public InputError {
 /// expected `expected`, found" the system's words for it.
 [[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& expected, int reason);
 
-/// Behind the name of a file that is being written: this, and the number of the process.
-inline constexpr const char* kPartialMark = ".partial-";
-
 /// Writes a file beside its final place and renames it on commit(); without a commit nothing is left behind.
 /// Links are followed. A pipe or a device is written straight: it is never replaced by a file.
 /// Throws: InputError from every member when the folder cannot be written, NoRoomError when the disk is full.
@@ -48,11 +45,6 @@ class AtomicFile {
   std::FILE* file_ = nullptr;
   bool is_special_ = false;
 };
-
-/// Flushes a file and its folder to the disk: who reads after a power cut finds it there, and whole. What cannot
-/// be flushed (some file systems) is left.
-/// Throws: InputError if there is no such file, NoRoomError when the disk is full.
-void sync_to_disk(const std::filesystem::path& path);
 
 /// Writes a whole file at once.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes);

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 
 namespace palpate::experiments {
@@ -48,25 +47,6 @@ void create_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder.string(), 0, "a folder that can be written", error.message());
-}
-
-void copy_file_atomically(const std::filesystem::path& from, const std::filesystem::path& to,
-                          const std::function<void(const std::filesystem::path& copy)>& check) {
-  std::filesystem::path copy = to;
-  copy += kPartialMark + std::to_string(::getpid());
-  std::error_code error;
-  try {
-    std::filesystem::copy_file(from, copy, std::filesystem::copy_options::overwrite_existing, error);
-    if (error) fail_to_write(copy, "a file that can be written", error.value());
-    check(copy);
-    sync_to_disk(copy);
-    std::filesystem::rename(copy, to, error);
-    if (error) fail_to_write(to, "a file that can be written", error.value());
-  } catch (...) {
-    std::filesystem::remove(copy, error);
-    throw;
-  }
-  sync_to_disk(to);
 }
 
 }  // namespace palpate::experiments

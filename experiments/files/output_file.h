@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 
 namespace palpate::experiments {
 
@@ -17,10 +16,5 @@ void check_output_yaml(const std::filesystem::path& path);
 
 /// Makes the folder and those above it, where they are missing. Throws: InputError if it cannot.
 void create_folder(const std::filesystem::path& folder);
-
-/// Copies a file. The copy gets its name when it is whole, lies on the disk, and `check` has looked at it,
-/// which may throw. Throws: InputError if it cannot be written, NoRoomError when the disk is full.
-void copy_file_atomically(const std::filesystem::path& from, const std::filesystem::path& to,
-                          const std::function<void(const std::filesystem::path& copy)>& check);
 
 }  // namespace palpate::experiments

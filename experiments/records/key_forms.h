@@ -1,6 +1,7 @@
 // What may stand under the keys of a record or a provenance that somebody else wrote.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -9,6 +10,9 @@
 #include "core/base/error.h"
 
 namespace palpate::experiments {
+
+/// The longest line of a record: an answer of 16 MiB may stand in it, and what the judge says of it.
+inline constexpr std::size_t kLongestRecord = std::size_t{64} << 20U;
 
 /// What may stand under a key, where it is there.
 struct KeyForm {

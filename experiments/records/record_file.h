@@ -9,17 +9,12 @@
 
 namespace palpate::experiments {
 
-/// The longest line of a record: an answer of 16 MiB may stand in it, and what the judge says of it.
-inline constexpr std::size_t kLongestRecord = std::size_t{64} << 20U;
-
 /// The records of a file in order. A last line without its newline is what a killed run leaves, and is left
 /// out.
-/// Throws: InputError with the line for any other line that is no record, is longer than kLongestRecord, or
-///         has something under a key that cannot stand there.
+/// Throws: InputError with the line for any other line that is no record.
 std::vector<nlohmann::json> read_records(const std::filesystem::path& path);
 
-/// The same records one after the other, so that no more than one is held. What `use` finds odd in one
-/// (json::exception) is an InputError with the line too.
+/// The same records one after the other, so that no more than one is held.
 void for_each_record(const std::filesystem::path& path, const std::function<void(nlohmann::json)>& use);
 
 /// The median of `values`, the mean of the middle two for an even number. Requires at least one.

@@ -54,16 +54,10 @@ struct RunPaths {
   std::filesystem::path problem(const std::string& id) const { return folder / "problems" / id; }
 };
 
-/// The provenance of a run.
-/// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one of
-///         the keys that runs and gates go by that cannot stand there.
-nlohmann::json read_provenance(const std::filesystem::path& file);
-
 /// A run folder that this process holds.
 class RunFolder {
  public:
-  /// Creates the folder, or takes up an existing one when `resume` is set. What processes that are gone were
-  /// writing in it when they were killed (kPartialMark) is removed.
+  /// Creates the folder, or takes up an existing one when `resume` is set.
   /// Throws: InputError if it cannot be written, is in use, holds something else, or holds a run and `resume`
   ///         is not set.
   RunFolder(const std::filesystem::path& folder, bool resume);

@@ -12,17 +12,15 @@
 
 namespace palpate::reference {
 
-/// What a text may hold. Deep nesting would overflow the stack of whoever walks through it, and the shortest
-/// values take thirty times as much memory as their text.
+/// What a text may hold. Deep nesting would overflow the stack of whoever walks through it.
 struct JsonBounds {
-  std::size_t bytes = std::size_t{1} << 29U;
-  std::size_t depth = 64;                      ///< lists and objects within one another
-  std::size_t values = std::size_t{1} << 25U;  ///< in lists and objects, all together
+  std::size_t bytes = std::size_t{1} << 30U;
+  std::size_t depth = 64;  ///< lists and objects within one another
 };
 
 /// The JSON in `text`; `where` names it in messages. Objects keep the order of the text in an ordered_json.
-/// Throws: InputError with the line, if the text is no JSON, is longer, deeper or of more values than its
-///         bounds, names a key of an object twice, or holds a number that no double can: NaN and Infinity are no JSON, 1e999
+/// Throws: InputError with the line, if the text is no JSON, is longer or deeper than its bounds, names a key
+///         of an object twice, or holds a number that no double can: NaN and Infinity are no JSON, 1e999
 ///         overflows.
 nlohmann::json parse_json(std::string_view text, const std::string& where, const JsonBounds& bounds = {});
 nlohmann::ordered_json parse_ordered_json(std::string_view text, const std::string& where,

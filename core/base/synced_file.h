@@ -1,0 +1,22 @@
+// Files that have to be there, and whole, after a power cut.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+
+namespace palpate {
+
+/// Behind the name of a file that is being written: this, and the number of the process.
+inline constexpr const char* kPartialMark = ".partial-";
+
+/// Flushes a file and its folder to the disk: who reads after a power cut finds it there, and whole. What
+/// cannot be flushed (some file systems) is left.
+/// Throws: InputError if there is no such file, NoRoomError when the disk is full.
+void sync_to_disk(const std::filesystem::path& path);
+
+/// Copies a file. The copy gets its name when it is whole, lies on the disk, and `check` has looked at it,
+/// which may throw. Throws: InputError if it cannot be written, NoRoomError when the disk is full.
+void copy_file_atomically(const std::filesystem::path& from, const std::filesystem::path& to,
+                          const std::function<void(const std::filesystem::path& copy)>& check);
+
+}  // namespace palpate
