@@ -216,7 +216,7 @@ void write_campaign(const Campaign& campaign, const fs::path& folder) {
                      {"palpate", program_folder() + "/palpate"},
                      {"plan", fs::absolute(campaign.plan).lexically_normal().string()},
                      {"threads", campaign.threads},
-                     {"processors", campaign.processors},
+                     {"processors", campaign.threads * campaign.most_ranks},
                      {"prepare", request_json(campaign.ends.prepare)},
                      {"gather", request_json(campaign.ends.gather)},
                      {"parts", listed}};

@@ -76,7 +76,7 @@ struct Campaign {
   std::vector<CampaignPart> parts;
   CampaignEnds ends;
   int threads = 1;     ///< of a contestant
-  int processors = 1;  ///< of a job: threads times the most MPI processes
+  int most_ranks = 1;  ///< a job has threads x most_ranks processors
 };
 
 /// Writes a workflow into `folder`: campaign.json, a file of cases a part, the Snakefile and the profile for

@@ -34,7 +34,7 @@ int write_workflow(const WorkflowArguments& arguments) {
   const int threads = arguments.threads > 0 ? arguments.threads : plan.run.threads;
   const auto parts = split_campaign(plan, cases, costs, arguments.settings);
   write_campaign({plan.file, parts, request_ends(plan, cases, costs, parts), threads,
-                  threads * most_ranks_of(plan, cases, registry)},
+                  most_ranks_of(plan, cases, registry)},
                  arguments.out);
   const auto known =
       std::count_if(cases.begin(), cases.end(), [&](const Case& c) { return costs.count(c.id) > 0; });
