@@ -13,7 +13,8 @@
 
 namespace palpate::experiments {
 
-/// What earlier records say of the cost of each repeat of a case, or of an input: all solutions of a reference.
+/// What earlier records say of the cost of each repeat of a case, or of an input: all solutions of a
+/// reference.
 struct CaseCost {
   double seconds = 0.0;     ///< wall clock, median
   double memory_mib = 0.0;  ///< resident, at most

@@ -20,8 +20,7 @@ json look_at_provenance(const RunPaths& paths, std::vector<std::string>& problem
   }
   try {
     json provenance = read_provenance(paths.provenance());
-    if (provenance.value("schema", json()) == "palpate/provenance/1")
-      return provenance;
+    if (provenance.value("schema", json()) == "palpate/provenance/1") return provenance;
     problems.emplace_back("provenance.json is no palpate/provenance/1");
   } catch (const InputError& error) {
     problems.emplace_back(error.what());

@@ -12,9 +12,9 @@ namespace palpate::experiments {
 
 /// What visitors may take.
 struct LiveBounds {
-  std::size_t connections = 64;                 ///< at a time; more wait
-  std::chrono::milliseconds request{30'000};    ///< until it is whole, however it comes
-  std::chrono::milliseconds silence{30'000};    ///< of who is sent an answer and takes none of it
+  std::size_t connections = 64;                   ///< at a time; more wait
+  std::chrono::milliseconds request{30'000};      ///< until it is whole, however it comes
+  std::chrono::milliseconds silence{30'000};      ///< of who is sent an answer and takes none of it
   std::chrono::milliseconds answer{10 * 60'000};  ///< until all of it is taken
 };
 

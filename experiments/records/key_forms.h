@@ -40,7 +40,9 @@ inline void check_keys(const nlohmann::json& object, std::span<const KeyForm> fo
     if (found == object.end() || form.fits(*found)) continue;
     const std::string kind = found->type_name();
     throw InputError(where + ": " + form.key, 0, form.expected,
-                     found->is_number() ? found->dump() : kind == "null" ? kind : "another " + kind);
+                     found->is_number() ? found->dump()
+                     : kind == "null"   ? kind
+                                        : "another " + kind);
   }
 }
 

@@ -57,7 +57,8 @@ constexpr std::array<KeyForm, 8> kKeyForms{{
 
 void check_record(const json& record, const std::string& file, std::size_t line) {
   const bool sound = record.is_object() && record.value("schema", json()) == "palpate/record/1" &&
-                     record.value("case", json()).is_string() && record.value("outcome", json()).is_string() &&
+                     record.value("case", json()).is_string() &&
+                     record.value("outcome", json()).is_string() &&
                      record.value("repeat", json()).is_number_integer();
   if (!sound) throw InputError(file, line, "a record (palpate/record/1)", "something else");
   check_keys(record, kKeyForms, file + ":" + std::to_string(line));

@@ -56,8 +56,8 @@ std::optional<pid_t> writer_of(const std::string& name) {
 /// Removes what processes that are gone have half written; not where nobody may look.
 void remove_half_written(const RunPaths& paths) {
   std::error_code error;
-  auto at = fs::recursive_directory_iterator(paths.folder,
-                                             fs::directory_options::skip_permission_denied, error);
+  auto at =
+      fs::recursive_directory_iterator(paths.folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && at != fs::end(at); at.increment(error)) {
     if (at.depth() == 0 && (at->path() == paths.scratch() || at->path() == paths.parts())) {
       at.disable_recursion_pending();  // emptied, and held by runs of their own

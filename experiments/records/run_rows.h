@@ -67,7 +67,8 @@ class RunRows {
 };
 
 /// The provenance of a run.
-/// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one of
+/// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one
+/// of
 ///         the keys that runs and gates go by that cannot stand there.
 nlohmann::json read_provenance(const std::filesystem::path& file);
 

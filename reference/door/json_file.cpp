@@ -43,7 +43,8 @@ class Scan {
       } else if (c == '[' || c == '{' || c == ',') {
         if (++values_ > kMostValues)
           fail("at most " + std::to_string(kMostValues) + " values of JSON", "more");
-        if (c != ',' && ++depth_ > deepest_) fail("at most " + std::to_string(deepest_) + " levels of nesting", "more");
+        if (c != ',' && ++depth_ > deepest_)
+          fail("at most " + std::to_string(deepest_) + " levels of nesting", "more");
         ++at_;
       } else if (c == ']' || c == '}') {
         if (depth_ > 0) --depth_;

@@ -37,7 +37,8 @@ extern "C" int fsync(int file) {
   {
     const std::lock_guard lock(guard);
     std::error_code error;
-    if (is_noted) noted.push_back(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), error));
+    if (is_noted)
+      noted.push_back(std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(file), error));
   }
   return static_cast<int>(::syscall(SYS_fsync, file));
 }

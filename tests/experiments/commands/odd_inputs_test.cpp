@@ -42,19 +42,19 @@ TEST(OddInputs, NoReaderWaitsForAPipeOrTakesADevice) {
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
-  for (const auto& [place, kind] : {std::pair{pipe, "found a pipe"}, std::pair{fs::path("/dev/zero"), "found a device"},
-                                    std::pair{folder.path(), "found a folder"}}) {
-    const std::vector<std::function<void()>> readers{
-        [&] { read_yaml(place); },
-        [&] { read_off(place); },
-        [&] { simplify::read_sizes(place, 8); },
-        [&] { springs::read_springs_csv(place, mesh); },
-        [&] { springs::read_moduli_csv(place, mesh); },
-        [&] { read_accepted(place, "ci"); },
-        [&] { hash_file(place); },
-        [&] { reference::read_json_file(place); },
-        [&] { reference::read_displacement(place, 8, 0); },
-        [&] { reference::read_history(place, {}); }};
+  for (const auto& [place, kind] :
+       {std::pair{pipe, "found a pipe"}, std::pair{fs::path("/dev/zero"), "found a device"},
+        std::pair{folder.path(), "found a folder"}}) {
+    const std::vector<std::function<void()>> readers{[&] { read_yaml(place); },
+                                                     [&] { read_off(place); },
+                                                     [&] { simplify::read_sizes(place, 8); },
+                                                     [&] { springs::read_springs_csv(place, mesh); },
+                                                     [&] { springs::read_moduli_csv(place, mesh); },
+                                                     [&] { read_accepted(place, "ci"); },
+                                                     [&] { hash_file(place); },
+                                                     [&] { reference::read_json_file(place); },
+                                                     [&] { reference::read_displacement(place, 8, 0); },
+                                                     [&] { reference::read_history(place, {}); }};
     for (std::size_t k = 0; k < readers.size(); ++k) {
       const std::string said = message_of(readers[k]);
       EXPECT_THAT(said, testing::StartsWith(place.string() + ": expected")) << k;
@@ -69,7 +69,9 @@ TEST(OddInputs, CommandsSayItInOneLine) {
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const std::string plan = fixture.add_plan("[test.copy]").string();
   for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"check", pipe}, {"run", pipe}, {"simulate", pipe, "-o", (fixture.folder() / "out").string()},
+       {std::vector<std::string>{"check", pipe},
+        {"run", pipe},
+        {"simulate", pipe, "-o", (fixture.folder() / "out").string()},
         {"run", plan, "--part", pipe, "--out", (fixture.folder() / "run").string()}}) {
     const ProgramResult result = run_program(words);
     EXPECT_EQ(result.exit_code, 2) << words[0];
@@ -82,8 +84,10 @@ TEST(OddInputs, ANameThatIsNoTextIsSaid) {
   const test::ExperimentFixture fixture;
   const std::string plan = fixture.add_plan("[test.copy]").string();
   const std::string odd = (fixture.folder() / "\xff\xfe").string();
-  for (const std::vector<std::string>& words :
-       {std::vector<std::string>{"check", odd + ".yaml"}, {"quality", odd + ".mesh"}, {"run", plan, "--out", odd}, {odd}}) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"check", odd + ".yaml"},
+                                                {"quality", odd + ".mesh"},
+                                                {"run", plan, "--out", odd},
+                                                {odd}}) {
     const ProgramResult result = run_program(words);
     EXPECT_EQ(result.exit_code, 2) << words[0];
     EXPECT_THAT(result.error, HasSubstr("of the command line: expected UTF-8, found \""));

@@ -71,9 +71,10 @@ TEST(Faults, AKilledRunLeavesNoProcess) {
   }
 }
 
-/// Starts a run again and again and kills it by signal 9 at random moments: what has its record keeps it, once,
-/// and no process stays. Started a last time it ends with `wanted` records.
-void kill_anywhere(const HostileContestant& works, const std::vector<std::string>& words, std::size_t wanted) {
+/// Starts a run again and again and kills it by signal 9 at random moments: what has its record keeps it,
+/// once, and no process stays. Started a last time it ends with `wanted` records.
+void kill_anywhere(const HostileContestant& works, const std::vector<std::string>& words,
+                   std::size_t wanted) {
   const std::uint64_t seed = 20260208;
   SCOPED_TRACE("seed " + std::to_string(seed));
   SplitMix64 random(seed);
@@ -137,7 +138,9 @@ TEST(Faults, KilledAnywhereWhileItTakesPartsItGoesOnToo) {
     for (json& record : *records) record.erase("sitting");
   }
   EXPECT_THAT(taken, testing::UnorderedElementsAreArray(theirs)) << "times and all: nothing was run anew";
-  EXPECT_EQ(std::count_if(sittings.begin(), sittings.end(), [](const json& one) { return one.contains("node"); }), 1);
+  EXPECT_EQ(
+      std::count_if(sittings.begin(), sittings.end(), [](const json& one) { return one.contains("node"); }),
+      1);
 }
 
 TEST(Faults, TwoRunsOnOneFolder) {

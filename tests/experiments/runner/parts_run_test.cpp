@@ -213,7 +213,8 @@ TEST_F(PartsRunTest, APartWhoseProvenanceOrSittingsAreOddIsRefused) {
     return result.error;
   };
   EXPECT_THAT(refusal("schema", "palpate/provenance/2"), HasSubstr("a provenance (palpate/provenance/1)"));
-  EXPECT_THAT(refusal("sittings", 3), HasSubstr("provenance.json: sittings: expected a list of objects, found 3"));
+  EXPECT_THAT(refusal("sittings", 3),
+              HasSubstr("provenance.json: sittings: expected a list of objects, found 3"));
   EXPECT_THAT(refusal("meshes", {1}), HasSubstr("provenance.json: meshes: expected a list of objects"));
   EXPECT_THAT(refusal("problems", json::array()), HasSubstr("problems: expected an object"));
   fixture_.folder().add("part/provenance.json", sound.dump());

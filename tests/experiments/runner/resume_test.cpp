@@ -105,11 +105,12 @@ TEST(Runner, WhatKilledProcessesWereWritingIsRemoved) {
   if (gone == 0) ::_exit(0);
   ::waitpid(gone, nullptr, 0);
   const std::string left = ".partial-" + std::to_string(gone);
-  const std::string alive = ".partial-" + std::to_string(::getpid());
+  const std::string alive = ".partial-" + std::to_string(::getppid());
   for (const char* file : {"provenance.json", "meshes/cube/b.mesh", "meshes/new.mesh"}) {
     for (const std::string& end : {left, alive}) fixture.folder().add("run/" + (file + end), "half");
   }
-  for (const char* file : {"a.partial-", "a.partial-x", "a.partial-12x"}) fixture.folder().add(std::string("run/") + file, "mine");
+  for (const char* file : {"a.partial-", "a.partial-x", "a.partial-12x"})
+    fixture.folder().add(std::string("run/") + file, "mine");
   run_quietly(fixture, plan, folder, true);
   for (const char* file : {"provenance.json", "meshes/cube/b.mesh", "meshes/new.mesh"}) {
     EXPECT_FALSE(std::filesystem::exists(folder / (file + left))) << file;
