@@ -17,6 +17,7 @@
 #include "experiments/judging/measure.h"
 #include "experiments/processes/process.h"
 #include "experiments/processes/report_script.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/records/run_rows.h"
 #include "experiments/text/nearest_name.h"

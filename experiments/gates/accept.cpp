@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "experiments/judging/measure.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
 #include "reference/door/json_file.h"
 

@@ -4,6 +4,7 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
 
 namespace palpate::experiments {

@@ -12,11 +12,10 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/synced_file.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/records/provenance.h"
-#include "experiments/records/run_rows.h"
 #include "experiments/records/source_version.h"
 
 namespace palpate::experiments {

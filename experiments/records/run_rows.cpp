@@ -1,14 +1,12 @@
 #include "experiments/records/run_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "core/base/error.h"
-#include "experiments/records/key_forms.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -35,44 +33,6 @@ std::map<std::string, int> planned_places(const json& provenance) {
   }
   return places;
 }
-
-bool is_object(const json& value) {
-  return value.is_object();
-}
-
-bool are_objects(const json& value) {
-  return value.is_array() && std::all_of(value.begin(), value.end(), is_object);
-}
-
-bool are_named(const json& value) {
-  return are_objects(value) && std::all_of(value.begin(), value.end(), [](const json& one) {
-           return !one.contains("name") || one.at("name").is_string();
-         });
-}
-
-bool are_texts(const json& value) {
-  return value.is_array() && std::all_of(value.begin(), value.end(), is_text);
-}
-
-bool are_counts(const json& value) {
-  return value.is_object() && std::all_of(value.begin(), value.end(), is_count);
-}
-
-constexpr std::array<KeyForm, 13> kProvenanceForms{{
-    {"plan", "a text", is_text},
-    {"plan_hash", "a text", is_text},
-    {"cases", "a list of texts", are_texts},
-    {"sittings", "a list of objects", are_objects},
-    {"meshes", "a list of objects with names", are_named},
-    {"problems", "an object", is_object},
-    {"files", "an object", is_object},
-    {"programs", "an object", is_object},
-    {"measures", "an object", is_object},
-    {"trained", "an object", is_object},
-    {"repeats", kCountForm, is_count},
-    {"warmup", kCountForm, is_count},
-    {"repeats_of", "whole numbers from 0 to 1000000000", are_counts},
-}};
 
 }  // namespace
 
@@ -134,13 +94,6 @@ std::optional<double> RunRows::figure(const RunRow& row, const Measure& measure)
   const auto found = std::find(measures_.begin(), measures_.end(), &measure);
   require(found != measures_.end(), "RunRows: a figure of a measure that is not kept");
   return row.figures[static_cast<std::size_t>(found - measures_.begin())];
-}
-
-json read_provenance(const fs::path& file) {
-  json value = reference::read_json_file(file);
-  if (!value.is_object()) throw InputError(file.string(), 0, "the provenance of a run", "something else");
-  check_keys(value, kProvenanceForms, file.string());
-  return value;
 }
 
 json known_provenance(const fs::path& folder) {

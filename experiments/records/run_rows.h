@@ -66,12 +66,6 @@ class RunRows {
   std::set<nlohmann::json> plans_;
 };
 
-/// The provenance of a run.
-/// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one
-/// of
-///         the keys that runs and gates go by that cannot stand there.
-nlohmann::json read_provenance(const std::filesystem::path& file);
-
 /// The provenance of a run; null where there is none that can be read: who cannot do without it says so.
 nlohmann::json known_provenance(const std::filesystem::path& folder);
 

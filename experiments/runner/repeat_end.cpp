@@ -1,7 +1,7 @@
 #include "experiments/runner/repeat_end.h"
 
 #include "core/base/error.h"
-#include "core/base/synced_file.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/processes/disk_room.h"

@@ -6,7 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/synced_file.h"
+#include "core/base/plain_file.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/contestants/option_spec.h"
 #include "experiments/files/file_hash.h"

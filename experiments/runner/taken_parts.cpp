@@ -4,11 +4,10 @@
 #include <array>
 
 #include "core/base/error.h"
-#include "core/base/synced_file.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
 #include "experiments/records/provenance.h"
-#include "experiments/records/run_rows.h"
 #include "experiments/records/untimed.h"
 #include "experiments/runner/repeat_end.h"
 

@@ -27,7 +27,6 @@
 #include "experiments/gates/accepted_figures.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
-#include "experiments/records/run_rows.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/spring_training/training_plan.h"

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "experiments/records/key_forms.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/set_aside.h"
 #include "tests/support/scratch_folder.h"
