@@ -50,7 +50,7 @@ def list_stages(options, folder):
     without_cpp = r"^(house|report|docs|page|bench|campaign|fuzz)\.|^live\.page"
     pages = {"PALPATE_PAGES": str(folder / "contests")}
     soak = [*PYTHON, str(ROOT / "tests" / "soak" / "soak.py"), str(BUILD), "--seed", seed, "--wall", str(options.soak_wall)]
-    fuzz = [*PYTHON, str(ROOT / "tests" / "fuzz" / "fuzz.py"), str(BUILD), str(options.fuzz_seconds), *options.readers]
+    fuzz = [*PYTHON, str(ROOT / "tests" / "fuzz" / "fuzz.py"), str(BUILD), str(options.fuzz_seconds), *options.readers, "--seed", seed, "--keep", str(folder / "fuzz")]
     foreign = [*PYTHON, str(ROOT / "tests" / "fuzz" / "foreign.py"), str(BUILD), str(options.fuzz_seconds), "--seed", seed]
     return [
         Stage("build", "everything is built", [palpate, "test", "--full", "-N"]),
@@ -191,7 +191,7 @@ def read_options(arguments):
     parser.add_argument("--folder", type=pathlib.Path, default=ROOT / "build" / "nightly" / f"{today:%Y%m%d-%H%M%S}")
     parser.add_argument("--list", action="store_true", help="list the stages, run none")
     parser.add_argument("--no-build", action="store_true", help="leave the stage build out: all is built")
-    parser.add_argument("--seed", type=int, default=int(f"{today:%Y%m%d}"), help="of audit, operations, foreign and soak (the date)")
+    parser.add_argument("--seed", type=int, default=int(f"{today:%Y%m%d}"), help="of audit, operations, fuzz, foreign and soak (the date)")
     parser.add_argument("--audited", type=int, default=1_200_000, metavar="N", help="operations of the stage audit (1200000)")
     parser.add_argument("--operations", type=int, default=20_000_000, metavar="N", help="of the stage operations (20000000)")
     parser.add_argument("--fuzz-seconds", type=int, default=30, help="a reader (30)")

@@ -14,7 +14,7 @@ import sys
 import traceback
 
 from history import history
-from shared.records import BadRun
+from shared.run_file import BadRun, read_json
 from shared.terminal import say
 
 MOST_CHARTS = 24
@@ -36,7 +36,7 @@ def write_all(found, folder):
 
 
 def make_history(options):
-    measures = json.loads(pathlib.Path(options.measures).read_text(encoding="utf-8"))
+    measures = read_json(options.measures)
     found = history.read_history(options.folders, measures, options.measure)
     if not found.runs:
         raise BadRun(found.notes[0] if found.notes else "expected runs, found none")

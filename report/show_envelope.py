@@ -7,9 +7,10 @@ Reads FOLDER/envelope.json (palpate/envelope/1), writes FOLDER/envelope.svg and 
 be read; 3 matplotlib is missing, or a fault of its own.
 """
 
-import json
 import pathlib
 import sys
+
+from shared.run_file import BadRun, read_object
 
 
 def main(arguments):
@@ -23,10 +24,10 @@ def main(arguments):
         print(f"matplotlib is missing (the package python3-matplotlib has it): {error}", file=sys.stderr)
         return 3
     try:
-        envelope = json.loads((folder / "envelope.json").read_text(encoding="utf-8"))
-        if envelope.get("schema") != "palpate/envelope/1" or not envelope["axes"]:
-            raise ValueError(f"{folder}/envelope.json: an envelope with axes was expected")
-    except (OSError, ValueError, KeyError) as error:
+        envelope = read_object(folder / "envelope.json")
+        if envelope.get("schema") != "palpate/envelope/1" or not envelope.get("axes"):
+            raise BadRun(f"{folder}/envelope.json: an envelope with axes was expected")
+    except BadRun as error:
         print(error, file=sys.stderr)
         return 2
     envelope_chart.draw_envelope(envelope, folder)

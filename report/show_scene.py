@@ -7,12 +7,11 @@ Reads FOLDER/body.mesh (in metres) and FOLDER/problem.json (palpate/problem/1), 
 done; 2 a file that cannot be read; 3 matplotlib is missing, or a fault of its own.
 """
 
-import json
 import pathlib
 import sys
 
 from shared.mesh_file import read_mesh
-from shared.records import BadRun
+from shared.run_file import BadRun, read_object
 
 
 def main(arguments):
@@ -27,8 +26,8 @@ def main(arguments):
         return 3
     try:
         mesh = read_mesh(folder / "body.mesh")
-        problem = json.loads((folder / "problem.json").read_text(encoding="utf-8"))
-    except (BadRun, OSError, ValueError) as error:
+        problem = read_object(folder / "problem.json")
+    except BadRun as error:
         print(error, file=sys.stderr)
         return 2
     scene_picture.draw_scene(mesh, problem, pathlib.Path(arguments[1]), arguments[2])

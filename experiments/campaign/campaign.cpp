@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <set>
 #include <sstream>
 
 #include "core/base/atomic_file.h"
@@ -26,6 +27,11 @@ constexpr std::size_t kOwnMemoryMib =
     1024;  // of the program, and of its judge on a mesh of some 100,000 tets
 constexpr double kTimeMargin = 4.0;
 constexpr double kExtraSeconds = 600.0;  // inputs that are made anew, a slow file system
+constexpr double kInputSeconds = 60.0;   // of a mesh
+constexpr double kDaySeconds = 86400.0;
+constexpr std::size_t kReferenceMemoryMib = 8192;  // at least: a reference has no bound of its own
+constexpr double kSecondsARecord = 0.7e-3;         // four times what taking, resuming and a report took
+constexpr double kMebibytesARecord = 1e-3;
 
 const std::vector<std::string> kFiles{"Snakefile", "slurm/config.yaml", "slurm/status.py"};
 
@@ -67,6 +73,34 @@ std::vector<Group> list_groups(const Plan& plan, const std::vector<Case>& cases,
   return list;
 }
 
+std::size_t minutes_of(double seconds) {
+  return static_cast<std::size_t>(std::ceil(seconds / 60.0));
+}
+
+/// The time of all solutions that a reference is made of, as its record tells it; 0 if it tells none.
+double reference_seconds(const json& record) {
+  double seconds = 0.0;
+  const json judge = record.value("judge", json());
+  for (const char* list : {"level_reports", "runs"}) {
+    const json solutions = judge.is_object() ? judge.value(list, json()) : json();
+    if (!solutions.is_array()) continue;
+    for (const json& one : solutions) {
+      const json own = one.is_object() ? one.value("kernel_s", json()) : json();
+      if (own.is_number()) seconds += own.get<double>();
+    }
+  }
+  return seconds;
+}
+
+bool has_references(const Plan& plan) {
+  return plan.reference || std::any_of(plan.contestants.begin(), plan.contestants.end(),
+                                       [](const PlanContestant& one) { return !one.train.empty(); });
+}
+
+json request_json(const JobRequest& request) {
+  return {{"minutes", request.minutes}, {"memory_mib", request.memory_mib}};
+}
+
 }  // namespace
 
 std::map<std::string, CaseCost> read_costs(const std::vector<fs::path>& runs) {
@@ -74,6 +108,11 @@ std::map<std::string, CaseCost> read_costs(const std::vector<fs::path>& runs) {
   std::map<std::string, CaseCost> costs;
   for (const fs::path& run : runs) {
     for_each_record(find_run(run) / "records.jsonl", [&](const json& record) {
+      if (record.value("contestant", json()).is_null()) {
+        const double own = reference_seconds(record);
+        if (own > 0.0) seconds[record.at("case").get<std::string>()].push_back(own);
+        return;
+      }
       if (!record.value("wall_s", json()).is_number()) return;
       const std::string id = record.at("case").get<std::string>();
       seconds[id].push_back(record.at("wall_s").get<double>());
@@ -104,11 +143,40 @@ std::vector<CampaignPart> split_campaign(const Plan& plan, const std::vector<Cas
     longest += group.longest_seconds;
     part.is_timed = group.is_timed;
     const double asked = kExtraSeconds + std::min(kTimeMargin * part.seconds, longest);
-    part.minutes = static_cast<std::size_t>(std::ceil(asked / 60.0));
+    part.minutes = minutes_of(asked);
     part.memory_mib =
         std::max(part.memory_mib, kOwnMemoryMib + static_cast<std::size_t>(std::ceil(group.memory_mib)));
   }
   return parts;
+}
+
+CampaignEnds request_ends(const Plan& plan, const std::vector<Case>& cases,
+                          const std::map<std::string, CaseCost>& costs,
+                          const std::vector<CampaignPart>& parts) {
+  std::set<std::string> ids;
+  double records = 0.0;
+  for (const Case& c : cases) {
+    ids.insert(c.id);
+    records += plan.run.warmup + most_repeats_of(plan.run, c);
+  }
+  double known = 0.0;  // of inputs
+  for (const auto& [id, cost] : costs) known += ids.count(id) == 0 ? cost.seconds : 0.0;
+  const bool is_solved = has_references(plan);
+  double asked = kExtraSeconds + kInputSeconds * static_cast<double>(plan.meshes.size() + plan.scenes.size());
+  if (is_solved) asked = known > 0.0 ? asked + kTimeMargin * known : kDaySeconds;
+  CampaignEnds ends;
+  ends.prepare.minutes = minutes_of(std::min(asked, kDaySeconds));
+  ends.prepare.memory_mib =
+      std::max<std::size_t>(is_solved ? kReferenceMemoryMib : 0, kOwnMemoryMib + plan.run.memory_mib);
+  ends.gather = {0, ends.prepare.memory_mib};
+  for (const CampaignPart& part : parts) {
+    ends.gather.minutes = std::max(ends.gather.minutes, part.minutes);
+    ends.gather.memory_mib = std::max(ends.gather.memory_mib, part.memory_mib);
+  }
+  ends.gather.minutes += ends.prepare.minutes + minutes_of(kExtraSeconds + kSecondsARecord * records);
+  const auto own = static_cast<std::size_t>(std::ceil(kMebibytesARecord * records));
+  ends.gather.memory_mib = std::max(ends.gather.memory_mib, kOwnMemoryMib + own);
+  return ends;
 }
 
 int most_ranks_of(const Plan& plan, const std::vector<Case>& cases, const Registry& registry) {
@@ -127,14 +195,13 @@ int most_ranks_of(const Plan& plan, const std::vector<Case>& cases, const Regist
   return most;
 }
 
-void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, int threads, int most_ranks,
-                    const fs::path& folder) {
+void write_campaign(const Campaign& campaign, const fs::path& folder) {
   create_folder(folder);
   if (!fs::is_empty(folder))
     throw InputError(folder.string(), 0, "an empty folder for the workflow", "other files");
   json listed = json::array();
   create_folder(folder / "cases");
-  for (const CampaignPart& part : parts) {
+  for (const CampaignPart& part : campaign.parts) {
     std::string lines;
     for (const std::string& id : part.cases) lines += id + "\n";
     write_file_atomically(folder / "cases" / (part.name + ".txt"), lines);
@@ -145,13 +212,15 @@ void write_campaign(const Plan& plan, const std::vector<CampaignPart>& parts, in
                       {"memory_mib", part.memory_mib},
                       {"timed", part.is_timed}});
   }
-  const json campaign = {{"schema", "palpate/campaign/1"},
-                         {"palpate", program_folder() + "/palpate"},
-                         {"plan", fs::absolute(plan.file).lexically_normal().string()},
-                         {"threads", threads},
-                         {"processors", threads * most_ranks},
-                         {"parts", listed}};
-  write_file_atomically(folder / "campaign.json", campaign.dump(1) + "\n");
+  const json told = {{"schema", "palpate/campaign/1"},
+                     {"palpate", program_folder() + "/palpate"},
+                     {"plan", fs::absolute(campaign.plan).lexically_normal().string()},
+                     {"threads", campaign.threads},
+                     {"processors", campaign.threads * campaign.most_ranks},
+                     {"prepare", request_json(campaign.ends.prepare)},
+                     {"gather", request_json(campaign.ends.gather)},
+                     {"parts", listed}};
+  write_file_atomically(folder / "campaign.json", told.dump(1) + "\n");
   const fs::path from = fs::path(source_folder()) / "experiments" / "campaign" / "workflow";
   create_folder(folder / "slurm");
   create_folder(folder / "logs");  // where Slurm writes before a job starts

@@ -5,6 +5,8 @@
 #include <exception>
 #include <iostream>
 #include <new>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -63,6 +65,17 @@ bool reader_has_left() {
   return ::poll(&out, 1, 0) == 1 && (out.revents & (POLLERR | POLLHUP)) != 0;
 }
 
+/// Throws: InputError for a word that is no UTF-8. Names of files stand in records, provenances and messages,
+/// which are UTF-8 all of them.
+void check_is_text(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const nlohmann::json word(argv[k]);
+    const std::string shown = word.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+    if (nlohmann::json::parse(shown) != word)
+      throw InputError("word " + std::to_string(k) + " of the command line", 0, "UTF-8", shown);
+  }
+}
+
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   try {
     app.parse(argc, argv);
@@ -86,6 +99,7 @@ int run_command_line(int argc, char** argv) {
   add_commands(app, exit_code);
   int code = kDone;
   try {
+    check_is_text(argc, argv);
     check_command_names(app, argc, argv);
     code = parse_and_run(app, argc, argv, exit_code);
   } catch (const NoRoomError& error) {

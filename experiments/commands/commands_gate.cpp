@@ -17,6 +17,7 @@
 #include "experiments/judging/measure.h"
 #include "experiments/processes/process.h"
 #include "experiments/processes/report_script.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
 #include "experiments/records/run_rows.h"
 #include "experiments/text/nearest_name.h"
@@ -47,8 +48,7 @@ std::string plan_of(const RunRows& rows, const fs::path& folder) {
   if (!rows.all().empty()) {
     plan = *rows.all().front().plan;
   } else if (fs::exists(provenance)) {
-    const json known = reference::read_json_file(provenance);
-    if (known.is_object()) plan = known.value("plan", json());
+    plan = read_provenance(provenance).value("plan", json());
   }
   if (!plan.is_string()) throw InputError(folder.string(), 0, "a run that names its plan", plan.dump());
   return plan.get<std::string>();

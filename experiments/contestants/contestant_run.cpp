@@ -33,7 +33,7 @@ constexpr double kTinyShare = 1e-3;    // of the process's own time: below it a 
 /// becomes U+FFFD. Empty if the file is missing.
 std::string read_end(const std::filesystem::path& path, std::size_t bytes) {
   std::error_code error;
-  if (!is_plain_file(path)) return "";
+  if (!file_complaint(path).empty()) return "";
   std::ifstream file(path, std::ios::binary);
   const std::size_t size = std::filesystem::file_size(path, error);
   if (error) return "";

@@ -9,6 +9,7 @@
 #include <xxhash.h>
 
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -32,6 +33,7 @@ std::string hash_bytes(std::string_view bytes) {
 }
 
 std::string hash_file(const std::filesystem::path& path) {
+  refuse_no_file(path, "a file that can be read");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path.string(), 0, "a file that can be read", "none");
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);

@@ -2,23 +2,15 @@
 
 #include <sys/stat.h>
 
+#include "core/base/plain_file.h"
+
 namespace palpate::experiments {
-namespace {
-
-const char* kind_of(mode_t mode) {
-  if (S_ISLNK(mode)) return "a link";
-  if (S_ISDIR(mode)) return "a folder";
-  if (S_ISFIFO(mode)) return "a pipe";
-  if (S_ISSOCK(mode)) return "a socket";
-  return S_ISREG(mode) ? "" : "a device";
-}
-
-}  // namespace
 
 std::string file_complaint(const std::filesystem::path& path, std::uint64_t most) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return "none";
-  std::string kind = kind_of(status.st_mode);
+  std::string kind = file_kind(status.st_mode);
+  if (kind.empty() && status.st_nlink > 1) return "a file that has another name too";
   if (!kind.empty() || static_cast<std::uint64_t>(status.st_size) <= most) return kind;
   return "a file of " + std::to_string(status.st_size) + " bytes, where " + std::to_string(most) +
          " are the most";

@@ -11,8 +11,9 @@ namespace palpate::experiments {
 inline constexpr std::uint64_t kLargestOutput = std::uint64_t{4} << 30U;
 
 /// What keeps a path from being a regular file of at most `most` bytes, in words: "a link", "a folder", "a
-/// pipe", "a device", "a socket", "a file of 53687091200 bytes, where 4294967296 are the most"; empty if
-/// nothing does. A path that is not there is "none". Links are not followed, whatever they lead to.
+/// pipe", "a device", "a socket", "a file that has another name too" (a hard link: to what, nobody can tell),
+/// "a file of 53687091200 bytes, where 4294967296 are the most"; empty if nothing does. A path that is not
+/// there is "none". Links are not followed, whatever they lead to.
 std::string file_complaint(const std::filesystem::path& path, std::uint64_t most = kLargestOutput);
 
 /// Whether the path is a regular file, and no link to one.

@@ -10,6 +10,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "experiments/judging/measure.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
 #include "reference/door/json_file.h"
 
@@ -128,7 +129,7 @@ ordered_json propose_accepted(const std::filesystem::path& folder, const RunRows
       throw InputError(std::string("a ") + kFigureKindNames.of(kind) +
                        " is for you to write: no run says which cases are to be held against each other");
   }
-  const auto measures = measures_to_propose(reference::read_json_file(RunPaths{folder}.provenance()));
+  const auto measures = measures_to_propose(read_provenance(RunPaths{folder}.provenance()));
   ordered_json figures = ordered_json::array();
   std::set<std::string> done;
   for (const RunRow& row : rows.all()) {

@@ -4,8 +4,8 @@
 
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/run_folder.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -14,15 +14,14 @@ namespace {
 using nlohmann::json;
 
 /// The provenance of a run; null, and a problem, if there is none that can be read.
-json read_provenance(const RunPaths& paths, std::vector<std::string>& problems) {
+json look_at_provenance(const RunPaths& paths, std::vector<std::string>& problems) {
   if (!fs::exists(paths.provenance())) {
     problems.emplace_back("provenance.json is missing: nothing says what the figures come from");
     return {};
   }
   try {
-    json provenance = reference::read_json_file(paths.provenance());
-    if (provenance.is_object() && provenance.value("schema", json()) == "palpate/provenance/1")
-      return provenance;
+    json provenance = read_provenance(paths.provenance());
+    if (provenance.value("schema", json()) == "palpate/provenance/1") return provenance;
     problems.emplace_back("provenance.json is no palpate/provenance/1");
   } catch (const InputError& error) {
     problems.emplace_back(error.what());
@@ -110,7 +109,7 @@ void check_outcomes(const RunRows& rows, std::vector<std::string>& problems) {
 std::vector<std::string> find_run_problems(const fs::path& folder, const RunRows& rows) {
   const RunPaths paths{folder};
   std::vector<std::string> problems;
-  const json provenance = read_provenance(paths, problems);
+  const json provenance = look_at_provenance(paths, problems);
   check_plan(paths, provenance, problems);
   if (provenance.is_object()) check_plan_name(provenance, rows, problems);
   if (provenance.is_object()) check_cases(provenance, rows, problems);

@@ -24,9 +24,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kMostHeadBytes = 16384;
-constexpr std::size_t kMostConnections = 64;
-constexpr auto kPatience = std::chrono::seconds(30);  ///< without a byte either way
-constexpr int kLookUpMs = 200;                        ///< how often the stop flag is looked at
+constexpr int kLookUpMs = 200;  ///< how often the stop flag is looked at
 
 /// A socket, closed at the end.
 class Socket {
@@ -55,7 +53,8 @@ struct Visitor {
   LiveReply reply;
   bool is_answered = false;
   std::size_t sent = 0;
-  Clock::time_point last = Clock::now();
+  Clock::time_point came = Clock::now();
+  Clock::time_point last = came;  ///< when it took or sent something
 };
 
 Socket open_socket(std::uint16_t port) {
@@ -109,40 +108,54 @@ bool send_some(Visitor& visitor, const std::string& page) {
   return visitor.sent < head.size() + body.size();
 }
 
-void take_visitors(const Socket& door, std::vector<Visitor>& visitors) {
-  while (visitors.size() < kMostConnections) {
+/// Whether the door is to be watched on: not where a visitor was there and could not be let in (no more file
+/// descriptors), until the next look.
+bool take_visitors(const Socket& door, std::size_t most, std::vector<Visitor>& visitors) {
+  while (visitors.size() < most) {
     Socket socket(::accept4(door.fd(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (socket.fd() < 0) return;
+    if (socket.fd() < 0) return errno == EAGAIN || errno == EINTR || errno == ECONNABORTED;
     visitors.push_back({std::move(socket), {}, {}});
   }
+  return true;
+}
+
+/// Whether a visitor has been here for longer than it may.
+bool is_late(const Visitor& visitor, const LiveBounds& bounds, Clock::time_point now) {
+  if (!visitor.is_answered) return now - visitor.came >= bounds.request;
+  return now - visitor.last >= bounds.silence || now - visitor.came >= bounds.answer;
 }
 
 }  // namespace
 
-void serve_live_page(const std::string& page, std::uint16_t port, const volatile std::sig_atomic_t& stop,
-                     const std::function<void(std::uint16_t)>& on_ready) {
+std::size_t serve_live_page(const std::string& page, std::uint16_t port,
+                            const volatile std::sig_atomic_t& stop,
+                            const std::function<void(std::uint16_t)>& on_ready, const LiveBounds& bounds) {
   const Socket door = open_socket(port);
   const std::uint16_t own = port_of(door);
   on_ready(own);
   std::vector<Visitor> visitors;
-  while (stop == 0) {
-    std::vector<pollfd> waiting{{door.fd(), POLLIN, 0}};
+  std::size_t looks = 0;
+  for (bool is_open = true; stop == 0; ++looks) {
+    // Who waits at a door that nobody opens would end every wait at once.
+    const bool is_watched = is_open && visitors.size() < bounds.connections;
+    std::vector<pollfd> waiting{{is_watched ? door.fd() : -1, POLLIN, 0}};
     for (const Visitor& visitor : visitors)
       waiting.push_back({visitor.socket.fd(), static_cast<short>(visitor.is_answered ? POLLOUT : POLLIN), 0});
     if (::poll(waiting.data(), waiting.size(), kLookUpMs) < 0 && errno != EINTR)
       throw UnavailableError(std::string("waiting for visitors failed: ") + std::strerror(errno));
     for (std::size_t k = 0; k < visitors.size(); ++k) {
       Visitor& visitor = visitors[k];
-      bool stays = Clock::now() - visitor.last < kPatience;
-      if (waiting[k + 1].revents != 0) {
+      bool stays = !is_late(visitor, bounds, Clock::now());
+      if (stays && waiting[k + 1].revents != 0) {
         visitor.last = Clock::now();
         stays = visitor.is_answered ? send_some(visitor, page) : read_some(visitor, own, page.size());
       }
       if (!stays) visitor.socket = Socket(-1);
     }
     std::erase_if(visitors, [](const Visitor& visitor) { return visitor.socket.fd() < 0; });
-    take_visitors(door, visitors);
+    is_open = take_visitors(door, bounds.connections, visitors);
   }
+  return looks;
 }
 
 }  // namespace palpate::experiments

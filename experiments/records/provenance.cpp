@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 #include <CLI/Version.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdlib>
@@ -15,6 +16,7 @@
 #include "experiments/files/file_hash.h"
 #include "experiments/files/places.h"
 #include "experiments/judging/measure.h"
+#include "experiments/records/key_forms.h"
 #include "experiments/records/source_version.h"
 #include "reference/door/json_file.h"
 
@@ -143,7 +145,52 @@ json compared_measures(const Plan& plan) {
   return measures;
 }
 
+bool is_object(const json& value) {
+  return value.is_object();
+}
+
+bool are_objects(const json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), is_object);
+}
+
+bool are_named(const json& value) {
+  return are_objects(value) && std::all_of(value.begin(), value.end(), [](const json& one) {
+           return !one.contains("name") || one.at("name").is_string();
+         });
+}
+
+bool are_texts(const json& value) {
+  return value.is_array() && std::all_of(value.begin(), value.end(), is_text);
+}
+
+bool are_counts(const json& value) {
+  return value.is_object() && std::all_of(value.begin(), value.end(), is_count);
+}
+
+constexpr std::array<KeyForm, 13> kProvenanceForms{{
+    {"plan", "a text", is_text},
+    {"plan_hash", "a text", is_text},
+    {"cases", "a list of texts", are_texts},
+    {"sittings", "a list of objects", are_objects},
+    {"meshes", "a list of objects with names", are_named},
+    {"problems", "an object", is_object},
+    {"files", "an object", is_object},
+    {"programs", "an object", is_object},
+    {"measures", "an object", is_object},
+    {"trained", "an object", is_object},
+    {"repeats", kCountForm, is_count},
+    {"warmup", kCountForm, is_count},
+    {"repeats_of", "whole numbers from 0 to 1000000000", are_counts},
+}};
+
 }  // namespace
+
+json read_provenance(const std::filesystem::path& file) {
+  json value = reference::read_json_file(file);
+  if (!value.is_object()) throw InputError(file.string(), 0, "the provenance of a run", "something else");
+  check_keys(value, kProvenanceForms, file.string());
+  return value;
+}
 
 std::string utc_now(bool for_file_name) {
   const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());

@@ -18,6 +18,12 @@ std::string utc_now(bool for_file_name = false);
 /// hashes of the programs that take part, processor, memory, load, seeds, threads, start time.
 nlohmann::json build_provenance(const Plan& plan, const Registry& registry, int threads);
 
+/// The provenance of a run.
+/// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one
+/// of
+///         the keys that runs and gates go by that cannot stand there.
+nlohmann::json read_provenance(const std::filesystem::path& file);
+
 /// What a record's "sitting" stands for: when the run was started or resumed, at which commit and load.
 nlohmann::json describe_sitting(const nlohmann::json& now);
 

@@ -6,12 +6,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
+#include "experiments/records/key_forms.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -31,6 +34,56 @@ long long whole_lines(int file, long long size) {
   return 0;
 }
 
+using nlohmann::json;
+
+bool is_text_or_null(const json& value) {
+  return value.is_string() || value.is_null();
+}
+
+bool is_list_of_texts(const json& value) {
+  return value.is_null() || (value.is_array() && std::all_of(value.begin(), value.end(), is_text));
+}
+
+constexpr std::array<KeyForm, 8> kKeyForms{{
+    {"repeat", kCountForm, is_count},
+    {"sitting", kCountForm, is_count},
+    {"label", "a text", is_text},
+    {"contestant", "a text or null", is_text_or_null},
+    {"mesh_file", "a text or null", is_text_or_null},
+    {"output_hash", "a text or null", is_text_or_null},
+    {"message", "a text or null", is_text_or_null},
+    {"violations", "a list of texts", is_list_of_texts},
+}};
+
+void check_record(const json& record, const std::string& file, std::size_t line) {
+  const bool sound = record.is_object() && record.value("schema", json()) == "palpate/record/1" &&
+                     record.value("case", json()).is_string() &&
+                     record.value("outcome", json()).is_string() &&
+                     record.value("repeat", json()).is_number_integer();
+  if (!sound) throw InputError(file, line, "a record (palpate/record/1)", "something else");
+  check_keys(record, kKeyForms, file + ":" + std::to_string(line));
+}
+
+/// Reads the next line without its newline. False at the end, and of a rest that has no newline: the run was
+/// killed while it wrote that.
+bool next_line(std::ifstream& file, const std::string& name, std::size_t number, std::string& line) {
+  std::array<char, 65536> part{};
+  line.clear();
+  while (true) {
+    file.getline(part.data(), part.size());
+    const auto got = static_cast<std::size_t>(file.gcount());
+    if (file.bad()) throw InputError(name, number, "a line that can be read", "a read error");
+    if (file.eof()) return false;
+    const bool is_whole = !file.fail();  // otherwise the line goes on behind the part
+    line.append(part.data(), is_whole ? got - 1 : got);
+    if (line.size() > kLongestRecord)
+      throw InputError(name, number, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
+                       "more");
+    if (is_whole) return true;
+    file.clear();
+  }
+}
+
 }  // namespace
 
 std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
@@ -40,20 +93,19 @@ std::vector<nlohmann::json> read_records(const std::filesystem::path& path) {
 }
 
 void for_each_record(const std::filesystem::path& path, const std::function<void(nlohmann::json)>& use) {
+  refuse_no_file(path, "the records of a run");
+  const std::string name = path.string();
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path.string(), 0, "the records of a run", "no such file");
+  if (!file) throw InputError(name, 0, "the records of a run", "no such file");
   std::string line;
-  std::size_t number = 0;
-  while (std::getline(file, line)) {
-    ++number;
-    if (file.eof()) break;  // no newline: the run was killed while it wrote this line
-    nlohmann::json record = reference::parse_json(line, path.string() + ":" + std::to_string(number));
-    const bool sound = record.is_object() && record.value("schema", nlohmann::json()) == "palpate/record/1" &&
-                       record.value("case", nlohmann::json()).is_string() &&
-                       record.value("outcome", nlohmann::json()).is_string() &&
-                       record.value("repeat", nlohmann::json()).is_number_integer();
-    if (!sound) throw InputError(path.string(), number, "a record (palpate/record/1)", "something else");
-    use(std::move(record));
+  for (std::size_t number = 1; next_line(file, name, number, line); ++number) {
+    json record = reference::parse_json(line, name + ":" + std::to_string(number));
+    check_record(record, name, number);
+    try {
+      use(std::move(record));
+    } catch (const json::exception& odd) {
+      throw InputError(name, number, "a record (palpate/record/1)", std::string("an odd one: ") + odd.what());
+    }
   }
 }
 

@@ -1,16 +1,22 @@
 #include "experiments/records/run_folder.h"
 
+#include <sys/types.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
+#include <csignal>
 #include <cstdlib>
+#include <string_view>
+#include <vector>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/source_version.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -34,6 +40,35 @@ void empty_folder(const fs::path& folder) {
   fs::remove_all(folder, error);
 }
 
+/// The process that a half-written file is of; nothing for another file.
+std::optional<pid_t> writer_of(const std::string& name) {
+  const std::size_t mark = name.rfind(kPartialMark);
+  if (mark == std::string::npos) return std::nullopt;
+  const char* const first = name.data() + mark + std::string_view(kPartialMark).size();
+  const char* const last = name.data() + name.size();
+  pid_t process = 0;
+  const auto [end, error] = std::from_chars(first, last, process);
+  const bool is_number = error == std::errc() && end == last && process > 0;
+  return is_number ? std::optional(process) : std::nullopt;
+}
+
+/// Removes what processes that are gone have half written; not where nobody may look.
+void remove_half_written(const RunPaths& paths) {
+  std::error_code error;
+  auto at =
+      fs::recursive_directory_iterator(paths.folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && at != fs::end(at); at.increment(error)) {
+    if (at.depth() == 0 && (at->path() == paths.scratch() || at->path() == paths.parts())) {
+      at.disable_recursion_pending();  // emptied, and held by runs of their own
+      continue;
+    }
+    const auto writer = writer_of(at->path().filename().string());
+    std::error_code own;
+    if (!writer || at->symlink_status(own).type() != fs::file_type::regular) continue;
+    if (::kill(*writer, 0) != 0 && errno == ESRCH) fs::remove(at->path(), own);
+  }
+}
+
 }  // namespace
 
 RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resume_(resume) {
@@ -42,6 +77,7 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
   const bool ours = fs::exists(folder / ".lock") || fs::is_empty(folder);
   if (!ours) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
   lock_.emplace(folder);
+  remove_half_written(paths_);
   std::error_code error;
   const auto recorded = fs::file_size(paths_.records(), error);
   if (!error && recorded > 0 && !resume) {
@@ -59,11 +95,7 @@ RunFolder::~RunFolder() {
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
   if (!resume_ || !fs::exists(paths_.provenance())) return std::nullopt;
-  nlohmann::json value = reference::read_json_file(paths_.provenance());
-  if (!value.is_object()) {
-    throw InputError(paths_.provenance().string(), 0, "the provenance of a run", "something else");
-  }
-  return value;
+  return read_provenance(paths_.provenance());
 }
 
 fs::path RunFolder::fresh_scratch() const {

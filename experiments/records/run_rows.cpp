@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/error.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -98,7 +98,7 @@ std::optional<double> RunRows::figure(const RunRow& row, const Measure& measure)
 
 json known_provenance(const fs::path& folder) {
   try {
-    return reference::read_json_file(RunPaths{folder}.provenance());
+    return read_provenance(RunPaths{folder}.provenance());
   } catch (const InputError&) {
     return {};
   }

@@ -17,7 +17,8 @@ constexpr std::size_t kCommitDigits = 9;
 
 /// What git says of the folder, without the last line's end; empty if it fails.
 std::string ask_git(const std::string& folder, std::vector<std::string> words) {
-  words.insert(words.begin(), {"/usr/bin/git", "-C", folder});
+  // Without locks: one that is killed while it refreshes the index would leave a lock in the checkout.
+  words.insert(words.begin(), {"/usr/bin/git", "--no-optional-locks", "-C", folder});
   std::string text = program_output(words);
   while (!text.empty() && text.back() == '\n') text.pop_back();
   return text;

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
@@ -65,6 +66,7 @@ void mark_cases(const Plan& plan, const std::vector<Case>& cases, const std::str
 void keep_part(const std::vector<Case>& cases, const std::string& part, std::vector<bool>& wanted) {
   std::map<std::string, std::size_t> known;
   for (std::size_t i = 0; i < cases.size(); ++i) known[cases[i].id] = i;
+  refuse_no_file(part, "a file of cases, one a line");
   std::ifstream file(part);
   if (!file) throw InputError(part, 0, "a file of cases, one a line", "none that can be read");
   std::vector<bool> named(cases.size(), false);

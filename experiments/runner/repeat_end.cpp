@@ -1,7 +1,9 @@
 #include "experiments/runner/repeat_end.h"
 
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/processes/disk_room.h"
 #include "experiments/records/set_aside.h"
 #include "reference/door/json_file.h"
@@ -43,8 +45,9 @@ void keep_beside(const fs::path& output, const fs::path& kept, const std::string
   if (name.empty()) return;
   std::error_code error;
   const fs::path beside = output.parent_path() / name;
-  if (fs::symlink_status(beside, error).type() != fs::file_type::regular) return;
+  if (!file_complaint(beside).empty()) return;
   fs::rename(beside, beside_path(kept, name), error);
+  if (!error) sync_to_disk(beside_path(kept, name));
 }
 
 }  // namespace palpate::experiments

@@ -6,6 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/contestants/option_spec.h"
 #include "experiments/files/file_hash.h"
@@ -92,7 +93,7 @@ class Runner {
     const auto then = folder_.earlier_provenance();
     if (then) {
       std::string changes;
-      for (const std::string& change : find_changes(*then, now)) changes += "; " + change;
+      for (const std::string& change : find_changes(moved_here(*then, now), now)) changes += "; " + change;
       if (!changes.empty()) {
         throw InputError(options_.folder.string() + ": this run cannot be continued" + changes);
       }
@@ -187,12 +188,11 @@ class Runner {
     std::map<std::string, fs::path> kept;
     for (const Case& c : cases_) kept[c.id] = contest_->kept_output(c);
     return {folder_.paths(), std::move(kept), reference::contest_files(plan_.contest).beside_file,
-            provenance_};
+            provenance_, [this] { write_provenance(); }};
   }
 
   void take(PartTaker& taker, const fs::path& part, RecordFile& records) {
     result_.records_added += taker.take(part, records);
-    write_provenance();
   }
 
   /// Runs cases that are not timed, and need none that is, side by side.
@@ -397,6 +397,7 @@ class Runner {
       fs::rename(answer.output, kept, error);
       if (error) throw InputError(kept.string(), 0, "a file that can be written", error.message());
       keep_beside(answer.output, kept, reference::contest_files(plan_.contest).beside_file);
+      sync_to_disk(kept);  // before the record that names it
     }
     record["mesh_file"] = fs::exists(kept) ? json(kept.lexically_relative(options_.folder).string()) : json();
   }

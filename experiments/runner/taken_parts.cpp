@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/untimed.h"
 #include "experiments/runner/repeat_end.h"
-#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -19,6 +18,15 @@ namespace {
 using nlohmann::json;
 
 constexpr std::array<const char*, 4> kNodeKeys{"processor", "processors", "memory", "system"};
+constexpr const char* kTakenTimes = "times_are_of_parts";  // of a provenance
+
+std::pair<std::string, int> key_of(const json& record) {
+  return {record.at("case").get<std::string>(), record.at("repeat").get<int>()};
+}
+
+bool is_answer(const json& record) {
+  return !record.at("contestant").is_null();
+}
 
 bool is_run(const fs::path& folder) {
   std::error_code error;
@@ -26,11 +34,12 @@ bool is_run(const fs::path& folder) {
          fs::is_regular_file(folder / "records.jsonl", error);
 }
 
-json read_provenance(const fs::path& part) {
+json read_part(const fs::path& part) {
   if (!is_run(part)) throw InputError(part.string(), 0, "the folder of a run", "none");
-  json value = reference::read_json_file(part / "provenance.json");
-  if (!value.is_object())
-    throw InputError((part / "provenance.json").string(), 0, "the provenance of a run", "something else");
+  json value = read_provenance(part / "provenance.json");
+  if (value.value("schema", json()) != "palpate/provenance/1")
+    throw InputError((part / "provenance.json").string(), 0, "a provenance (palpate/provenance/1)",
+                     value.value("schema", json()).dump());
   return value;
 }
 
@@ -38,7 +47,7 @@ json read_provenance(const fs::path& part) {
 std::map<std::string, json> inputs_of(const json& provenance) {
   std::map<std::string, json> inputs;
   for (const json& mesh : provenance.value("meshes", json::array())) {
-    if (mesh.is_object() && mesh.contains("name"))
+    if (mesh.contains("name"))
       inputs["mesh " + mesh.at("name").get<std::string>()] = mesh.value("hash", json());
   }
   const json problems = provenance.value("problems", json::object());
@@ -52,6 +61,11 @@ json node_kind(const json& provenance) {
   json kind = json::object();
   for (const char* key : kNodeKeys) kind[key] = provenance.value(key, json());
   return kind;
+}
+
+json moved_here(json then, const json& now) {
+  if (then.value(kTakenTimes, json()) == true) then.update(node_kind(now));
+  return then;
 }
 
 std::vector<fs::path> list_parts(const fs::path& folder) {
@@ -71,10 +85,15 @@ std::vector<fs::path> find_parts(const fs::path& folder) {
 }
 
 PartTaker::PartTaker(const RunPaths& paths, std::map<std::string, fs::path> kept, std::string beside_file,
-                     json& provenance)
-    : paths_(paths), kept_(std::move(kept)), beside_file_(std::move(beside_file)), provenance_(provenance) {
+                     json& provenance, std::function<void()> save)
+    : paths_(paths),
+      kept_(std::move(kept)),
+      beside_file_(std::move(beside_file)),
+      provenance_(provenance),
+      save_(std::move(save)) {
   for_each_record(paths.records(), [this](const json& record) {
-    recorded_.emplace(record.at("case").get<std::string>(), record.at("repeat").get<int>());
+    recorded_.insert(key_of(record));
+    is_timed_ = is_timed_ || is_answer(record);
   });
 }
 
@@ -91,69 +110,101 @@ void PartTaker::check(const fs::path& part, const json& theirs) const {
   if (!differs.empty()) throw InputError(part.string() + ": this part cannot be taken" + differs);
 }
 
-/// Copies an output that the run has not yet. It appears whole or not at all.
-void PartTaker::take_output(const fs::path& part, const fs::path& kept, const json& record) const {
+/// Appends the sittings of a part, each with its kind of node, or finds them where a killed run left them.
+/// Returns: the place of the first.
+std::size_t PartTaker::add_sittings(const json& theirs) const {
+  std::vector<json> added;
+  for (json sitting : theirs.value("sittings", json::array())) {
+    sitting["node"] = node_kind(theirs);
+    added.push_back(std::move(sitting));
+  }
+  json& all = provenance_.at("sittings");
+  const auto found = std::search(all.begin(), all.end(), added.begin(), added.end());
+  const auto place = static_cast<std::size_t>(found - all.begin());
+  if (found == all.end()) {
+    for (json& sitting : added) all.push_back(std::move(sitting));
+  }
+  return place;
+}
+
+/// Copies an output whose hash is `hash`. It appears whole, and lies on the disk, before its record is there.
+void PartTaker::take_output(const fs::path& part, const fs::path& kept, const json& record,
+                            const json& hash) const {
+  const std::string records = (part / "records.jsonl").string();
+  const std::string id = record.at("case").get<std::string>();
   const fs::path name = kept.lexically_relative(paths_.folder);
   if (record.at("mesh_file") != name.string())
-    throw InputError((part / "records.jsonl").string(), 0,
-                     "the output of " + record.at("case").get<std::string>() + " at " + name.string(),
+    throw InputError(records, 0, "the output of " + id + " at " + name.string(),
                      record.at("mesh_file").dump());
+  if (!hash.is_string())
+    throw InputError(records, 0, "the hash of the output of " + id + " in its repeat 0", "none");
   const fs::path from = part / name;
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(from, error)))
     throw InputError(from.string(), 0, "the output that its record names", "none");
   create_folder(kept.parent_path());
-  fs::path unfinished = kept;
-  unfinished += ".part";
-  fs::copy_file(from, unfinished, fs::copy_options::overwrite_existing, error);
-  if (error) fail_to_write(unfinished, "a file that can be written", error.value());
-  if (record.at("repeat") == 0 && json(hash_file(unfinished)) != record.at("output_hash")) {
-    fs::remove(unfinished, error);
-    throw InputError(from.string(), 0, "an output whose hash is " + record.at("output_hash").dump(),
-                     "another one");
-  }
-  fs::rename(unfinished, kept);
+  copy_file_atomically(from, kept, [&](const fs::path& copy) {
+    if (json(hash_file(copy)) != hash)
+      throw InputError(from.string(), 0, "an output whose hash is " + hash.dump(), "another one");
+  });
   if (beside_file_.empty()) return;
   const fs::path beside = beside_path(kept, beside_file_);
   const fs::path theirs = part / beside.lexically_relative(paths_.folder);
-  if (fs::is_regular_file(fs::symlink_status(theirs, error)))
-    fs::copy_file(theirs, beside, fs::copy_options::overwrite_existing, error);  // to be looked at alone
+  if (fs::is_regular_file(fs::symlink_status(theirs, error)))  // to be looked at alone
+    copy_file_atomically(theirs, beside, [](const fs::path&) {});
 }
 
 std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {
-  const json theirs = read_provenance(part);
+  const json theirs = read_part(part);
   const FolderLock lock(part);  // nobody writes to it any more
   check(part, theirs);
   const json kind = node_kind(theirs);
-  if (recorded_.empty()) provenance_.update(kind);  // the run's times are those of its first part's node
+  const std::size_t sittings = theirs.value("sittings", json::array()).size();
+  const fs::path theirs_file = part / "records.jsonl";
+  // All lines are read before anything is taken: a broken one leaves the run as it is.
+  std::map<std::string, json> hashes;  // of outputs, by case: what repeat 0 made is kept
+  bool is_new = false;
+  bool brings_times = false;
+  for_each_record(theirs_file, [&](const json& record) {
+    const auto key = key_of(record);
+    if (key.second == 0) hashes[key.first] = record.value("output_hash", json());
+    if (is_answer(record) && kept_.count(key.first) == 0)
+      throw InputError(theirs_file.string(), 0, "cases of the plan", key.first);
+    if (record.value("sitting", std::size_t{0}) >= std::max<std::size_t>(1, sittings))
+      throw InputError(theirs_file.string(), 0, "one of the run's " + std::to_string(sittings) + " sittings",
+                       record.at("sitting").dump());
+    const bool is_missing = recorded_.count(key) == 0;
+    is_new = is_new || is_missing;
+    brings_times = brings_times || (is_missing && is_answer(record));
+  });
+  if (!is_new) return 0;
+  if (!is_timed_ && brings_times && kind != node_kind(provenance_)) {
+    provenance_.update(kind);  // the run's times are those of its first part's node
+    provenance_[kTakenTimes] = true;
+  }
   const json timed_on = node_kind(provenance_);
-  const std::size_t first_sitting = provenance_.at("sittings").size();
+  const std::size_t first_sitting = add_sittings(theirs);
+  save_();
   std::size_t taken = 0;
-  const auto take_record = [&](json record) {
-    const std::pair<std::string, int> key{record.at("case").get<std::string>(),
-                                          record.at("repeat").get<int>()};
+  for_each_record(theirs_file, [&](json record) {
+    const auto key = key_of(record);
     if (recorded_.count(key) > 0) return;
-    const auto kept = kept_.find(key.first);
-    const bool is_case = !record.at("contestant").is_null();
-    if (is_case && kept == kept_.end())
-      throw InputError((part / "records.jsonl").string(), 0, "cases of the plan", key.first);
-    if (is_case && record.at("mesh_file").is_string() && !fs::exists(kept->second))
-      take_output(part, kept->second, record);
+    if (is_answer(record) && record.value("mesh_file", json()).is_string()) {
+      const fs::path& kept = kept_.at(key.first);
+      const json& hash = hashes[key.first];
+      // A run that was killed may have left the output of a repeat that has no record.
+      const bool is_there = fs::exists(kept) && (key.second != 0 || json(hash_file(kept)) == hash);
+      if (!is_there) take_output(part, kept, record, hash);
+    }
     if (kind != timed_on)
       drop_times(record,
                  "timed on another kind of node (" + kind.at("processor").dump() + ") than the run's others");
     record["sitting"] = first_sitting + record.value("sitting", std::size_t{0});
     records.append(record);
     recorded_.insert(key);
+    is_timed_ = is_timed_ || is_answer(record);
     ++taken;
-  };
-  const fs::path theirs_file = part / "records.jsonl";
-  for_each_record(theirs_file, [](const json&) {});  // a broken line is found before anything is taken
-  for_each_record(theirs_file, take_record);
-  for (json sitting : theirs.value("sittings", json::array())) {
-    sitting["node"] = kind;
-    provenance_["sittings"].push_back(std::move(sitting));
-  }
+  });
   return taken;
 }
 

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 
@@ -272,7 +273,7 @@ YamlValue read_yaml(const std::filesystem::path& path) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw InputError(where, 0, "a YAML file", "no such file");
-  if (std::filesystem::is_directory(status)) throw InputError(where, 0, "a YAML file", "a folder");
+  refuse_no_file(path, "a YAML file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(where, 0, "a YAML file that can be read", "no permission");
   std::string text(kLargestFile + 1, '\0');

@@ -11,6 +11,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/topology.h"
 #include "reference/door/json_file.h"
@@ -322,6 +323,7 @@ void write_displacement(const std::filesystem::path& path, std::span<const Vec3>
 
 std::vector<Vec3> read_displacement(const std::filesystem::path& path, std::size_t rows_vertices,
                                     std::size_t rows_edges) {
+  refuse_no_file(path, "a displacement file");
   std::ifstream file(path);
   const std::string where = path.string();
   std::string line;

@@ -10,6 +10,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/subdivision/refinement.h"
 #include "reference/door/deform_problem.h"
@@ -272,6 +273,7 @@ void write_history(const std::filesystem::path& path, const MotionHistory& histo
 
 MotionHistory read_history(const std::filesystem::path& path, const MotionProblem& problem) {
   constexpr double kEndTolerance = 1e-9;
+  refuse_no_file(path, "a history");
   std::ifstream file(path);
   const std::string where = path.string();
   MotionHistory history{history_columns(problem), {}};

@@ -10,7 +10,7 @@ import lzma
 import pathlib
 import shutil
 
-from shared.records import BadRun
+from shared.run_file import BadRun, read_object
 
 ARCHIVE = "palpate/archive/1"  # docs/schemas.md
 NOTE, RECORDS, PACKED = "archive.json", "records.jsonl", "records.jsonl.xz"
@@ -58,16 +58,6 @@ def require_empty(folder):
     folder.mkdir(parents=True, exist_ok=True)
     if any(folder.iterdir()):
         raise BadRun(f"{folder}: expected a new or an empty folder, found files")
-
-
-def read_object(path):
-    try:
-        value = json.loads(path.read_text())
-    except (OSError, ValueError, RecursionError) as error:
-        raise BadRun(f"{path}: {error}") from None
-    if not isinstance(value, dict):
-        raise BadRun(f"{path}: expected an object, found something else")
-    return value
 
 
 def read_note(folder):

@@ -9,6 +9,7 @@ import pathlib
 from dataclasses import dataclass, field
 
 from shared import load, records
+from shared.run_file import read_object
 
 TIMES = ("kernel_s", "wall_s", "user_s", "peak_rss_bytes")  # of the process: another number in every repeat
 BENCHMARK_TIMES = ("real_time", "cpu_time")
@@ -166,7 +167,7 @@ def benchmark_facts(context):
 
 
 def read_benchmark_side(path, measures):
-    data = records.read_json(path)
+    data = read_object(path)
     entries, context = data.get("benchmarks"), data.get("context")
     if not isinstance(entries, list) or not isinstance(context, dict):
         raise records.BadRun(f"{path}: expected a file of Google Benchmark (--benchmark_out_format=json), found no \"context\" and \"benchmarks\"")

@@ -7,6 +7,7 @@ last one before the first that does not.
 from dataclasses import dataclass
 
 from shared.records import figure
+from shared.run_file import is_number
 from shared.tables import first_reason, pad_columns, seconds_text, write_atomically, write_csv
 
 KINDS = ("replay", "rest", "ticks")  # of an answer, as the judge names it
@@ -48,6 +49,11 @@ class Case:
         return self.told(name) if value is None else value
 
     @property
+    def threads(self):
+        found = self.chosen("engine_threads")
+        return found if is_number(found) else None
+
+    @property
     def vertices(self):
         return figure(self.record, "mesh", "vertices")
 
@@ -85,7 +91,7 @@ def read_cases(run):
         note = "" if set(group.outcomes()) == {"accepted"} else first_reason(group)
         case = Case(group.mesh, group.label, group.contestant, (judged or records)[-1], note)
         lists.get(kinds.get(group.contestant), found.silent).append(case)
-    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads") or 0,
+    found.ticks.sort(key=lambda case: (case.scene, case.label, str(case.chosen("precision")), case.threads or 0,
                                        case.vertices or 0))
     return found
 
@@ -123,7 +129,7 @@ def replay_lines(cases):
               "one step a 5 ms tick", "set-up", "memory", ""]]
     for case in cases:
         lines.append([case.scene, case.label, number_text(case.vertices, ",.0f"), str(case.told("engine") or ""), str(case.told("integrator") or ""),
-                      seconds_text(case.told("time_step_s")),
+                      seconds_text(figure(case.record, "report", "time_step_s")),
                       number_text(case.number("stability_margin"), ".3f"), number_text(case.number("peak_speed_m_s"), ".3g", unit=" m/s"),
                       number_text(case.number("speeds_cut"), ",.0f"), number_text(case.number("inverted_tets_most"), ".0f"),
                       number_text(case.number("residual_worst"), ".2g"),
@@ -161,7 +167,7 @@ def tick_lines(cases):
               "reference", "its change", "off by", "set-up", "first tick", "memory", ""]]
     for case in cases:
         times = [tick_text(case.number(name)) for _, name in HOLDS]
-        lines.append([case.scene, case.label, str(case.chosen("precision")), str(case.chosen("engine_threads")), number_text(case.vertices, ",.0f"),
+        lines.append([case.scene, case.label, str(case.chosen("precision")), str(case.threads), number_text(case.vertices, ",.0f"),
                       number_text(case.number("steps_per_tick"), ".0f"), *times, number_text(case.number("ticks_missed"), ",.0f"),
                       number_text(case.number("ticks"), ",.0f"), number_text(case.number("residual_worst"), ".2g"),
                       number_text(case.number("held_force_size_n"), ".4f", unit=" N"),
@@ -186,7 +192,7 @@ def largest_meshes(cases):
     """{(scene, label, precision, threads): {how: vertices or None}}: the last mesh before the first that misses the deadline."""
     found = {}
     for case in cases:
-        key = (case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads"))
+        key = (case.scene, case.label, str(case.chosen("precision")), case.threads)
         deadline = figure(case.record, "report", "tick_s")
         row = found.setdefault(key, {how: [None, True] for how, _ in HOLDS})
         for how, name in HOLDS:

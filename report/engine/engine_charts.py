@@ -1,7 +1,5 @@
 """Charts of a contest of the engine: returns to rest, the organ in its phases, margins, tick times and the largest mesh."""
 
-import json
-
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -9,10 +7,12 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 
 from engine.engine import HOLDS, largest_meshes, returns_of
+from engine.motion_file import read_motion
 from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_size_axis, set_title
 from shared.mesh_file import outer_faces, read_mesh
 from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
+from shared.run_file import are_numbers
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#5b3a00", "#222222"]
 MARKERS = ["o", "s", "v", "^", "D", "P", "*", "X"]
@@ -35,28 +35,16 @@ def with_several_sizes(cases, key_of):
     return chosen or cases
 
 
-def read_motion(run, case):
-    """Columns, rows and frames that a case left, or None; what cannot be read is noted."""
-    name = case.record.get("mesh_file")
-    if not isinstance(name, str):
-        return None
-    try:
-        path = inside(run.folder, name)
-        data = json.loads(path.read_text(encoding="utf-8"))
-        rows = np.array(data["rows"], dtype=float)
-        return {"columns": data["columns"], "rows": rows, "frames": data.get("frames", [])} if rows.ndim == 2 else None
-    except (BadRun, OSError, ValueError, KeyError, TypeError) as error:
-        run.notes.append(f"no motion of {case.label} on {case.scene}: {error}")
-        return None
-
-
 def column(motion, name):
-    return motion["rows"][:, motion["columns"].index(name)]
+    place = motion["columns"].index(name)
+    return np.array([row[place] for row in motion["rows"]], dtype=float)
 
 
 def probe_sizes(motion):
     """Size of the displacement of each probe over time."""
-    numbers = [name.split("_")[1] for name in motion["columns"] if name.startswith("probe_") and name.endswith("_ux_m")]
+    columns = set(motion["columns"])
+    numbers = [name[6:-5] for name in motion["columns"] if name.startswith("probe_") and name.endswith("_ux_m")
+               and {f"{name[:-3]}{axis}_m" for axis in "yz"} <= columns]
     return [np.sqrt(sum(column(motion, f"probe_{number}_u{axis}_m") ** 2 for axis in "xyz")) for number in numbers]
 
 
@@ -88,7 +76,7 @@ def shade_tools(ax, case):
 
 def draw_returns(run, cases, folder):
     """The points that the tools pushed, over time: as they are, and on a logarithmic axis."""
-    motions = [(case, motion) for case in cases if (motion := read_motion(run, case)) is not None]
+    motions = [(case, motion) for case in cases if (motion := read_motion(run, case)) is not None and probe_sizes(motion)]
     if not motions:
         return []
     fig, grid = plt.subplots(2, 1, figsize=(7.4 if len(motions) <= len(COLORS) else 10.4, 6.0), sharex=True)
@@ -166,15 +154,14 @@ def draw_phases(run, case, cases, folder):
     try:
         mesh = read_mesh(inside(run.folder, f"problems/{problem_of(case)}/in.mesh"))
     except BadRun as error:
-        run.notes.append(f"no pictures of {case.scene}: {error}")
+        run.note(f"no pictures of {case.scene}: {error}")
         return []
     faces, _ = outer_faces(mesh.tets)
     view = choose_view(mesh)
     pictures = []
     for title, frame in choose_pictures(case, motion["frames"]):
-        field = np.array(frame["displacement_m"], dtype=float).reshape(-1, 3)
-        if len(field) == len(mesh.points):
-            pictures.append((title, field))
+        if len(frame["displacement_m"]) == 3 * len(mesh.points):
+            pictures.append((title, np.array(frame["displacement_m"], dtype=float).reshape(-1, 3)))
     if not pictures:
         return []
     most = max((np.linalg.norm(field, axis=1).max() for _, field in pictures), default=0.0)
@@ -215,7 +202,7 @@ def draw_margins(cases, folder):
 
 
 def setting_of(case):
-    return case.label, str(case.chosen("precision")), case.chosen("engine_threads")
+    return case.label, str(case.chosen("precision")), case.threads
 
 
 def setting_text(setting):
@@ -254,10 +241,17 @@ def draw_budget(cases, folder):
     return save(fig, folder, "budget")
 
 
+def has_distribution(case):
+    """Whether it told how many ticks took how long, and how large its mesh was."""
+    counts, ends = case.told("buckets"), case.told("bucket_ends_s")
+    return (are_numbers(counts) and are_numbers(ends) and len(counts) == len(ends) and min(counts, default=-1) >= 0 and sum(counts) > 0
+            and min(ends) > 0 and case.vertices is not None)
+
+
 def draw_distribution(cases, folder):
     """How many ticks took longer than a time: both axes logarithmic."""
-    chosen = [case for case in cases if isinstance(case.told("buckets"), list)]
-    settings = sorted({setting_of(case) for case in chosen})
+    chosen = [case for case in cases if has_distribution(case)]
+    settings = sorted({setting_of(case) for case in chosen}, key=lambda setting: (*setting[:2], setting[2] or 0))
     if not settings:
         return []
     wide = min(len(settings), MOST_PANELS_A_ROW)
@@ -315,7 +309,7 @@ def draw_force(cases, folder):
     """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
     names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
     points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
-                     for case in with_several_sizes([each for each in cases if each.chosen("engine_threads") == 1 and each.number("force_error") is not None],
+                     for case in with_several_sizes([each for each in cases if each.threads == 1 and each.number("force_error") is not None],
                                                     lambda each: each.scene)}, key=str)
     scenes = sorted({point[0] for point in points})
     if len(points) < 2:

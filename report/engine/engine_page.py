@@ -1,10 +1,9 @@
 """What a contest of the engine has for the page of its run."""
 
-import json
-
 from engine.engine import HOLDS, largest_meshes, returns_of
+from engine.motion_file import read_motion
 from shared.page_parts import BAD, OPEN, PLAIN, Axis, Body, Chart, Column, PageParts, Section, Table
-from shared.records import BadRun, figure
+from shared.records import figure
 from shared.run_meshes import mesh_beside, quality_field
 
 MOST_POINTS = 400  # of one history
@@ -17,7 +16,7 @@ def scaled(value, factor):
 
 def name_of(case):
     """Scene, label, and the options that tell cases of a label apart."""
-    threads = case.chosen("engine_threads")
+    threads = case.threads
     more = [f"{case.vertices:,.0f} vertices" if case.vertices else "", str(case.chosen("precision") or ""), f"{threads} thread{'s' if threads != 1 else ''}" if threads else ""]
     return ", ".join([case.scene, case.label, *(text for text in more if text)])
 
@@ -67,26 +66,12 @@ def verdict_of(found):
 # --- Charts -------------------------------------------------------------------------------------------------------------
 
 
-def read_motion(run, case):
-    """Columns, rows and frames that a case left, or None; what cannot be read is noted."""
-    from shared.mesh_view import inside
-    name = case.record.get("mesh_file")
-    if not isinstance(name, str):
-        return None
-    try:
-        data = json.loads(inside(run.folder, name).read_text(encoding="utf-8"))
-        return data if isinstance(data.get("columns"), list) and isinstance(data.get("rows"), list) else None
-    except (BadRun, OSError, ValueError, AttributeError) as error:
-        run.notes.append(f"no motion of {case.label} on {case.scene}: {error}")
-        return None
-
-
 def history_chart(run, found):
     rows = []
     for case in found.replays:
         motion = read_motion(run, case)
         columns = motion["columns"] if motion else []
-        if "largest_displacement_m" not in columns:
+        if not {"largest_displacement_m", "total_j"} <= set(columns):
             continue
         time, size, energy = (columns.index(name) for name in ("time_s", "largest_displacement_m", "total_j"))
         every = -(-len(motion["rows"]) // MOST_POINTS)
@@ -98,7 +83,7 @@ def history_chart(run, found):
 
 
 def tick_chart(found):
-    rows = [{"name": f"{case.label}, {case.chosen('precision')}, {case.chosen('engine_threads')} thread{'s' if case.chosen('engine_threads') != 1 else ''}", "scene": case.scene,
+    rows = [{"name": f"{case.label}, {case.chosen('precision')}, {case.threads} thread{'s' if case.threads != 1 else ''}", "scene": case.scene,
              "vertices": case.vertices, "how": how, "time": case.number(key), "missed": case.number("ticks_missed"), "ticks": case.number("ticks"),
              "case": case.record.get("case"), "note": case.note} for case in found.ticks for how, key in HOLDS if case.number(key) and case.vertices]
     deadline = next((value for case in found.ticks if (value := figure(case.record, "report", "tick_s")) is not None), None)
@@ -127,7 +112,7 @@ def replay_table(cases):
     columns = [Column("scene"), Column("label"), Column("vertices"), Column("engine"), Column("integrator"), Column("step", "ms"), Column("margin", digits=3), Column("peak speed", "m/s", 3),
                Column("speeds cut"), Column("inverted at most"), Column("left over", digits=2), Column("simulated over wall", digits=3), Column("one step a 5 ms tick", digits=3),
                Column("set-up", "s", 3), Column("memory", "MB", 3), Column("note")]
-    rows = [[case.scene, case.label, case.vertices, str(case.told("engine") or ""), str(case.told("integrator") or ""), scaled(case.told("time_step_s"), MILLI), case.number("stability_margin"),
+    rows = [[case.scene, case.label, case.vertices, str(case.told("engine") or ""), str(case.told("integrator") or ""), scaled(figure(case.record, "report", "time_step_s"), MILLI), case.number("stability_margin"),
              case.number("peak_speed_m_s"), case.number("speeds_cut"), case.number("inverted_tets_most"), case.number("residual_worst"), case.number("real_time_factor"),
              case.number("tick_real_time_factor"), case.number("setup_s"), scaled(figure(case.record, "peak_rss_bytes"), 1e-6), case.note] for case in cases]
     return Table("Replayed", columns, rows, file="tables/replays.csv",
@@ -153,7 +138,7 @@ def tick_table(cases):
     columns = [Column("scene"), Column("label"), Column("precision"), Column("threads"), Column("vertices"), Column("steps a tick"), *(Column(how, "ms", 3) for how in ("p50", "p99", "p99.9", "worst")),
                Column("missed"), Column("of"), Column("left over", "", 2), Column("force", "N"), Column("reference", "N"), Column("its change", "%", 3), Column("off by", "%", 3),
                Column("set-up", "s", 3), Column("first tick", "ms", 3), Column("memory", "MB", 3), Column("note")]
-    rows = [[case.scene, case.label, str(case.chosen("precision")), case.chosen("engine_threads"), case.vertices, case.number("steps_per_tick"),
+    rows = [[case.scene, case.label, str(case.chosen("precision")), case.threads, case.vertices, case.number("steps_per_tick"),
              *(scaled(case.number(name), MILLI) for _, name in HOLDS), case.number("ticks_missed"), case.number("ticks"), case.number("residual_worst"), case.number("held_force_size_n"),
              case.number("reference_force_size_n"), scaled(case.number("reference_force_change"), 100.0), scaled(case.number("force_error"), 100.0), case.number("setup_s"),
              scaled(case.number("first_tick_s"), MILLI), scaled(figure(case.record, "peak_rss_bytes"), 1e-6), case.note] for case in cases]
@@ -178,7 +163,7 @@ def bodies_of(run, found):
         mesh = mesh_beside(run, f"problems/{place}/in.mesh")
         if mesh is None or not motion:
             continue
-        frames = [(each["time_s"], each["displacement_m"]) for each in motion.get("frames", []) if len(each.get("displacement_m", [])) in (len(mesh.points), 3 * len(mesh.points))]
+        frames = [(each["time_s"], each["displacement_m"]) for each in motion["frames"] if len(each["displacement_m"]) == 3 * len(mesh.points)]
         yield Body(case.label, name_of(case), mesh, [quality_field(mesh)], moves=frames, unit="m", case=str(case.record.get("case", "")))
     seen = set()
     for case in [*found.rests, *found.ticks]:

@@ -6,15 +6,20 @@ they say something: an amplitude of -10% is too small, a phase of -10 degrees to
 """
 
 import csv
+import io
+from array import array
 from dataclasses import dataclass, field
+from math import isfinite
 
 from shared.records import BadRun, figure, median, present
+from shared.run_file import open_file
 from shared.tables import (first_reason, outcome_text, pad_columns, percent_text, seconds_text, timing_of, write_atomically,
                            write_csv)
 
 MARGIN = 5.0
 BEST, COARSE = "*", "~"
 WHOLE = "whole"  # the mesh as it is
+MOST_HISTORY_BYTES = 512 * 2**20
 
 
 @dataclass(frozen=True)
@@ -220,9 +225,29 @@ def write_tables(sections, folder):
 
 def read_history(path):
     """The columns of a history by name. Throws BadRun."""
+    if path.stat().st_size > MOST_HISTORY_BYTES:
+        raise BadRun(f"{path}: expected at most {MOST_HISTORY_BYTES:,} bytes, found {path.stat().st_size:,}")
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.reader(file))
-        return {name: [float(row[k]) for row in rows[1:]] for k, name in enumerate(rows[0])}
-    except (OSError, ValueError, IndexError) as error:
-        raise BadRun(f"{path}: expected a history, found {error}") from error
+        with io.TextIOWrapper(open_file(path), encoding="utf-8", newline="") as file:
+            rows = csv.reader(file)
+            columns = {name: array("d") for name in next(rows)}
+            for number, row in enumerate(rows, start=2):
+                values = [float(cell) for cell in row]
+                if len(values) != len(columns) or not all(map(isfinite, values)):
+                    raise BadRun(f"{path}:{number}: expected {len(columns)} finite numbers")
+                for column, value in zip(columns.values(), values):
+                    column.append(value)
+    except (StopIteration, ValueError, csv.Error) as error:
+        raise BadRun(f"{path}: expected a history, found {str(error) or 'nothing'}") from error
+    if not columns.get("time_s"):
+        raise BadRun(f"{path}: expected a history, found no times")
+    return columns
+
+
+def history_beside(run, path):
+    """The columns of a history that a case left; none where it cannot be read, which is noted."""
+    try:
+        return read_history(path)
+    except BadRun as error:
+        run.note(f"not drawn: {error}")
+        return {}

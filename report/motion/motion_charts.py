@@ -5,7 +5,7 @@ import math
 import matplotlib.pyplot as plt
 from matplotlib.colors import LinearSegmentedColormap
 
-from motion.motion import COARSE, MEASURES, history_of, read_history, value_text
+from motion.motion import COARSE, MEASURES, history_beside, history_of, value_text
 from shared.chart_style import BAND, BETTER, FAINT, INK, STYLE, file_name, save, set_title
 
 HEAT = LinearSegmentedColormap.from_list("errors", ["#f4f9f4", "#fbe9c6", "#e98a5b"])
@@ -87,16 +87,17 @@ def draw_panels(section, truth, histories, column, scale, label, name, folder):
 
 def draw_histories(run, section, folder):
     path = history_of(run, section.reference)
-    histories = [(row, read_history(row.history)) for row in section.rows if row.history]
+    histories = [(row, history_beside(run, row.history)) for row in section.rows if row.history]
     if path is None or not histories:
         return []
-    truth = read_history(path)
+    truth = history_beside(run, path)
     drawn = []
     for prefix, suffix, scale, label, name in (("probe_1_", "_m", 1e3, "probe, mm", "motion_probe"),
                                                ("tool_", "_n", 1.0, "force, N", "motion_force")):
         column = widest(truth, prefix, suffix)
-        if column is not None:
-            drawn += draw_panels(section, truth, histories, column, scale, label, name, folder)
+        with_it = [(row, history) for row, history in histories if column in history]
+        if column is not None and with_it:
+            drawn += draw_panels(section, truth, with_it, column, scale, label, name, folder)
     return drawn
 
 

@@ -1,12 +1,10 @@
 """What a contest of motions has for the page of its run."""
 
-import json
-from math import isfinite
-
 from motion import stages
-from motion.motion import COARSE, MARGIN, MEASURES, UNMARKED, history_of, label_of, own_text, read_history
+from motion.motion import COARSE, MARGIN, MEASURES, UNMARKED, history_of, history_beside, label_of, own_text
 from shared.page_parts import BAD, OPEN, PLAIN, Axis, Body, Chart, Column, PageParts, Section, Table
 from shared.records import BadRun, median
+from shared.run_file import are_numbers, is_number, read_object
 from shared.run_meshes import mesh_beside, quality_field
 
 MOST_POINTS = 160  # of one history
@@ -81,7 +79,7 @@ def thin(history, column):
 def history_charts(run, section):
     """Each answer's probe and force over time, the reference's beside it."""
     path = history_of(run, section.reference)
-    truth = read_history(path) if path else None
+    truth = history_beside(run, path) if path else None
     charts = []
     for prefix, suffix, factor, title, unit in SIGNALS:
         column = widest(truth, prefix, suffix) if truth else None
@@ -89,7 +87,7 @@ def history_charts(run, section):
             continue
         rows = []
         for row in section.rows:
-            answer = read_history(row.history) if row.history else {}
+            answer = history_beside(run, row.history) if row.history else {}
             if column in answer:
                 for who, history in (("reference", truth), ("answer", answer)):
                     rows += [{"label": row.label, "who": who, "time": time, "value": value} for time, value in thin(history, column)]
@@ -132,14 +130,13 @@ def states_beside(run, history):
         return []
     from shared.mesh_view import inside  # needs numpy
     try:
-        inside(run.folder, str(path.relative_to(run.folder)))
-        found = json.loads(path.read_text(encoding="utf-8"))
-        states = [(float(each["time_s"]), [float(x) for x in each["displacement_m"]]) for each in found["states"]]
-        if not all(isfinite(x) for time, field in states for x in (time, *field)):
-            raise ValueError("a number that is not finite")
-        return states
-    except (BadRun, OSError, ValueError, KeyError, TypeError) as error:
-        run.notes.append(f"not played: {path.name}: {error}")
+        states = read_object(inside(run.folder, str(path.relative_to(run.folder)))).get("states")
+        if not isinstance(states, list) or not all(isinstance(each, dict) and is_number(each.get("time_s")) and are_numbers(each.get("displacement_m"))
+                                                   for each in states):
+            raise BadRun(f"{path}: expected states, a time and a displacement of finite numbers each")
+        return [(float(each["time_s"]), each["displacement_m"]) for each in states]
+    except BadRun as error:
+        run.note(f"not played: {error}")
         return []
 
 

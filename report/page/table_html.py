@@ -22,7 +22,10 @@ def number_text(value, digits):
 
 
 def is_number(value):
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    try:
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+    except OverflowError:  # a whole number that no double holds
+        return False
 
 
 def cell(value, column, is_first):

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shared.records import BadRun
+from shared.run_file import BadRun, read_text
 
+MOST_MESH_BYTES = 128 * 2**20  # five times what is drawn at most
 FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))  # of a tet, counter-clockwise seen from outside
 
 
@@ -25,10 +26,7 @@ def read_block(words, place, count, width, what):
 
 def read_mesh(path):
     """Points and tetrahedra of an ASCII MEDIT file. Throws BadRun."""
-    try:
-        words = path.read_text(encoding="utf-8").split()
-    except (OSError, UnicodeDecodeError) as error:
-        raise BadRun(f"{path}: cannot be read") from error
+    words = read_text(path, MOST_MESH_BYTES).split()
     found = {}
     for name, width in (("Vertices", 4), ("Tetrahedra", 5)):
         if name not in words:
@@ -38,7 +36,12 @@ def read_mesh(path):
             found[name] = read_block(words, place + 1, int(words[place]), width, f"{path}: {name}")
         except (ValueError, IndexError) as error:
             raise BadRun(f"{path}: {name}: expected numbers") from error
-    return Mesh(found["Vertices"][:, :3], found["Tetrahedra"][:, :4].astype(int) - 1)
+    points, corners = found["Vertices"][:, :3], found["Tetrahedra"][:, :4]
+    if not np.isfinite(points).all():
+        raise BadRun(f"{path}: Vertices: expected finite numbers")
+    if not ((corners >= 1) & (corners <= len(points))).all():
+        raise BadRun(f"{path}: Tetrahedra: expected vertices from 1 to {len(points)}")
+    return Mesh(points, corners.astype(int) - 1)
 
 
 def qualities(mesh):

@@ -12,20 +12,17 @@ from array import array
 from dataclasses import dataclass, field, replace
 
 from shared.compact_record import Record, RecordPacker
+from shared.run_file import BadRun, is_number, json_fault, open_file, read_object
 
 INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
 BUCKETS = 10
-READ_BYTES = 2**20  # of a file at a time
+MOST_LINE_BYTES = 64 * 2**20  # of a record, as the runner has it
 PLAN_KEYS = ("question", "claim", "meshes", "contestants", "measure", "equal_count", "comparisons", "charts",
              "contest", "scenes", "scene_sets", "targets", "cases", "reference", "beside", "frontier", "simplify")  # what of the plan the provenance repeats
 
 
 RECORD, PROVENANCE = "palpate/record/1", "palpate/provenance/1"  # docs/schemas.md
-
-
-class BadRun(Exception):
-    """The folder is no run folder, or a file in it is not what it has to be: one line, with the place."""
 
 
 @dataclass
@@ -121,6 +118,13 @@ class Run:
     references: list = field(default_factory=list)  # their records, in the order of the file
     known: dict = field(default_factory=dict, repr=False, compare=False)  # what was looked up before, and of how many groups
 
+    def note(self, text):
+        """Adds a note that is not there yet: tables, charts and page read the same files. Paths in it are those inside the folder."""
+        for folder in (self.folder.resolve(), self.folder):
+            text = text.replace(f"{folder}/", "")
+        if text not in self.notes:
+            self.notes.append(text)
+
     @property
     def judges_displacements(self):
         """Whether it is a contest of displacements."""
@@ -164,10 +168,9 @@ def figure(record, *keys):
         if type(value) is not Record and not isinstance(value, dict):
             return None
         value = value.get(key)
-    kind = type(value)
-    if kind is float or kind is int:
-        return value if math.isfinite(value) else None
-    return float(value) if kind is bool else None
+    if is_number(value):
+        return value
+    return float(value) if type(value) is bool else None
 
 
 def histogram(record):
@@ -188,7 +191,7 @@ def shares_of(record):
 
 def figures_of(records, key):
     """`figure` of each record by a key of its own, without those that lack it."""
-    return [value for value in (record.get(key) for record in records) if type(value) in (float, int) and math.isfinite(value)]
+    return [value for value in (record.get(key) for record in records) if is_number(value)]
 
 
 def present(values):
@@ -209,23 +212,6 @@ def median(values):
     return statistics.median(values) if values else None
 
 
-def json_fault(error):
-    """What is wrong with a text that is no JSON, in one line."""
-    return "lists or objects too deep within one another" if isinstance(error, RecursionError) else str(error)
-
-
-def read_json(path):
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
-    except (ValueError, RecursionError) as error:
-        raise BadRun(f"{path}: expected JSON, found {json_fault(error)}") from error
-    if not isinstance(data, dict):
-        raise BadRun(f"{path}: expected one JSON object")
-    return data
-
-
 def check_schema(data, expected, where):
     """Throws BadRun for a file of another version: its keys may mean something else."""
     if data.get("schema") != expected:
@@ -237,7 +223,7 @@ def read_provenance(folder):
     path = folder / "provenance.json"
     if not path.exists():
         return {}
-    provenance = read_json(path)
+    provenance = read_object(path)
     check_schema(provenance, PROVENANCE, path)
     return provenance
 
@@ -247,13 +233,15 @@ def read_lines(path, notes):
     out, and noted."""
     packer, found = RecordPacker(), []
     try:
-        with open(path, "rb", buffering=READ_BYTES) as lines:
-            for number, line in enumerate(lines, start=1):
+        with open_file(path) as lines:
+            for number, line in enumerate(iter(lambda: lines.readline(MOST_LINE_BYTES + 1), b""), start=1):
+                if len(line) > MOST_LINE_BYTES:
+                    raise BadRun(f"{path}:{number}: expected a record of at most {MOST_LINE_BYTES:,} bytes, found more")
                 record = read_line(path, number, line, packer, notes)
                 if record is not None:
                     found.append(record)
     except OSError as error:
-        raise BadRun(f"{path}: cannot be read ({error.strerror}); is this a run folder?") from error
+        raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
     return found
 
 

@@ -1,7 +1,10 @@
 """The meshes that a run's folder keeps, as bodies for the page. What is not there, or cannot be read, is noted and left out."""
 
 from shared.page_parts import Body, Field
-from shared.records import BadRun
+from shared.run_file import BadRun, read_text
+
+
+MOST_FIELD_BYTES = 256 * 2**20  # of the displacement of each vertex
 
 
 def mesh_beside(run, name):
@@ -14,7 +17,7 @@ def mesh_beside(run, name):
         path = inside(run.folder, name)
         return read_mesh(path) if path.is_file() else None
     except BadRun as error:
-        run.notes.append(f"not shown in 3D: {error}")
+        run.note(f"not shown in 3D: {error}")
         return None
 
 
@@ -29,12 +32,15 @@ def displacement_beside(run, name, vertices):
         path = inside(run.folder, name)
         if not path.is_file():
             return None
-        field = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)[:, 1:4]
+        field = np.loadtxt(read_text(path, MOST_FIELD_BYTES).splitlines(), delimiter=",", skiprows=1, ndmin=2)[:, 1:4]
     except (BadRun, OSError, ValueError, IndexError) as error:
-        run.notes.append(f"not shown in 3D: {name}: {error}")
+        run.note(f"not shown in 3D: {name}: {error}")
         return None
     if len(field) < vertices or field.shape[1] != 3:
-        run.notes.append(f"not shown in 3D: {name}: expected {vertices} vertices, found {len(field)}")
+        run.note(f"not shown in 3D: {name}: expected {vertices} vertices, found {len(field)}")
+        return None
+    if not np.isfinite(field).all():
+        run.note(f"not shown in 3D: {name}: expected finite numbers")
         return None
     return field[:vertices]
 

@@ -94,7 +94,7 @@ def panels_of(run, section):
         try:
             mesh = read_mesh(inside(run.folder, record["mesh_file"]))
         except BadRun as error:
-            run.notes.append(f"no cut-away of {title} on {section.mesh}: {error}")
+            run.note(f"no cut-away of {title} on {section.mesh}: {error}")
             continue
         panels.append((title, text, mesh))
         doubt = check_quality(title, mesh, record)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from shared.records import figure, median
-from shared.tables import pad_columns, write_atomically, write_csv
+from shared.tables import pad_columns, violations_text, write_atomically, write_csv
 
 SHORT = {"steady": "steady", "oscillating": "moves", "energy_growing": "grows", "diverged": "diverged", "inverted": "inverted",
          "non_finite": "no number", "too_slow": "too slow", "growing_slowly": "grows slowly"}
@@ -76,7 +76,7 @@ def read_cases(run):
             reported = record.get("reported") if isinstance(record.get("reported"), dict) else {}
             judge = record.get("judge") if isinstance(record.get("judge"), dict) else {}
             ending = judge.get("ending") if judge.get("ending") in SHORT else NO_ANSWER
-            note = record.get("message") or "; ".join(record.get("violations") or [])
+            note = str(record.get("message") or violations_text(record) or "")
             cases.append(Case(group.mesh, group.label, extreme, sweep, record.get("options") or {}, reported, judge,
                               str(record.get("outcome")), ending, note, figure(record, "kernel_s"), read_runs(judge, reported)))
     return cases
@@ -84,8 +84,8 @@ def read_cases(run):
 
 def read_runs(judge, reported):
     """The runs as the judge reads them, each with what the contestant alone can tell of it."""
-    judged = [entry for entry in judge.get("runs") or [] if isinstance(entry, dict)]
-    said = reported.get("runs") or []
+    judged = [entry for entry in judge.get("runs") or [] if isinstance(entry, dict)] if isinstance(judge.get("runs"), list) else []
+    said = reported.get("runs") if isinstance(reported.get("runs"), list) else []
     told = [said[k] if k < len(said) and isinstance(said[k], dict) else {} for k in range(len(judged))]
     return [{**{name: own.get(name) for name in REPORTED_OF_RUN}, **entry, "outcome": entry.get("ending")} for own, entry in zip(told, judged)]
 

@@ -1,10 +1,11 @@
 """Fuzzes the readers: every one for some seconds, from the corpus and the repository's own files.
 
-    /usr/bin/python3 -B tests/fuzz/fuzz.py build/release SECONDS [READER...] [--keep FOLDER]
+    /usr/bin/python3 -B tests/fuzz/fuzz.py build/release SECONDS [READER...] [--seed N] [--keep FOLDER]
 
 The readers' sources are compiled anew by clang, with coverage and sanitizers; what they call besides comes from the libraries of
 the build, so that there is no second build of everything. Exit code 1 and the input that did it if a reader crashes, hangs for 10 s, takes more than 2 GB, or throws anything but an
-InputError. --keep FOLDER collects the corpus that was grown, a folder a reader.
+InputError. --seed N (1) is libFuzzer's: the same inputs again, as far as they get in the time. --keep FOLDER collects the corpus that was grown, a folder a
+reader, and the inputs that were found, in READER.found.
 """
 
 import argparse
@@ -21,13 +22,13 @@ ROOT = HERE.parent.parent
 LARGEST_SEED = 16384
 
 # The sources of the readers.
-SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.cpp", "core/mesh/io/off.cpp", "core/mesh/io/word_reader.cpp",
+SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.cpp", "core/mesh/io/off.cpp", "core/mesh/io/word_reader.cpp", "core/simplify/sizing/size_file.cpp",
            "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/reduced/pod_file.cpp", "reference/cgal/surface_file.cpp",
            "reference/cgal/*_claims.cpp", "experiments/text/yaml_value.cpp", "experiments/contestants/answer_form.cpp",
            "experiments/contestants/contestant.cpp", "experiments/contestants/stop.cpp",
            "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/fit_candidates.cpp",
            "experiments/plan_reader/*.cpp", "experiments/runner/read_plan.cpp", "experiments/contests/*/plan_*.cpp",
-           "experiments/contests/stability/stability_answer.cpp", "experiments/scene_reader/*.cpp",
+           "experiments/contests/stability/stability_answer.cpp", "experiments/contests/engine/engine_judge.cpp", "experiments/scene_reader/*.cpp",
            "experiments/spring_training/training_plan.cpp"]
 COMPILER = "clang++-14"
 FLAGS = ["-std=c++20", f"-I{ROOT}", "-isystem/usr/include/eigen3", "-O1", "-gline-tables-only", "-ffp-contract=off", "-DPALPATE_FUZZ_SURFACES",
@@ -90,14 +91,14 @@ def gather_seeds(reader, folder):
     return len(list(folder.iterdir()))
 
 
-def fuzz(program, reader, seconds, keep):
+def fuzz(program, reader, seconds, seed, keep):
     """Returns the line that is shown, and whether nothing was found."""
     with tempfile.TemporaryDirectory(prefix="palpate-fuzz-run-") as name:
         work = pathlib.Path(name)
         for part in ("seeds", "grown", "found"):
             (work / part).mkdir()
         seeds = gather_seeds(reader, work / "seeds")
-        words = [str(program), f"-max_total_time={seconds}", "-timeout=10", "-rss_limit_mb=2048", "-seed=1", "-verbosity=1",
+        words = [str(program), f"-max_total_time={seconds}", "-timeout=10", "-rss_limit_mb=2048", f"-seed={seed}", "-verbosity=1",
                  f"-max_len={LARGEST_SEED}", "-print_final_stats=1", f"-artifact_prefix={work}/found/"]
         if reader in DICTIONARIES or not reader.endswith("csv"):
             words.append(f"-dict={HERE / DICTIONARIES.get(reader, 'json.dict')}")
@@ -110,6 +111,8 @@ def fuzz(program, reader, seconds, keep):
         if keep:
             shutil.copytree(work / "grown", pathlib.Path(keep) / reader, dirs_exist_ok=True)
         found = list((work / "found").iterdir())
+        if keep and found:
+            shutil.copytree(work / "found", pathlib.Path(keep) / f"{reader}.found", dirs_exist_ok=True)
         if done.returncode == 0 and not found:
             return f"{line}, no finding", True
         tail = "\n".join(done.stderr.splitlines()[-60:])
@@ -117,12 +120,21 @@ def fuzz(program, reader, seconds, keep):
         return f"{line}, FOUND\n{tail}{shown}", False
 
 
+def positive(text):
+    """A seed: 0 would be another one each time."""
+    number = int(text)
+    if not 0 < number < 2**32:
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1 to {2**32 - 1}, found {text}")
+    return number
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("build")
     parser.add_argument("seconds", type=int)
     parser.add_argument("readers", nargs="*")
-    parser.add_argument("--keep")
+    parser.add_argument("--seed", type=positive, default=1, metavar="N")
+    parser.add_argument("--keep", metavar="FOLDER")
     options = parser.parse_args()
     program = build_target(pathlib.Path(options.build).resolve())
     if program is None:
@@ -137,7 +149,7 @@ def main():
         return 2
     good = True
     for reader in options.readers or known:
-        line, is_good = fuzz(program, reader, options.seconds, options.keep)
+        line, is_good = fuzz(program, reader, options.seconds, options.seed, options.keep)
         print(line, flush=True)
         good = good and is_good
     return 0 if good else 1

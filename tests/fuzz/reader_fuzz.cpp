@@ -16,13 +16,16 @@
 #include "core/mesh/io/off.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/sizing/size_file.h"
 #include "core/springs/network/moduli_csv.h"
 #include "core/springs/network/springs_csv.h"
 #include "experiments/contestants/answer_form.h"
 #include "experiments/contestants/contestant.h"
+#include "experiments/contests/engine/engine_judge.h"
 #include "experiments/contests/stability/stability_answer.h"
 #include "experiments/fit/fit_candidates.h"
 #include "experiments/gates/accepted_figures.h"
+#include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/scene_reader/scene.h"
@@ -94,6 +97,22 @@ reference::Request request_of(const char* contest, const fs::path& file) {
   return request;
 }
 
+/// What the judge finds in an answer of the engine on the small mesh.
+void judge_engine(const fs::path& file) {
+  reference::MotionProblem problem;
+  problem.duration_s = 1.0;
+  nlohmann::json figures = judge_engine_file(problem, small_mesh(), {{"outcome", "completed"}}, file);
+  compare_force({{1.0, 0.0, 0.0}, 0.01}, figures);
+}
+
+/// A part's provenance is held against that of the run that takes it.
+void read_and_compare(const fs::path& file) {
+  const nlohmann::json theirs = read_provenance(file);
+  const nlohmann::json ours = {{"plan_hash", "xxh3:0"}, {"files", {{"a", "b"}}}, {"programs", {{"a", "b"}}}};
+  find_changes(theirs, ours);
+  find_changes(ours, theirs);
+}
+
 struct Reader {
   const char* name;
   const char* file;  ///< what the file is called
@@ -116,6 +135,7 @@ constexpr std::array kReaders{
     Reader{"response", "any.json",
            [](const fs::path& f) { parse_answer(reference::read_text_file(f, kLargestAnswer)); }},
     Reader{"records", "any.jsonl", [](const fs::path& f) { read_records(f); }},
+    Reader{"provenance", "any.json", read_and_compare},
     Reader{"accepted", "any.json", [](const fs::path& f) { read_accepted(f, "ci"); }},
     Reader{"deform_problem", "any.json",
            [](const fs::path& f) { reference::read_deform_task(request_of("deform", f)); }},
@@ -126,6 +146,9 @@ constexpr std::array kReaders{
     Reader{"stability_problem", "any.json",
            [](const fs::path& f) { reference::read_stability_task(request_of("stability", f)); }},
     Reader{"pod_body", "any.pod", read_and_ask},
+    Reader{"engine_answer", "any.json", judge_engine},
+    Reader{"sizes_csv", "any.csv",
+           [](const fs::path& f) { simplify::read_sizes(f, small_mesh().points.size()); }},
     Reader{"stability_answer", "any.json", [](const fs::path& f) { read_stability_answer(f, small_mesh()); }},
 #ifdef PALPATE_FUZZ_SURFACES
     Reader{"stl", "any.stl", [](const fs::path& f) { reference::read_surface(f); }},

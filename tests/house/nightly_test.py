@@ -56,6 +56,16 @@ class Nightly(unittest.TestCase):
         for words in ("exit code 3; bad.log ends: because", "hanging.log ends: waits", "cannot start /nonexistent/program"):
             self.assertIn(words, text)
 
+    def test_fuzzing_takes_the_nights_seed_and_keeps_what_it_grew(self):
+        options = nightly.read_options(["--seed", "20260208", "--readers", "off", "ply"])
+        words = next(stage.command for stage in nightly.list_stages(options, self.folder) if stage.name == "fuzz")
+        self.assertEqual(words[-8:], [str(nightly.BUILD), "30", "off", "ply", "--seed", "20260208", "--keep", str(self.folder / "fuzz")])
+        help_text = subprocess.run([sys.executable, "-B", str(ROOT / "tests" / "fuzz" / "fuzz.py"), "--help"], capture_output=True, text=True, check=True).stdout
+        for option in ("--seed", "--keep"):
+            self.assertIn(option, help_text)
+        refused = subprocess.run([sys.executable, "-B", str(ROOT / "tests" / "fuzz" / "fuzz.py"), "x", "1", "--seed", "0"], capture_output=True, text=True, check=False)
+        self.assertEqual(refused.returncode, 2)
+
     def test_the_summary_is_there_after_each_stage(self):
         seen = []
 

@@ -67,6 +67,13 @@ TEST(JsonFile, WhatIsNoJson) {
   EXPECT_EQ(error_of(R"({"a": {"b": 1}, "b": {"b": 3}})"), "no error");
 }
 
+TEST(JsonFile, ShortValuesWithoutEndAreRefusedBeforeTheyAreHeld) {
+  constexpr std::size_t kMost = std::size_t{1} << 25U;
+  std::string text(2 * kMost + 2, ',');
+  for (std::size_t k = 0; k < text.size(); k += 2) text[k] = '1';
+  EXPECT_THAT(error_of("[" + text + "1]"), HasSubstr("expected at most 33554432 values of JSON, found more"));
+}
+
 TEST(JsonFile, FilesThatCannotBeRead) {
   const test::ScratchFolder folder;
   EXPECT_THROW(read_json_file(folder / "none.json"), InputError);

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import unittest
 
 from support import ReportTest
@@ -92,12 +93,17 @@ class Motion(ReportTest):
         self.write()
         self.assertEqual(self.charts(), first)
 
-    def test_a_history_that_is_none_is_named(self):
+    def test_a_history_that_is_none_is_named_and_not_drawn(self):
         self.write()
-        (self.folder / "histories" / "a.csv").write_text("time_s\nsoon\n", encoding="utf-8")
-        code, _, err = self.report()
-        self.assertEqual(code, 2)
-        self.assertIn("a.csv", err)
+        header = "time_s,probe_1_ux_m,probe_1_uy_m,probe_1_uz_m\n"
+        for text in ("time_s\nsoon\n", "", header, header + "0,0,0\n", header + "0,0,0,nan\n", header + "x" * 200_000, "probe_1_uz_m\n1\n", "\xff"):
+            (self.folder / "histories" / "a.csv").write_text(text, encoding="latin-1")
+            code, said, err = self.report()
+            self.assertEqual((code, err), (0, ""), text[:80])
+            self.assertIn("not drawn: histories/a.csv", " ".join(said.split()))
+        os.truncate(self.folder / "histories" / "a.csv", 2**30)
+        self.assertIn("536,870,912 bytes", self.report()[1])
+        os.remove(self.folder / "histories" / "a.csv")
 
     def bodies(self):
         """What the page shows in 3D, by title, and what it says of what it does not."""
@@ -121,7 +127,7 @@ class Motion(ReportTest):
             (self.folder / "histories" / "b.states.json").write_text(broken, encoding="utf-8")
             found, notes = self.bodies()
             self.assertEqual(list(found), ["a"], broken)
-            self.assertIn("not played: b.states.json", notes, broken)
+            self.assertIn("not played: histories/b.states.json", notes, broken)
 
     def test_motions_on_a_simplified_mesh_are_played_beside_each_other_on_it(self):
         place = "bar/simplify=refined/tets_removed_ratio=0.5"

@@ -8,6 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 
 namespace palpate {
 namespace {
@@ -15,7 +16,9 @@ namespace {
 /// Reads white-space separated words and names the file in each complaint.
 class OffReader {
  public:
-  explicit OffReader(const std::filesystem::path& path) : name_(path.string()), file_(path) {
+  explicit OffReader(const std::filesystem::path& path) : name_(path.string()) {
+    refuse_no_file(path, "a readable OFF file");
+    file_.open(path);
     if (!file_) throw InputError(name_, 0, "a readable OFF file", "none");
   }
 

@@ -9,6 +9,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 
 namespace palpate::simplify {
 namespace {
@@ -31,6 +32,7 @@ bool parse_size(std::string_view line, std::size_t vertex, double& size) {
 }  // namespace
 
 std::vector<double> read_sizes(const std::filesystem::path& path, std::size_t vertices) {
+  refuse_no_file(path, "a file of sizes");
   std::ifstream file(path);
   const std::string where = path.string();
   std::string line;

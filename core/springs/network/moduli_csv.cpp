@@ -9,6 +9,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 
 namespace palpate::springs {
 namespace {
@@ -40,8 +41,7 @@ void write_moduli_csv(const std::filesystem::path& path, const DilatationModuli&
 }
 
 DilatationModuli read_moduli_csv(const std::filesystem::path& path, const TetMesh& mesh) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw InputError(path.string(), 0, "a file", "a folder");
+  refuse_no_file(path, "a file");
   std::ifstream in(path);
   if (!in) throw InputError(path.string(), 0, "a file that can be read", "none");
   std::string line;

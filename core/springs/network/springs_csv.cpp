@@ -12,6 +12,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 #include "core/mesh/topology.h"
 #include "core/springs/network/network.h"
 
@@ -22,8 +23,7 @@ constexpr std::string_view kHeader = "vertex_a,vertex_b,rest_length_m,stiffness_
 constexpr double kLengthTolerance = 1e-6;
 
 std::string read_text(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw InputError(path.string(), 0, "a file", "a folder");
+  refuse_no_file(path, "a file");
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(path.string(), 0, "a file that can be read", "none");
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

@@ -31,9 +31,11 @@ int write_workflow(const WorkflowArguments& arguments) {
   require_available(plan, registry);
   for (const std::string& note : plan.notes) print_note(note);
   const auto costs = read_costs({arguments.costs.begin(), arguments.costs.end()});
+  const int threads = arguments.threads > 0 ? arguments.threads : plan.run.threads;
   const auto parts = split_campaign(plan, cases, costs, arguments.settings);
-  write_campaign(plan, parts, arguments.threads > 0 ? arguments.threads : plan.run.threads,
-                 most_ranks_of(plan, cases, registry), arguments.out);
+  write_campaign({plan.file, parts, request_ends(plan, cases, costs, parts), threads,
+                  most_ranks_of(plan, cases, registry)},
+                 arguments.out);
   const auto known =
       std::count_if(cases.begin(), cases.end(), [&](const Case& c) { return costs.count(c.id) > 0; });
   double seconds = 0.0;

@@ -72,6 +72,28 @@ TEST(SplitCampaign, TimedCasesOfOneMeshStayTogetherAndCostsComeFromRecords) {
   EXPECT_EQ(parts[3].memory_mib, 6024U);
 }
 
+TEST(RequestEnds, AskForWhatThePlanNeedsAndRecordsTell) {
+  Plan plan = make_campaign_plan(false);
+  plan.meshes.resize(10);
+  const std::vector<Case> cases = make_campaign_cases();
+  const auto parts = split_campaign(plan, cases, {}, {100.0, 5.0});
+  const CampaignEnds plain = request_ends(plan, cases, {}, parts);
+  EXPECT_EQ(plain.prepare.minutes, 20U) << "ten minutes, and one a mesh";
+  EXPECT_EQ(plain.prepare.memory_mib, 3024U);
+  EXPECT_EQ(plain.gather.minutes, 20U + 17U + 11U) << "inputs, a part, and what it does itself";
+  EXPECT_EQ(plain.gather.memory_mib, 3024U);
+  plan.reference.emplace();
+  const CampaignEnds solved = request_ends(plan, cases, {}, parts);
+  EXPECT_EQ(solved.prepare.minutes, 1440U) << "a day: nobody knows";
+  EXPECT_EQ(solved.prepare.memory_mib, 8192U);
+  const std::map<std::string, CaseCost> costs{{"mesh3/1", {4e5, 4000.0}}, {"mesh3/reference", {900.0, 0.0}}};
+  EXPECT_EQ(request_ends(plan, cases, costs, parts).prepare.minutes, 80U) << "four times 15 minutes more";
+  plan.run.repeats = 1'000'000;
+  const CampaignEnds many = request_ends(plan, cases, {}, parts);
+  EXPECT_GT(many.gather.memory_mib, 20'000U);
+  EXPECT_GT(many.gather.minutes, solved.prepare.minutes + 200U);
+}
+
 TEST(WorkflowCommand, WritesWhatSnakemakeReadsAndNothingIntoAFolderInUse) {
   const test::ExperimentFixture fixture;
   const std::string out = (fixture.folder() / "jobs").string();
@@ -79,6 +101,19 @@ TEST(WorkflowCommand, WritesWhatSnakemakeReadsAndNothingIntoAFolderInUse) {
   ASSERT_EQ(result.exit_code, 0) << result.error;
   const json campaign = json::parse(*read_bytes(out + "/campaign.json"));
   EXPECT_EQ(campaign.at("schema"), "palpate/campaign/1");
+  for (const char* end : {"prepare", "gather"}) {
+    EXPECT_GE(campaign.at(end).at("minutes"), 10) << end;
+    EXPECT_GE(campaign.at(end).at("memory_mib"), 1024) << end;
+  }
+  const std::string rules = *read_bytes(out + "/Snakefile");
+  const auto count = [&rules](const std::string& words) {
+    std::size_t found = 0;
+    for (std::size_t at = 0; (at = rules.find(words, at)) != std::string::npos; ++at) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("    retries: 2\n"), 3U) << "a node may be lost at any time";
+  EXPECT_EQ(count("mem_mb="), 3U);
+  EXPECT_EQ(count("mem_mb=memory_of("), 3U);
   std::size_t cases = 0;
   for (const json& part : campaign.at("parts")) cases += part.at("cases").get<std::size_t>();
   EXPECT_THAT(result.out, HasSubstr(std::to_string(cases) + " cases in " +

@@ -171,6 +171,8 @@ const NoFile kNoFiles[] = {
     {"link", "os.symlink(here + '/secret', request['mesh_out'])\nanswer_well()\n", "its mesh is a link"},
     {"dangling", "os.symlink('/no/such/file', request['mesh_out'])\nanswer_well()\n", "its mesh is a link"},
     {"pipe", "os.mkfifo(request['mesh_out'])\nanswer_well()\n", "its mesh is a pipe"},
+    {"hard_link", "os.link(here + '/secret', request['mesh_out'])\nanswer_well()\n",
+     "its mesh is a file that has another name too"},
     {"folder", "os.mkdir(request['mesh_out'])\nanswer_well()\n", "its mesh is a folder"},
     {"device", "os.symlink('/dev/zero', request['mesh_out'])\nanswer_well()\n", "its mesh is a link"},
     {"socket",
@@ -179,6 +181,8 @@ const NoFile kNoFiles[] = {
      "its mesh is a socket"},
     {"answer_link", "os.symlink(here + '/secret', response)\n", "its answer is a link"},
     {"answer_pipe", "os.mkfifo(response)\n", "its answer is a pipe"},
+    {"answer_hard_link", "os.link(here + '/secret', response)\n",
+     "its answer is a file that has another name"},
     {"answer_folder", "os.mkdir(response)\n", "its answer is a folder"},
     {"answer_device", "os.symlink('/dev/zero', response)\n", "its answer is a link"},
     {"half", "answer_with('{\"schema\": \"palpate/resp')\n", "its answer: expected JSON"},
@@ -205,6 +209,15 @@ INSTANTIATE_TEST_SUITE_P(All, NoFiles, testing::ValuesIn(kNoFiles), no_file_name
 TEST(HostileContestant, ALinkedErrorFileIsNotRead) {
   const HostileContestant hostile(
       "os.remove(scratch + '/stderr.txt')\nos.symlink(here + '/secret', scratch + '/stderr.txt')\n");
+  hostile.folder().add("hostile/secret", "the secret\n");
+  const ContestantAnswer answer = hostile.answer();
+  EXPECT_EQ(answer.outcome, "crashed");
+  EXPECT_THAT(answer.message + answer.standard_error, testing::Not(HasSubstr("the secret")));
+}
+
+TEST(HostileContestant, AnErrorFileWithAnotherNameIsNotRead) {
+  const HostileContestant hostile(
+      "os.remove(scratch + '/stderr.txt')\nos.link(here + '/secret', scratch + '/stderr.txt')\n");
   hostile.folder().add("hostile/secret", "the secret\n");
   const ContestantAnswer answer = hostile.answer();
   EXPECT_EQ(answer.outcome, "crashed");

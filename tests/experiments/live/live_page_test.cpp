@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -330,6 +332,70 @@ TEST(LiveServer, ServesItsPageWholeWhileOthersSayNothing) {
   stop_serving = 1;
   server.join();
   ::close(silent);
+}
+
+/// A server of a small page within bounds, in a thread of its own.
+class SmallServer {
+ public:
+  explicit SmallServer(const LiveBounds& bounds) {
+    stop_serving = 0;
+    std::promise<std::uint16_t> ready;
+    std::future<std::uint16_t> port = ready.get_future();
+    looks_ = std::async(std::launch::async, [bounds, told = std::move(ready)]() mutable {
+      return serve_live_page(
+          "page", 0, stop_serving, [&](std::uint16_t own) { told.set_value(own); }, bounds);
+    });
+    port_ = port.get();
+  }
+  /// How often it looked for something to do.
+  std::size_t end() {
+    stop_serving = 1;
+    return looks_.get();
+  }
+  std::uint16_t port() const { return port_; }
+
+  /// A connection that says nothing yet.
+  int connect() const {
+    const int fd = ::socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(port_);
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    EXPECT_EQ(::connect(fd, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+    return fd;
+  }
+
+ private:
+  std::future<std::size_t> looks_;
+  std::uint16_t port_ = 0;
+};
+
+TEST(LiveServer, SleepsWhileItHasItsMostConnectionsAndOthersWait) {
+  LiveBounds bounds;
+  bounds.connections = 2;
+  SmallServer server(bounds);
+  const std::array<int, 4> silent{server.connect(), server.connect(), server.connect(), server.connect()};
+  std::this_thread::sleep_for(std::chrono::milliseconds(600));
+  for (const int fd : silent) ::close(fd);
+  const std::string host = "Host: 127.0.0.1:" + std::to_string(server.port()) + "\r\n\r\n";
+  EXPECT_THAT(talk(server.port(), "GET / HTTP/1.1\r\n" + host), testing::EndsWith("\r\n\r\npage"));
+  EXPECT_LT(server.end(), 100U) << "every 200 ms, and when something comes";
+}
+
+TEST(LiveServer, ARequestThatComesInDropByDropIsNotWaitedForWithoutEnd) {
+  LiveBounds bounds;
+  bounds.request = std::chrono::milliseconds(300);
+  SmallServer server(bounds);
+  const int slow = server.connect();
+  bool is_closed = false;
+  for (int drop = 0; drop < 2000 && !is_closed; ++drop) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    char answer = 0;
+    is_closed = ::send(slow, "x", 1, MSG_NOSIGNAL) < 0 || ::recv(slow, &answer, 1, MSG_DONTWAIT) == 0;
+  }
+  EXPECT_TRUE(is_closed);
+  ::close(slow);
+  server.end();
 }
 
 }  // namespace

@@ -3,12 +3,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
+#include "experiments/records/key_forms.h"
+#include "experiments/records/provenance.h"
+#include "experiments/records/record_file.h"
 #include "experiments/records/set_aside.h"
 #include "tests/support/scratch_folder.h"
 
@@ -149,6 +154,88 @@ TEST_F(RunRowsTest, WhatIsNoRecordIsSaidWithItsPlace) {
   EXPECT_EQ(refusal(), file + ": a: warmup: expected true or false, found number");
   folder_.add("records.jsonl", sound + "\n" + sound.substr(0, 30));
   EXPECT_EQ(read().all().size(), 1U) << "a torn last line is left out";
+}
+
+TEST_F(RunRowsTest, OddKeysAreSaidWithFileAndLine) {
+  const std::string place = (folder_ / "records.jsonl").string() + ":2: ";
+  const std::string count = "a whole number from 0 to 1000000000";
+  struct Odd {
+    const char* key;
+    json value;
+    std::string said;
+  };
+  for (const Odd& odd :
+       std::vector<Odd>{{"repeat", -1, "repeat: expected " + count + ", found -1"},
+                        {"repeat", 1LL << 40, "repeat: expected " + count},
+                        {"sitting", "x", "sitting: expected " + count + ", found another string"},
+                        {"contestant", 3, "contestant: expected a text or null, found 3"},
+                        {"mesh_file", json::array(), "mesh_file: expected a text or null"},
+                        {"output_hash", 1, "output_hash: expected a text or null"},
+                        {"message", json::object(), "message: expected a text or null"},
+                        {"violations", {1, 2}, "violations: expected a list of texts"}}) {
+    json record = record_of("a", 1);
+    record[odd.key] = odd.value;
+    write({record_of("a", 0), record});
+    EXPECT_THAT(refusal(), testing::StartsWith(place + odd.said)) << odd.key;
+  }
+  write({record_of("a", 0), record_of("a", 1)});
+  const auto use = [](const json& record) {
+    static_cast<void>(record.at("judge").at("tets").get<std::string>());
+  };
+  try {
+    for_each_record(folder_ / "records.jsonl", use);
+    FAIL() << "a number was taken for a text";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("records.jsonl:1: expected a record (palpate/record/1), found an odd one"));
+  }
+}
+
+TEST_F(RunRowsTest, LinesHaveABound) {
+  const std::string sound = record_of("a", 0).dump();
+  json large = record_of("a", 1);
+  large["report"] = std::string(300'000, 'x');
+  write({record_of("a", 0), large, record_of("a", 2)});
+  EXPECT_EQ(read().all().size(), 3U) << "lines are longer than what is read at once";
+  write_lines({sound, std::string(kLongestRecord + 1, ' ')});
+  EXPECT_THAT(refusal(),
+              HasSubstr("records.jsonl:2: expected a record of at most 67108864 bytes, found more"));
+}
+
+TEST_F(RunRowsTest, RecordsThatAreAPipeOrAFolderAreNotWaitedFor) {
+  const std::string file = (folder_ / "records.jsonl").string();
+  ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+  EXPECT_EQ(refusal(), file + ": expected the records of a run, found a pipe");
+  std::filesystem::remove(file);
+  std::filesystem::create_directory(file);
+  EXPECT_EQ(refusal(), file + ": expected the records of a run, found a folder");
+}
+
+TEST_F(RunRowsTest, AnOddProvenanceIsSaidWithItsKey) {
+  const auto said = [&](const std::string& text) -> std::string {
+    folder_.add("provenance.json", text);
+    try {
+      read_provenance(folder_ / "provenance.json");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  const std::string file = (folder_ / "provenance.json").string();
+  EXPECT_EQ(said("{}"), "read");
+  EXPECT_EQ(said("[]"), file + ": expected the provenance of a run, found something else");
+  EXPECT_EQ(said(R"({"sittings": {}})"),
+            file + ": sittings: expected a list of objects, found another object");
+  EXPECT_EQ(said(R"({"sittings": [3]})"),
+            file + ": sittings: expected a list of objects, found another array");
+  EXPECT_EQ(said(R"({"meshes": [{"name": 3}]})"),
+            file + ": meshes: expected a list of objects with names, found another array");
+  EXPECT_EQ(said(R"({"cases": 7})"), file + ": cases: expected a list of texts, found 7");
+  EXPECT_EQ(said(R"({"repeats": 1e30})"),
+            file + ": repeats: expected a whole number from 0 to 1000000000, found 1e+30");
+  EXPECT_THAT(said(R"({"repeats_of": {"a": -1}})"), HasSubstr("repeats_of: expected whole numbers"));
+  EXPECT_THAT(said(R"({"files": null})"), HasSubstr("files: expected an object, found null"));
+  EXPECT_TRUE(known_provenance(folder_.path()).is_null());
 }
 
 TEST_F(RunRowsTest, ABrokenLineSetsNothingAside) {

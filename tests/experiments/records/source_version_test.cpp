@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 
@@ -60,6 +61,20 @@ TEST(SourceVersion, WhereNobodyKnowsItIsUnknown) {
     EXPECT_EQ(found.source, "unknown") << text;
     EXPECT_FALSE(found.dirty.has_value()) << text;
   }
+}
+
+/// A run that is killed while git refreshes the index would leave a lock there: it is not refreshed.
+TEST(SourceVersion, ACheckoutIsAskedWithoutALock) {
+  const test::ScratchFolder folder;
+  version_by(folder, "commit: \"$Format:%H$\"\nsource: archive\n");
+  const fs::path sources = folder / "sources";
+  git(sources, {"init", "--quiet"});
+  git(sources, {"add", "."});
+  git(sources, {"commit", "--quiet", "-m", "first"});
+  fs::last_write_time(folder / kFile, fs::file_time_type::clock::now() - std::chrono::hours(24));
+  const std::string before = test::bytes_of(sources / ".git/index");
+  EXPECT_EQ(find_source_version(sources.string()).dirty, false);
+  EXPECT_EQ(test::bytes_of(sources / ".git/index"), before);
 }
 
 TEST(SourceVersion, ACheckoutIsAsked) {

@@ -71,9 +71,10 @@ TEST(Faults, AKilledRunLeavesNoProcess) {
   }
 }
 
-TEST(Faults, KilledAnywhereItGoesOnAndLeavesNoProcess) {
-  const HostileContestant works(works_for("0.03"));
-  works.plan("{repeats: 3, warmup: 1}");
+/// Starts a run again and again and kills it by signal 9 at random moments: what has its record keeps it,
+/// once, and no process stays. Started a last time it ends with `wanted` records.
+void kill_anywhere(const HostileContestant& works, const std::vector<std::string>& words,
+                   std::size_t wanted) {
   const std::uint64_t seed = 20260208;
   SCOPED_TRACE("seed " + std::to_string(seed));
   SplitMix64 random(seed);
@@ -81,7 +82,7 @@ TEST(Faults, KilledAnywhereItGoesOnAndLeavesNoProcess) {
   std::set<std::string> finished;
   int at_work = 0;
   for (int i = 0; i < kills; ++i) {
-    StartedProgram run(works.run_words(true));
+    StartedProgram run(words);
     std::this_thread::sleep_for(std::chrono::microseconds(2'000 + random.below(250'000)));
     run.signal(SIGKILL);
     at_work += run.wait() == -SIGKILL ? 1 : 0;
@@ -98,10 +99,48 @@ TEST(Faults, KilledAnywhereItGoesOnAndLeavesNoProcess) {
     finished = now;
   }
   EXPECT_GT(at_work, 0);
-  const test::ProgramResult last = test::run_program(works.run_words(true));
+  const test::ProgramResult last = test::run_program(words);
   EXPECT_EQ(last.exit_code, 0) << last.error;
-  EXPECT_EQ(works.records().size(), 1U + 3U * 4U);
+  EXPECT_EQ(works.records().size(), wanted);
   EXPECT_TRUE(works.processes().empty());
+  for (const auto& entry : fs::recursive_directory_iterator(works.out()))
+    EXPECT_EQ(entry.path().string().find(".partial-"), std::string::npos) << entry.path();
+}
+
+TEST(Faults, KilledAnywhereItGoesOnAndLeavesNoProcess) {
+  const HostileContestant works(works_for("0.03"));
+  works.plan("{repeats: 3, warmup: 1}");
+  kill_anywhere(works, works.run_words(true), 1U + 3U * 4U);
+}
+
+TEST(Faults, KilledAnywhereSideBySideItGoesOnToo) {
+  const HostileContestant works(works_for("0.03"));
+  works.plan("{repeats: 4, timed: false}");
+  std::vector<std::string> words = works.run_words(true);
+  words.insert(words.end(), {"--jobs", "2"});
+  kill_anywhere(works, words, 1U + 3U * 4U);
+}
+
+TEST(Faults, KilledAnywhereWhileItTakesPartsItGoesOnToo) {
+  const HostileContestant works(works_for("0.01"));
+  works.plan("{repeats: 3, warmup: 1}");
+  const std::string part = (works.folder() / "part").string();
+  std::vector<std::string> words = works.run_words();
+  std::replace(words.begin(), words.end(), works.out().string(), part);
+  ASSERT_EQ(test::run_program(words).exit_code, 0);
+  words = works.run_words(true);
+  words.insert(words.end(), {"--take", part});
+  kill_anywhere(works, words, 1U + 3U * 4U);
+  std::vector<json> taken = works.records();
+  std::vector<json> theirs = read_records(part + "/records.jsonl");
+  const json sittings = json::parse(test::bytes_of(works.out() / "provenance.json")).at("sittings");
+  for (std::vector<json>* records : {&taken, &theirs}) {
+    for (json& record : *records) record.erase("sitting");
+  }
+  EXPECT_THAT(taken, testing::UnorderedElementsAreArray(theirs)) << "times and all: nothing was run anew";
+  EXPECT_EQ(
+      std::count_if(sittings.begin(), sittings.end(), [](const json& one) { return one.contains("node"); }),
+      1);
 }
 
 TEST(Faults, TwoRunsOnOneFolder) {

@@ -72,7 +72,7 @@ TEST_F(MpiRanks, GoToWhatRunsUnderMpirunAloneAndToJobs) {
   EXPECT_THAT(ranks, testing::ElementsAre(3, 5, 1));
   EXPECT_EQ(most_ranks_of(plan, cases, fixture_.registry()), 5);
   const auto folder = fixture_.folder() / "jobs";
-  write_campaign(plan, {}, plan.run.threads, 5, folder);
+  write_campaign({plan.file, {}, {}, plan.run.threads, 5}, folder);
   EXPECT_EQ(json::parse(test::bytes_of(folder / "campaign.json")).at("processors"), 10);
 }
 

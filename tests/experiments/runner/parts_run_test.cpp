@@ -143,6 +143,90 @@ TEST_F(PartsRunTest, APartOfAnotherPlanInputOrOutputIsRefused) {
   EXPECT_THAT(run(plan, "d", {"--take", folder("nothing")}).error, HasSubstr("expected the folder of a run"));
 }
 
+TEST_F(PartsRunTest, AnOutputIsHeldAgainstItsHashWhateverTheOrderOfTheRecords) {
+  const std::string plan = add_plan("timed: false");
+  ASSERT_EQ(run(plan, "part").exit_code, 0);
+  std::string first;
+  std::string later;  // repeat 1 before repeat 0, as a repeat that was run anew stands
+  for (const json& record : read_records(folder("part") + "/records.jsonl"))
+    (record.at("repeat") == 0 ? later : first) += record.dump() + "\n";
+  fixture_.folder().add("part/records.jsonl", first + later);
+  ASSERT_EQ(run(plan, "sound", {"--take", folder("part")}).exit_code, 0);
+  const std::string mesh = "part/meshes/one/random/seed=3.mesh";
+  fixture_.folder().add(mesh, test::bytes_of(fixture_.folder() / mesh) + "\n");
+  const ProgramResult refused = run(plan, "taken", {"--take", folder("part")});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error, HasSubstr("an output whose hash is"));
+  fixture_.folder().add("part/records.jsonl", first);
+  EXPECT_THAT(run(plan, "none", {"--take", folder("part")}).error, HasSubstr("in its repeat 0, found none"));
+}
+
+TEST_F(PartsRunTest, WhatWasInterruptedWhileItTookKnowsWhoseTimesAreThere) {
+  const std::string plan = add_plan("timed: true");
+  ASSERT_EQ(run(plan, "part").exit_code, 0);
+  move_to_node("part", "A");
+  const json last = read_records(folder("part") + "/records.jsonl").back();
+  const std::string mesh = "part/" + last.at("mesh_file").get<std::string>();
+  const std::string bytes = test::bytes_of(fixture_.folder() / mesh);
+  fixture_.folder().add(mesh, bytes + "\n");  // found when others have been taken already
+  EXPECT_EQ(run(plan, "all", {"--take", folder("part")}).exit_code, 2);
+  const std::size_t taken = records_of("all").size();
+  EXPECT_GT(taken, 2U);
+  EXPECT_EQ(provenance_of("all").at("processor"), "A") << "saved before the first record";
+  fixture_.folder().add(mesh, bytes);
+  const ProgramResult again = run(plan, "all", {"--resume", "--take", folder("part")});
+  ASSERT_EQ(again.exit_code, 0) << again.error;
+  EXPECT_EQ(records_of("all"), records_of("part")) << "with all of their times";
+  ASSERT_EQ(run(plan, "all", {"--resume", "--take", folder("part")}).exit_code, 0);
+  const json provenance = provenance_of("all");
+  std::size_t of_the_part = 0;
+  for (const json& sitting : provenance.at("sittings")) of_the_part += sitting.contains("node") ? 1U : 0U;
+  EXPECT_EQ(of_the_part, 1U) << "taken three times, there once";
+  for (const json& record : read_records(folder("all") + "/records.jsonl"))
+    EXPECT_TRUE(provenance.at("sittings").at(record.at("sitting").get<std::size_t>()).contains("node"));
+}
+
+TEST_F(PartsRunTest, WhatIsRunBesideTakenTimesOfAnotherNodeHasNone) {
+  const std::string plan = add_plan("timed: true");
+  const std::string one = fixture_.folder().add("one.txt", "one/hierarchical\n").string();
+  ASSERT_EQ(run(plan, "part", {"--part", one}).exit_code, 0);
+  move_to_node("part", "A");
+  ASSERT_EQ(run(plan, "all", {"--part", one, "--take", folder("part")}).exit_code, 0);
+  const ProgramResult rest = run(plan, "all", {"--resume"});
+  ASSERT_EQ(rest.exit_code, 0) << rest.error;
+  for (const auto& [id, record] : records_of("all")) {
+    if (record.at("contestant").is_null()) continue;
+    EXPECT_EQ(record.at("kernel_s").is_number(), record.at("case") == "one/hierarchical") << id;
+  }
+}
+
+TEST_F(PartsRunTest, APartWhoseProvenanceOrSittingsAreOddIsRefused) {
+  const std::string plan = add_plan("timed: false");
+  ASSERT_EQ(run(plan, "part").exit_code, 0);
+  const json sound = provenance_of("part");
+  const auto refusal = [&](const char* key, const json& value) {
+    json odd = sound;
+    odd[key] = value;
+    fixture_.folder().add("part/provenance.json", odd.dump());
+    const ProgramResult result = run(plan, "taken", {"--resume", "--take", folder("part")});
+    EXPECT_EQ(result.exit_code, 2) << result.error;
+    return result.error;
+  };
+  EXPECT_THAT(refusal("schema", "palpate/provenance/2"), HasSubstr("a provenance (palpate/provenance/1)"));
+  EXPECT_THAT(refusal("sittings", 3),
+              HasSubstr("provenance.json: sittings: expected a list of objects, found 3"));
+  EXPECT_THAT(refusal("meshes", {1}), HasSubstr("provenance.json: meshes: expected a list of objects"));
+  EXPECT_THAT(refusal("problems", json::array()), HasSubstr("problems: expected an object"));
+  fixture_.folder().add("part/provenance.json", sound.dump());
+  std::vector<json> records = read_records(folder("part") + "/records.jsonl");
+  records.back()["sitting"] = 7;
+  std::string lines;
+  for (const json& record : records) lines += record.dump() + "\n";
+  fixture_.folder().add("part/records.jsonl", lines);
+  const ProgramResult result = run(plan, "taken", {"--resume", "--take", folder("part")});
+  EXPECT_THAT(result.error, HasSubstr("expected one of the run's 1 sittings, found 7"));
+}
+
 TEST_F(PartsRunTest, OfAPartWithABrokenLineNothingIsTaken) {
   const std::string plan = add_plan("timed: false");
   ASSERT_EQ(run(plan, "part").exit_code, 0);

@@ -15,6 +15,7 @@
 #include "experiments/runner/runner.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/quiet_run.h"
+#include "tests/support/synced_files.h"
 
 namespace palpate::experiments {
 namespace {
@@ -93,6 +94,56 @@ TEST(Runner, OneCaseThenTheRest) {
   run_quietly(fixture, plan, folder, true);
   EXPECT_EQ(records_by_case(folder).size(), 5U);
   EXPECT_THROW(run_quietly(fixture, plan, folder, true, "cube/bb"), InputError);
+}
+
+TEST(Runner, WhatKilledProcessesWereWritingIsRemoved) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b}");
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, plan, folder, false, "cube/b");
+  const pid_t gone = ::fork();
+  if (gone == 0) ::_exit(0);
+  ::waitpid(gone, nullptr, 0);
+  const std::string left = ".partial-" + std::to_string(gone);
+  const std::string alive = ".partial-" + std::to_string(::getppid());
+  for (const char* file : {"provenance.json", "meshes/cube/b.mesh", "meshes/new.mesh"}) {
+    for (const std::string& end : {left, alive}) fixture.folder().add("run/" + (file + end), "half");
+  }
+  for (const char* file : {"a.partial-", "a.partial-x", "a.partial-12x"})
+    fixture.folder().add(std::string("run/") + file, "mine");
+  run_quietly(fixture, plan, folder, true);
+  for (const char* file : {"provenance.json", "meshes/cube/b.mesh", "meshes/new.mesh"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder / (file + left))) << file;
+    EXPECT_TRUE(std::filesystem::exists(folder / (file + alive))) << file << ": it is at work";
+  }
+  for (const char* file : {"a.partial-", "a.partial-x", "a.partial-12x"})
+    EXPECT_TRUE(std::filesystem::exists(folder / file)) << "not one of ours";
+  EXPECT_EQ(records_by_case(folder).size(), 3U);
+}
+
+TEST(Runner, AnOutputLiesOnTheDiskBeforeItsRecord) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b}");
+  const auto folder = fixture.folder() / "run";
+  const test::SyncedFiles synced;
+  run_quietly(fixture, plan, folder);
+  const std::vector<std::filesystem::path> order = synced.paths();
+  const auto place = [&order](const std::filesystem::path& file, std::size_t count = 1) {
+    std::size_t at = 0;
+    for (; at < order.size() && count > 0; ++at) count -= order[at] == file ? 1U : 0U;
+    return count == 0 ? at : order.size() + 1;
+  };
+  std::size_t line = 0;
+  std::size_t outputs = 0;
+  for (const json& record : read_records(folder / "records.jsonl")) {
+    ++line;
+    if (record.at("contestant").is_null() || record.at("repeat") != 0) continue;
+    const auto kept = folder / record.at("mesh_file").get<std::string>();
+    EXPECT_LT(place(kept), place(folder / "records.jsonl", line)) << kept;
+    EXPECT_LT(place(kept.parent_path()), place(folder / "records.jsonl", line)) << "and its name";
+    ++outputs;
+  }
+  EXPECT_EQ(outputs, 2U);
 }
 
 TEST(Records, TornLineIsDroppedAndCutOff) {

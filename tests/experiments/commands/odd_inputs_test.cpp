@@ -1,0 +1,100 @@
+// Pipes, folders and devices in the place of files, and names that are no text: one message at once.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/base/error.h"
+#include "core/mesh/io/off.h"
+#include "core/mesh/shapes/shapes.h"
+#include "core/simplify/sizing/size_file.h"
+#include "core/springs/network/moduli_csv.h"
+#include "core/springs/network/springs_csv.h"
+#include "experiments/files/file_hash.h"
+#include "experiments/gates/accepted_figures.h"
+#include "experiments/text/yaml_value.h"
+#include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
+#include "reference/door/motion_problem.h"
+#include "tests/support/experiment_fixture.h"
+
+namespace palpate::experiments {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ProgramResult;
+using test::run_program;
+using testing::HasSubstr;
+
+std::string message_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "read";
+}
+
+TEST(OddInputs, NoReaderWaitsForAPipeOrTakesADevice) {
+  const test::ScratchFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
+  for (const auto& [place, kind] :
+       {std::pair{pipe, "found a pipe"}, std::pair{fs::path("/dev/zero"), "found a device"},
+        std::pair{folder.path(), "found a folder"}}) {
+    const std::vector<std::function<void()>> readers{[&] { read_yaml(place); },
+                                                     [&] { read_off(place); },
+                                                     [&] { simplify::read_sizes(place, 8); },
+                                                     [&] { springs::read_springs_csv(place, mesh); },
+                                                     [&] { springs::read_moduli_csv(place, mesh); },
+                                                     [&] { read_accepted(place, "ci"); },
+                                                     [&] { hash_file(place); },
+                                                     [&] { reference::read_json_file(place); },
+                                                     [&] { reference::read_displacement(place, 8, 0); },
+                                                     [&] { reference::read_history(place, {}); }};
+    for (std::size_t k = 0; k < readers.size(); ++k) {
+      const std::string said = message_of(readers[k]);
+      EXPECT_THAT(said, testing::StartsWith(place.string() + ": expected")) << k;
+      EXPECT_THAT(said, HasSubstr(kind)) << k;
+    }
+  }
+}
+
+TEST(OddInputs, CommandsSayItInOneLine) {
+  const test::ExperimentFixture fixture;
+  const std::string pipe = (fixture.folder() / "pipe.yaml").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string plan = fixture.add_plan("[test.copy]").string();
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"check", pipe},
+        {"run", pipe},
+        {"simulate", pipe, "-o", (fixture.folder() / "out").string()},
+        {"run", plan, "--part", pipe, "--out", (fixture.folder() / "run").string()}}) {
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 2) << words[0];
+    EXPECT_THAT(result.error, HasSubstr("found a pipe")) << words[0];
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+  }
+}
+
+TEST(OddInputs, ANameThatIsNoTextIsSaid) {
+  const test::ExperimentFixture fixture;
+  const std::string plan = fixture.add_plan("[test.copy]").string();
+  const std::string odd = (fixture.folder() / "\xff\xfe").string();
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"check", odd + ".yaml"},
+                                                {"quality", odd + ".mesh"},
+                                                {"run", plan, "--out", odd},
+                                                {odd}}) {
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 2) << words[0];
+    EXPECT_THAT(result.error, HasSubstr("of the command line: expected UTF-8, found \""));
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+  }
+  EXPECT_FALSE(fs::exists(odd));
+}
+
+}  // namespace
+}  // namespace palpate::experiments
