@@ -29,8 +29,12 @@ class ThirtyScenes(unittest.TestCase):
     def holds(self, sentence):
         self.assertIn(sentence, self.section)
 
-    def test_every_scene_has_its_row(self):
-        self.assertEqual(sorted(int(row["scene"]) for row in self.rows), list(range(30)))
+    def test_every_scene_has_one_row_and_how_many_are_there_is_said(self):
+        numbers = [int(row["scene"]) for row in self.rows]
+        self.assertEqual(len(numbers), len(set(numbers)))
+        self.assertLessEqual(set(numbers), set(range(30)))
+        if len(numbers) < 30:
+            self.holds(f"{len(numbers)} of the thirty have been run so far")
 
     def test_tolerances(self):
         kept = [row for row in self.judged if row["kept"] == "True"]
@@ -51,9 +55,10 @@ class ThirtyScenes(unittest.TestCase):
 
     def test_scenes_without_a_model(self):
         others = [row for row in self.rows if not row["kept"]]
-        none = [row["scene"] for row in others if row["note"] == "nothing does"]
-        self.assertEqual(len(none), len(others), [row["note"] for row in others])
+        none = [row for row in others if row["note"] == "nothing does"]
         self.holds(f"in {len(none)} neither did")
+        if len(others) > len(none):
+            self.holds(f"in {len(others) - len(none)} one alone did")
 
 
 if __name__ == "__main__":
