@@ -84,7 +84,12 @@ class SteppingTrials {
     scene = with_fixed_step(scene, 1.0, task_.probes_m);
     scene["analysis"]["dynamic"].erase("allow_unstable");
     plain.apply("auto", scene);
-    const MotionTrial own = run_motion_trial(scene, next_trial(kTruthShare * left_s()), registry_);
+    MotionTrial own;
+    try {
+      own = run_motion_trial(scene, next_trial(kTruthShare * left_s()), registry_);
+    } catch (const InputError& error) {
+      return std::string("was refused (") + error.what() + ")";  // by the engine: the scene was read before
+    }
     bound_s_ = own.step_s;
     if (!(bound_s_ > 0.0)) return *deadline_.flag() != 0 ? "was stopped" : "ended as " + own.outcome;
     if (own.outcome != "completed" || own.kernel_s / kFinerStep > kTruthShare * left_s()) return "";
