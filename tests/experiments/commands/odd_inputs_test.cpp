@@ -42,9 +42,10 @@ TEST(OddInputs, NoReaderWaitsForAPipeOrTakesADevice) {
   const fs::path pipe = folder / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
   const TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
-  for (const auto& [place, kind] :
+  for (const auto& each :
        {std::pair{pipe, "found a pipe"}, std::pair{fs::path("/dev/zero"), "found a device"},
         std::pair{folder.path(), "found a folder"}}) {
+    const fs::path place = each.first;
     const std::vector<std::function<void()>> readers{[&] { read_yaml(place); },
                                                      [&] { read_off(place); },
                                                      [&] { simplify::read_sizes(place, 8); },
@@ -58,7 +59,7 @@ TEST(OddInputs, NoReaderWaitsForAPipeOrTakesADevice) {
     for (std::size_t k = 0; k < readers.size(); ++k) {
       const std::string said = message_of(readers[k]);
       EXPECT_THAT(said, testing::StartsWith(place.string() + ": expected")) << k;
-      EXPECT_THAT(said, HasSubstr(kind)) << k;
+      EXPECT_THAT(said, HasSubstr(each.second)) << k;
     }
   }
 }
