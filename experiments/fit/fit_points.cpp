@@ -18,6 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
+constexpr double kNearMiss = 1.05;  // of the tolerance
 
 std::optional<double> number_at(const json& record, const std::string& pointer) {
   const json::json_pointer at(pointer);
@@ -59,11 +60,20 @@ const FitPoint* find_same(const std::vector<FitPoint>& points, const FitCandidat
 /// A share of one model and simplifier, as far as it is known.
 struct KnownShare {
   const FitPoint* point;
-  bool meets;      ///< on all loads where it was checked, on the scene itself else
-  bool is_likely;  ///< it meets all on other loads too, as far as its model is known
+  bool meets;       ///< on all loads where it was checked, on the scene itself else
+  bool is_likely;   ///< it meets all on other loads too, as far as its model is known
+  double expected;  ///< the worst error on all loads: as it was checked, else that on the scene times its
+                    ///< model's growth
 };
 
-/// The middle between a share that meets all and the next one up, which does not; null: nothing there is.
+/// Whether what lies above a share may meet all, and cost less than it or than what does: it meets all and
+/// the next one up does not, or both miss it and one of them by little (errors need not grow with the share).
+bool is_worth_halving(const KnownShare& low, const KnownShare* high, double at_most) {
+  if (high == nullptr || high->meets) return high == nullptr && low.meets;
+  return low.meets || std::min(low.expected, high->expected) <= kNearMiss * at_most;
+}
+
+/// The middle between a share and the next one up; null: nothing there is.
 std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShare* high,
                                           const std::string& simplifier) {
   constexpr double kAll = 1.0;  // no mesh is left there
@@ -80,7 +90,7 @@ std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShar
   const bool is_between = high != nullptr && std::isfinite(high->point->cost());
   found.cost_s = is_between ? cost + (high->point->cost() - cost) * (middle - from) / (to - from)
                             : cost * (kAll - middle) / (kAll - from);
-  found.is_likely = low.is_likely;
+  found.is_likely = low.meets && low.is_likely;
   found.is_between = true;
   return found;
 }
@@ -236,14 +246,15 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
   // By model, all that is known of it: a check says more than the search.
   std::map<std::string, std::vector<KnownShare>> known;
   for (const FitPoint& point : checked)
-    known[point.candidate.model.label].push_back({&point, why_not(point, require).empty(), true});
+    known[point.candidate.model.label].push_back(
+        {&point, why_not(point, require).empty(), true, point.worst_error()});
   for (const FitPoint& point : searched) {
     if (find_same(checked, point.candidate) != nullptr) continue;
     const std::string& model = point.candidate.model.label;
     const bool meets = why_not(point, require).empty();
-    const bool is_likely =
-        meets && point.worst_error() * growth_on_loads(searched, checked, model) <= require.at_most;
-    known[model].push_back({&point, meets, is_likely});
+    const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
+    const bool is_likely = meets && expected <= require.at_most;
+    known[model].push_back({&point, meets, is_likely, expected});
     if (meets) found.push_back({point.candidate, point.cost(), is_likely, false});
   }
   for (auto& [model, shares] : known) {
@@ -259,7 +270,7 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
       });
       for (std::size_t k = 0; k < own.size(); ++k) {
         const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
-        if (!own[k].meets || (next != nullptr && next->meets)) continue;
+        if (!is_worth_halving(own[k], next, require.at_most)) continue;
         if (const auto middle = prospect_above(own[k], next, simplifier.label)) found.push_back(*middle);
       }
     }

@@ -162,6 +162,16 @@ TEST_F(FitProspects, BetweenAShareThatMeetsItAndTheNextTheMiddleIsWorthACheck) {
   EXPECT_TRUE(prospects(kAnyCost).size() == 1U) << "the mesh as it is; 0.387 is too near to both";
 }
 
+/// Errors need not grow with the share: between two that miss the tolerance by little one may meet it.
+TEST_F(FitProspects, BetweenTwoNearMissesTheMiddleIsLookedAtLast) {
+  searched_ = {point(0.0, {0.053}, 10.0), point(0.3, {0.049}, 6.0), point(0.5, {0.08}, 4.0),
+               point(0.9, {0.2}, 1.0)};
+  checked_ = {point(0.3, {0.049, 0.051}, 6.0)};
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{-0.4, 5.0}, {-0.15, 8.0}}));
+  checked_ = {point(0.3, {0.049, 0.06}, 6.0)};
+  EXPECT_EQ(prospects(kAnyCost), (Shares{})) << "the mesh as it is is expected at 0.065";
+}
+
 /// The next share up of the mesh as it is belongs to every simplifier; above the greatest half of the rest
 /// is.
 TEST_F(FitProspects, TheMeshAsItIsAndTheGreatestShareHaveNeighboursToo) {

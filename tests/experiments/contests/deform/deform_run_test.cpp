@@ -192,6 +192,29 @@ TEST_F(DeformRun, ReferencesOfOneStiffnessAreSolvedTogether) {
   EXPECT_EQ(all.at("other/test.field").at("judge").at("displacement_l2"), 0.0);
 }
 
+// Whether a third level is asked for, each load's own second one tells: those that need it are solved along.
+TEST_F(DeformRun, AThirdLevelIsSolvedAlongWhereItIsAskedFor) {
+  SceneText other;
+  other.load = "[{gravity_m_s2: [0, 3, 0]}]";
+  fixture_.folder().add("other.yaml", other.yaml());
+  const auto run = [&](const std::string& enough) {
+    std::filesystem::remove_all(fixture_.folder() / "run");
+    fixture_.run(fixture_.folder().add(
+        "plan.yaml",
+        "schema: palpate/plan/1\nquestion: Does it bend?\ncontest: deform\nscenes: [{name: block, file: "
+        "block.yaml}, {name: other, file: other.yaml}]\n"
+        "reference: {method: test.field, levels: 3, enough: " +
+            enough + ", set: {bias: 0.08}}\ncontestants: [test.field]\n"));
+    return fixture_.records().at("other/reference").at("judge").at("level_reports");
+  };
+  EXPECT_EQ(run("0.07").size(), 2U) << "|0.08 - 0.02| is below 0.07";
+  const json levels = run("0.01");
+  ASSERT_EQ(levels.size(), 3U);
+  EXPECT_EQ(levels.at(2).at("from_cache"), true) << "the first load's process has solved it";
+  EXPECT_EQ(fixture_.records().at("block/reference").at("judge").at("level_reports").at(2).at("from_cache"),
+            false);
+}
+
 TEST_F(DeformRun, ARowWhoseReferenceIsTooCoarseIsMarked) {
   fixture_.run(add_plan(
       "[{method: test.field, label: off, set: {factor: 1.01}}, {method: test.field, label: far, set: "
