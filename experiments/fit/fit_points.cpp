@@ -60,11 +60,25 @@ const FitPoint* find_same(const std::vector<FitPoint>& points, const FitCandidat
 /// A share of one model and simplifier, as far as it is known.
 struct KnownShare {
   const FitPoint* point;
-  bool meets;       ///< on all loads where it was checked, on the scene itself else
-  bool is_likely;   ///< it meets all on other loads too, as far as its model is known
+  bool meets;      ///< on all loads where it was checked, on the scene itself else
+  bool is_likely;  ///< it meets all on other loads too, as far as its model is known
+  double cost_s;
   double expected;  ///< the worst error on all loads: as it was checked, else that on the scene times its
                     ///< model's growth
 };
+
+/// A model on fewer tetrahedra is expected to cost no more than on more: one time of the search alone may be
+/// that of a busy machine, and would leave out what is cheap.
+void lower_costs(std::vector<KnownShare>& shares, std::vector<FitProspect>& found) {
+  double least = kNone;
+  for (KnownShare& share : shares) {
+    least = std::min(least, share.cost_s);
+    if (std::isfinite(share.cost_s)) share.cost_s = least;
+    for (FitProspect& each : found) {
+      if (is_same(each.candidate, share.point->candidate)) each.cost_s = share.cost_s;
+    }
+  }
+}
 
 /// Whether what lies above a share may meet all, and cost less than it or than what does: it meets all and
 /// the next one up does not, or both miss it and one of them by little (errors need not grow with the share).
@@ -86,9 +100,9 @@ std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShar
   found.candidate = low.point->candidate;
   found.candidate.simplifier = simplifier;
   found.candidate.ratio = middle;
-  const double cost = low.point->cost();
-  const bool is_between = high != nullptr && std::isfinite(high->point->cost());
-  found.cost_s = is_between ? cost + (high->point->cost() - cost) * (middle - from) / (to - from)
+  const double cost = low.cost_s;
+  const bool is_between = high != nullptr && std::isfinite(high->cost_s);
+  found.cost_s = is_between ? cost + (high->cost_s - cost) * (middle - from) / (to - from)
                             : cost * (kAll - middle) / (kAll - from);
   found.is_likely = low.meets && low.is_likely;
   found.is_between = true;
@@ -247,14 +261,14 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
   std::map<std::string, std::vector<KnownShare>> known;
   for (const FitPoint& point : checked)
     known[point.candidate.model.label].push_back(
-        {&point, why_not(point, require).empty(), true, point.worst_error()});
+        {&point, why_not(point, require).empty(), true, point.cost(), point.worst_error()});
   for (const FitPoint& point : searched) {
     if (find_same(checked, point.candidate) != nullptr) continue;
     const std::string& model = point.candidate.model.label;
     const bool meets = why_not(point, require).empty();
     const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
     const bool is_likely = meets && expected <= require.at_most;
-    known[model].push_back({&point, meets, is_likely, expected});
+    known[model].push_back({&point, meets, is_likely, point.cost(), expected});
     if (meets) found.push_back({point.candidate, point.cost(), is_likely, false});
   }
   for (auto& [model, shares] : known) {
@@ -268,6 +282,7 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
         const FitCandidate& candidate = share.point->candidate;
         return !candidate.ratio || candidate.simplifier == simplifier.label;
       });
+      lower_costs(own, found);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
         if (!is_worth_halving(own[k], next, require.at_most)) continue;

@@ -77,8 +77,9 @@ double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<
 /// search that meet all on the scene itself, and, where one share of a simplifier meets it and the next one
 /// up does not, or both miss the tolerance and one of them by less than a twentieth of it, the share in the
 /// middle (down to steps of kLeastShareStep; above the greatest share, half of what is left). Costs in the
-/// middle are read off the line between both. Left out: what was checked, graded meshes (their sizes are for
-/// one share), and what is expected to cost `most_cost_s` or more.
+/// middle are read off the line between both, and fewer tetrahedra are expected to cost no more. Left out:
+/// what was checked, graded meshes (their sizes are for one share), and what is expected to cost
+/// `most_cost_s` or more.
 std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
                                         const std::vector<FitPoint>& checked, const FitCandidates& candidates,
                                         const SceneRequirement& require, double most_cost_s);

@@ -162,6 +162,13 @@ TEST_F(FitProspects, BetweenAShareThatMeetsItAndTheNextTheMiddleIsWorthACheck) {
   EXPECT_TRUE(prospects(kAnyCost).size() == 1U) << "the mesh as it is; 0.387 is too near to both";
 }
 
+/// A time of a busy machine leaves nothing out: fewer tetrahedra are expected to cost no more.
+TEST_F(FitProspects, NoShareIsExpectedToCostMoreThanOneWithMoreTetrahedra) {
+  searched_ = {point(0.0, {0.01}, 10.0), point(0.3, {0.02}, 6.0), point(0.5, {0.03}, 60.0),
+               point(0.9, {0.2}, 2.0)};
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.7, 4.0}, {0.3, 6.0}, {0.5, 6.0}, {0.0, 10.0}}));
+}
+
 /// Errors need not grow with the share: between two that miss the tolerance by little one may meet it.
 TEST_F(FitProspects, BetweenTwoNearMissesTheMiddleIsLookedAtLast) {
   searched_ = {point(0.0, {0.053}, 10.0), point(0.3, {0.049}, 6.0), point(0.5, {0.08}, 4.0),
