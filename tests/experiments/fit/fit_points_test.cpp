@@ -154,7 +154,7 @@ TEST_F(FitProspects, BetweenAShareThatMeetsItAndTheNextTheMiddleIsWorthACheck) {
                point(0.9, {0.2}, 1.0)};
   EXPECT_EQ(prospects(kAnyCost), (Shares{{0.4, 5.0}, {0.3, 6.0}, {0.0, 10.0}}));
   EXPECT_EQ(prospects(6.0), (Shares{{0.4, 5.0}}));
-  checked_ = {point(0.3, {0.04, 0.045}, 6.0), point(0.4, {0.048, 0.051}, 5.0)};
+  checked_ = {point(0.3, {0.04, 0.045}, 6.0), point(0.4, {0.048, 0.06}, 5.0)};
   EXPECT_EQ(prospects(0.97 * 6.0), (Shares{{0.35, 5.5}}));
   checked_.push_back(point(0.35, {0.041, 0.049}, 5.4));
   EXPECT_EQ(prospects(0.97 * 5.4), (Shares{{0.375, 5.2}}));
