@@ -108,8 +108,9 @@ def report_displacements(run):
     folder = run.folder / "tables"
     points = frontier.read_points(run) if frontier.asked(run) else {}
     equals = frontier.equal_error_rows(run, points) if points else []
+    standings = standing.read_standings(run, points) if points else []
     names = deform_tables.write_tables(run, sections, folder)
-    names |= frontier.write_frontier(points, equals, folder) | standing.write_standings(run, points, folder) if points else set()
+    names |= frontier.write_frontier(points, equals, folder) | standing.write_standings(standings, folder) if points else set()
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     curves = counts.read_curves(run, sections)
@@ -120,8 +121,8 @@ def report_displacements(run):
         say(f"{run.plan_data['question']}\n")
     # With a frontier its points are many: the tables have them one by one.
     say(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
-    if points and standing.standing_text(run, points):
-        say(f"\n{standing.standing_text(run, points)}")
+    if standings:
+        say(f"\n{standing.standing_text(standings)}")
     if costs and not points:
         say(f"\n{cost.cost_text(costs, run.plan_data.get('beside'))}")
     if series:

@@ -52,9 +52,7 @@ bool is_same(const FitCandidate& a, const FitCandidate& b) {
 }
 
 const FitPoint* find_same(const std::vector<FitPoint>& points, const FitCandidate& candidate) {
-  const auto at = std::find_if(points.begin(), points.end(),
-                               [&](const FitPoint& point) { return is_same(point.candidate, candidate); });
-  return at == points.end() ? nullptr : &*at;
+  return find_point(points, candidate.model.label, candidate.simplifier, candidate.ratio);
 }
 
 /// A share of one model and simplifier, as far as it is known.

@@ -203,7 +203,6 @@ class Fit {
   /// verified is left, or no time; then loads that no choice was made by. What those refuse is over the
   /// tolerance, so that all dearer ones are worth a check again.
   void check_at_rest(const FitPlan& search) {
-    bool has_references = false;
     while (left_s() > 0.0 && !result_.is_interrupted) {
       const FitPoint* best = find_verified();
       const double most_cost =
@@ -212,8 +211,7 @@ class Fit {
           list_prospects(result_.searched, result_.checked, candidates_, require(), most_cost);
       const bool may_look = best == nullptr || watch_.seconds() < kLookingShare * options_.time_limit_s;
       if (!prospects.empty() && may_look) {
-        if (!has_references) prepare_references(search, {"scene_2", "scene_3"});
-        has_references = true;
+        if (result_.checked.empty()) prepare_references(search, {"scene_2", "scene_3"});
         check(search, take_prospects(prospects, kFinalists, best != nullptr));
         continue;
       }
@@ -240,12 +238,18 @@ class Fit {
   void check(const FitPlan& search, std::vector<FitCandidate> candidates) {
     FitPlan plan = plan_check(search, kOtherLoads);
     plan.candidates = std::move(candidates);
+    const std::vector<FitPoint> points = run_check(plan);
+    for (const FitPoint& point : points) runs_[plan_label(point.candidate)] = plan.folder / "run";
+    result_.checked.insert(result_.checked.end(), points.begin(), points.end());
+  }
+
+  /// Runs a check; costs are medians where there is time for them.
+  std::vector<FitPoint> run_check(const FitPlan& plan) {
     progress_.show_long("checks " + names_of(plan.candidates));
     run_stage(plan, left_s());
     std::vector<FitPoint> points = read_stage(plan);
     time_again(plan, points);
-    for (const FitPoint& point : points) runs_[plan_label(point.candidate)] = plan.folder / "run";
-    result_.checked.insert(result_.checked.end(), points.begin(), points.end());
+    return points;
   }
 
   static std::string names_of(const std::vector<FitCandidate>& candidates) {
@@ -293,10 +297,7 @@ class Fit {
         good.erase(std::find(good.begin(), good.end(), finalist));
       }
       if (modal != nullptr) plan.candidates.push_back(modal->candidate);
-      progress_.show_long("checks " + names_of(plan.candidates));
-      run_stage(plan, left_s());
-      std::vector<FitPoint> points = read_stage(plan);
-      time_again(plan, points);
+      std::vector<FitPoint> points = run_check(plan);
       if (!step_motions(motion_search(), plan, registry_, progress_, points)) result_.is_complete = false;
       result_.checked.insert(result_.checked.end(), points.begin(), points.end());
       const auto best = choose_cheapest(points, require());

@@ -63,11 +63,11 @@ def instead(one):
     return "; ".join(f"{family}, {span_text(ratios, lambda value: f'{value:.3g}')} times as fast" for family, ratios in found.items())
 
 
-def standing_text(run, scenes):
+def standing_text(standings):
     """The table, or an empty text where no family has a time."""
     rows = []
     titles = dict(WORKS)
-    for one in read_standings(run, scenes):
+    for one in standings:
         title = titles[one.work] if not rows or rows[-1][-1] != one.work else ""
         rows.append([title, one.family, f"{len(one.on)} of {one.scenes}", good_for(one), instead(one), one.work])
     if not rows:
@@ -77,8 +77,8 @@ def standing_text(run, scenes):
             + align(["work", "family", "on it", "good for", "elsewhere take"], [row[:-1] for row in rows]))
 
 
-def write_standings(run, scenes, folder):
+def write_standings(standings, folder):
     """Writes standing.csv; returns its name."""
     write_csv(folder / "standing.csv", ["work", "family", "scenes", "scenes_on_frontier", "good_for", "elsewhere"],
-              [[one.work, one.family, one.scenes, len(one.on), good_for(one), instead(one)] for one in read_standings(run, scenes)])
+              [[one.work, one.family, one.scenes, len(one.on), good_for(one), instead(one)] for one in standings])
     return {"standing.csv"}
