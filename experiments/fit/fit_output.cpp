@@ -8,6 +8,7 @@
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/files/file_bytes.h"
+#include "experiments/fit/fit_search.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
@@ -66,6 +67,7 @@ json describe_point(const FitPoint& point) {
            {"error", point.error},
            {"reference_error", json::array()},
            {"worst_error", finite_or_null(point.worst_error())},
+           {"estimated_error", finite_or_null(point.estimated_error())},
            {"cost_s", finite_or_null(point.cost())},
            {"cost_samples_s", point.cost_s},
            {"memory_bytes", point.memory_bytes}};
@@ -229,7 +231,8 @@ void add_choice(const FitResult& result, const json& fit, std::ostringstream& te
        << ", " << choice.at("tets") << " tetrahedra): " << work_text(result.work) << " "
        << seconds_of(choice.at("cost_s")) << ", error " << percent_of(choice.at("error").front())
        << " on the scene, at most " << percent_of(choice.at("worst_error")) << " on " << loads_text(fit)
-       << ", the reference's own error on top.\n";
+       << ", the reference's own error on top; on all loads like these estimated to be at most "
+       << percent_of(choice.at("estimated_error")) << ".\n";
   if (choice.contains("explicit_step_s"))
     text << "\nLongest stable step, undamped, predicted: " << seconds_of(choice.at("explicit_step_s"))
          << ".\n";
@@ -295,7 +298,7 @@ json describe_fit(const FitResult& result) {
        {std::pair("tried", &result.searched), std::pair("checked", &result.checked)}) {
     for (const FitPoint& point : *points) {
       json described = describe_point(point);
-      described["why_not"] = why_not(point, require);
+      described["why_not"] = why_not_chosen(point, *points, require);
       fit[key].push_back(described);
     }
   }

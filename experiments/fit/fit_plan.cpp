@@ -1,9 +1,9 @@
 #include "experiments/fit/fit_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <set>
 
 #include "core/base/atomic_file.h"
@@ -36,56 +36,63 @@ json list_of(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Numbers that a seed decides, the same on every machine: the standard fixes the generator, not its
-/// distributions.
-class Draws {
+/// Points on the border of the range of loads, spread evenly however many there are: a Kronecker sequence by
+/// the inverse powers of the root of x^4 = x + 1 (M. Roberts' R3), another offset for each further number.
+class BorderPoint {
  public:
-  explicit Draws(std::uint64_t seed) : generator_(seed) {}
+  explicit BorderPoint(std::uint64_t number) : number_(static_cast<double>(number)) {}
 
-  /// In [-1, 1).
-  double signed_share() { return 2.0 * (static_cast<double>(generator_() >> 11) * 0x1p-53) - 1.0; }
+  /// The point's next number, in [0, 1).
+  double next_share() {
+    constexpr std::array kSteps = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    constexpr double kGolden = 0.6180339887498949;
+    const double share = number_ * kSteps[count_ % kSteps.size()] + static_cast<double>(count_) * kGolden;
+    ++count_;
+    return share - std::floor(share);
+  }
 
-  Vec3 unit_vector() {
-    for (;;) {
-      const Vec3 v{signed_share(), signed_share(), signed_share()};
-      const double size = length(v);
-      if (size > 1e-3 && size <= 1.0) return (1.0 / size) * v;
-    }
+  double next_angle() { return 2.0 * std::numbers::pi * next_share(); }
+
+  Vec3 next_unit_vector() {
+    const double z = 2.0 * next_share() - 1.0;
+    const double angle = next_angle();
+    const double radius = std::sqrt(1.0 - z * z);
+    return {radius * std::cos(angle), radius * std::sin(angle), z};
   }
 
  private:
-  std::mt19937_64 generator_;
+  double number_;
+  std::size_t count_ = 0;
 };
 
-/// `v` turned by `angle` towards a direction across it.
-Vec3 turned(const Vec3& v, double angle, Draws& draws) {
+/// `v` turned by `angle` towards a direction across it, which is told by `azimuth`.
+Vec3 turned(const Vec3& v, double angle, double azimuth) {
   const double size = length(v);
   if (!(size > 0.0)) return v;
   const Vec3 along = (1.0 / size) * v;
-  Vec3 across;
-  do {
-    const Vec3 any = draws.unit_vector();
-    across = any - dot(any, along) * along;
-  } while (length(across) < 0.1);
-  across = (1.0 / length(across)) * across;
+  constexpr double kMostlyX = 0.9;
+  const Vec3 any = std::abs(along.x) > kMostlyX ? Vec3{0.0, 1.0, 0.0} : Vec3{1.0, 0.0, 0.0};
+  const Vec3 rejected = any - dot(any, along) * along;
+  const Vec3 first = (1.0 / length(rejected)) * rejected;
+  const Vec3 across = std::cos(azimuth) * first + std::sin(azimuth) * cross(along, first);
   return size * (std::cos(angle) * along + std::sin(angle) * across);
 }
 
-void perturb_vector(json& list, Draws& draws) {
-  const Vec3 v = turned(vector_of(list), kMostTurn * draws.signed_share(), draws);
-  list = list_of((1.0 + kMostGrowth * draws.signed_share()) * v);
+void perturb_vector(json& list, BorderPoint& border) {
+  const Vec3 v = turned(vector_of(list), kMostTurn, border.next_angle());
+  list = list_of((border.next_share() < 0.5 ? 1.0 - kMostGrowth : 1.0 + kMostGrowth) * v);
 }
 
 /// Moves a sphere; half-spaces and boxes are parts of the body that a load means, and stay.
-void perturb_place(json& load, Draws& draws) {
+void perturb_place(json& load, BorderPoint& border) {
   if (!load.contains("sphere")) return;
   json& sphere = load["sphere"];
   if (sphere.contains("surface_point")) {
     json& direction = sphere["surface_point"]["direction"];
-    direction = list_of(turned(vector_of(direction), kMostPlaceTurn * draws.signed_share(), draws));
+    direction = list_of(turned(vector_of(direction), kMostPlaceTurn, border.next_angle()));
   } else if (sphere.contains("center_m") && sphere.contains("radius_m")) {
-    const double shift = kMostShift * sphere["radius_m"].get<double>() * std::abs(draws.signed_share());
-    sphere["center_m"] = list_of(vector_of(sphere["center_m"]) + shift * draws.unit_vector());
+    const double shift = kMostShift * sphere["radius_m"].get<double>();
+    sphere["center_m"] = list_of(vector_of(sphere["center_m"]) + shift * border.next_unit_vector());
   }
 }
 
@@ -199,18 +206,18 @@ json build_fitted_scene(const Scene& placed, const FitModel& model) {
   return scene;
 }
 
-json perturbed_scene(const json& scene, std::uint64_t seed) {
+json perturbed_scene(const json& scene, std::uint64_t number, bool moves_places) {
   json out = scene;
-  Draws draws(seed);
+  BorderPoint border(number);
   for (json& load : out["load"]) {
-    if (load.contains("gravity_m_s2")) perturb_vector(load["gravity_m_s2"], draws);
+    if (load.contains("gravity_m_s2")) perturb_vector(load["gravity_m_s2"], border);
     if (load.contains("displace")) {
-      perturb_place(load["displace"], draws);
-      perturb_vector(load["displace"]["by_m"], draws);
+      if (moves_places) perturb_place(load["displace"], border);
+      perturb_vector(load["displace"]["by_m"], border);
     }
     if (load.contains("force")) {
-      perturb_place(load["force"], draws);
-      perturb_vector(load["force"]["total_n"], draws);
+      if (moves_places) perturb_place(load["force"], border);
+      perturb_vector(load["force"]["total_n"], border);
     }
   }
   return out;

@@ -111,9 +111,12 @@ std::string scene_of(const json& record) {
   return record.value("/scene/name"_json_pointer, std::string());
 }
 
+/// Errors by scene: records stand in the order in which they were run.
+using ErrorsByScene = std::map<std::string, double>;
+
 /// Adds a repeat of the candidate on one scene.
 void add_record(const json& record, const FitPlan& plan, const SceneRequirement& require,
-                const std::map<std::string, double>& own_errors, FitPoint& point) {
+                ErrorsByScene& errors, FitPoint& point) {
   const std::string scene = scene_of(record);
   const bool is_own = scene == "scene_0";
   if (record.value("outcome", "") != "accepted") {
@@ -133,10 +136,33 @@ void add_record(const json& record, const FitPlan& plan, const SceneRequirement&
       point.cost_s.push_back(*cost);
   }
   const auto error = number_at(record, "/judge/" + require.measure);
-  const auto own = own_errors.find(scene);
-  if (!error || record.value("repeat", 0) != 0) return;
-  point.error.push_back(*error);
-  point.own_error.push_back(own == own_errors.end() ? kNone : own->second);
+  if (error && record.value("repeat", 0) == 0) errors.emplace(scene, *error);
+}
+
+/// The largest error on the first `count` loads, with the reference's own.
+double worst_of_first(const FitPoint& point, std::size_t count) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < count; ++k) worst = std::max(worst, point.error[k] + point.own_error[k]);
+  return worst;
+}
+
+/// What a point's model is known to come to on loads: of a confirmed one what is estimated of them all.
+double known_error(const FitPoint& point) {
+  return point.is_confirmed ? point.estimated_error() : point.worst_error();
+}
+
+/// One that was refused on further loads, of the same model, that is no worse on those that both were run on;
+/// null: none.
+const FitPoint* find_better_refused(const FitPoint& point, const std::vector<FitPoint>& checked,
+                                    const SceneRequirement& require) {
+  if (point.is_confirmed) return nullptr;
+  for (const FitPoint& other : checked) {
+    if (!other.is_confirmed || other.candidate.model.label != point.candidate.model.label) continue;
+    const std::size_t both = std::min(point.error.size(), other.error.size());
+    if (worst_of_first(other, both) <= worst_of_first(point, both) && !why_not(other, require).empty())
+      return &other;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -152,9 +178,18 @@ double FitPoint::worst_error() const {
   return worst + (stepping ? stepping->error.value_or(kNone) : 0.0);
 }
 
+double FitPoint::estimated_error() const {
+  if (error.size() < 2 || !std::isfinite(worst_error())) return worst_error();
+  std::vector<double> certain = error;
+  for (std::size_t k = 0; k < error.size(); ++k) certain[k] += own_error[k];
+  const auto [least, most] = std::minmax_element(certain.begin(), certain.end());
+  return worst_error() + (*most - *least) / static_cast<double>(error.size() - 1);
+}
+
 std::vector<FitPoint> read_fit_points(const std::vector<json>& records, const FitPlan& plan,
                                       const SceneRequirement& require) {
-  std::map<std::string, double> own_errors;
+  ErrorsByScene own_errors;
+  std::map<std::string, ErrorsByScene> errors;
   std::map<std::string, FitPoint> points;
   for (const FitCandidate& candidate : plan.candidates) points[plan_label(candidate)].candidate = candidate;
   for (const json& record : records) {
@@ -164,11 +199,20 @@ std::vector<FitPoint> read_fit_points(const std::vector<json>& records, const Fi
       own_errors[scene_of(record)] = own.value_or(kNone);
     }
     if (const auto at = points.find(label); at != points.end())
-      add_record(record, plan, require, own_errors, at->second);
+      add_record(record, plan, require, errors[label], at->second);
   }
   std::vector<FitPoint> found;
   for (const FitCandidate& candidate : plan.candidates) {
     FitPoint& point = points.at(plan_label(candidate));
+    const ErrorsByScene& own = errors[plan_label(candidate)];
+    for (std::size_t k = 0; k < plan.scenes.size(); ++k) {
+      const std::string scene = "scene_" + std::to_string(k);
+      const auto error = own.find(scene);
+      if (error == own.end()) continue;
+      const auto own_error = own_errors.find(scene);
+      point.error.push_back(error->second);
+      point.own_error.push_back(own_error == own_errors.end() ? kNone : own_error->second);
+    }
     if (point.failure.empty() && point.error.empty()) point.failure = "not run";
     if (point.failure.empty() && point.cost_s.empty()) point.failure = "its cost could not be measured";
     if (point.failure.empty() && point.error.size() < plan.scenes.size())
@@ -184,12 +228,24 @@ std::string why_not(const FitPoint& point, const SceneRequirement& require) {
   const auto add = [&](const std::string& text) { why += (why.empty() ? "" : "; ") + text; };
   if (point.worst_error() > require.at_most)
     add("error up to " + three_digits(100.0 * point.worst_error()) + "%");
+  else if (point.is_confirmed && point.estimated_error() > require.at_most)
+    add("error estimated to reach " + three_digits(100.0 * point.estimated_error()) +
+        "% on loads like these (up to " + three_digits(100.0 * point.worst_error()) + "% seen)");
   if (point.cost() > budget_of(require))
     add("takes " + time_text(point.cost()) + " of " + time_text(budget_of(require)));
   if (require.memory_bytes && point.memory_bytes > *require.memory_bytes)
     add("takes " + std::to_string(point.memory_bytes) + " bytes, over " +
         std::to_string(*require.memory_bytes));
   return why;
+}
+
+std::string why_not_chosen(const FitPoint& point, const std::vector<FitPoint>& checked,
+                           const SceneRequirement& require) {
+  std::string why = why_not(point, require);
+  if (!why.empty()) return why;
+  const FitPoint* refused = find_better_refused(point, checked, require);
+  return refused == nullptr ? ""
+                            : "no better than " + refused->candidate.name() + ", which further loads refused";
 }
 
 std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points,
@@ -245,8 +301,8 @@ double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<
     const double alone = own != nullptr && !own->error.empty()
                              ? own->worst_error()
                              : point.error.front() + point.own_error.front();
-    if (alone > 0.0 && std::isfinite(point.worst_error()))
-      growth = std::max(growth, point.worst_error() / alone);
+    if (alone > 0.0 && std::isfinite(known_error(point)))
+      growth = std::max(growth, known_error(point) / alone);
   }
   return growth;
 }
@@ -257,9 +313,13 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
   std::vector<FitProspect> found;
   // By model, all that is known of it: a check says more than the search.
   std::map<std::string, std::vector<KnownShare>> known;
-  for (const FitPoint& point : checked)
-    known[point.candidate.model.label].push_back(
-        {&point, why_not(point, require).empty(), true, point.cost(), point.worst_error()});
+  for (const FitPoint& point : checked) {
+    const bool meets = why_not_chosen(point, checked, require).empty();
+    const FitPoint* refused = find_better_refused(point, checked, require);
+    const double expected =
+        refused == nullptr ? known_error(point) : std::max(point.worst_error(), known_error(*refused));
+    known[point.candidate.model.label].push_back({&point, meets, true, point.cost(), expected});
+  }
   for (const FitPoint& point : searched) {
     if (find_same(checked, point.candidate) != nullptr) continue;
     const std::string& model = point.candidate.model.label;

@@ -19,7 +19,7 @@ struct FitPoint {
   std::string mesh;     ///< its problem's folder below the run
   std::size_t vertices = 0;
   std::size_t tets = 0;
-  std::vector<double> error;      ///< on each scene of its plan that it was judged on; relative
+  std::vector<double> error;  ///< on each scene of its plan that it was judged on, in their order; relative
   std::vector<double> own_error;  ///< of the reference, on the same
   std::vector<double> cost_s;     ///< of the scene itself, one a repeat
   std::optional<double> explicit_step_s;
@@ -28,19 +28,30 @@ struct FitPoint {
   std::string failure;                    ///< why it has no figure; empty if it has
   std::vector<SteppingTry> steppings{};   ///< on the scene's own motion
   std::optional<SteppingTry> stepping{};  ///< the one that is taken; its cost is the point's then
+  bool is_confirmed = false;              ///< run on loads that nothing was chosen by
 
   double cost() const;
   /// The largest of error + own_error, and what the step leaves of the motion on top: no more than this is
   /// certain.
   double worst_error() const;
+  /// What that is estimated to be at most on all loads like those that it was run on: the largest plus the
+  /// range over their number less one, which is right on average for errors spread evenly between two bounds
+  /// (the UMVU estimate of the upper one). worst_error() of a single load.
+  double estimated_error() const;
 };
 
 /// The points of a run's records, in the order of the plan's candidates.
 std::vector<FitPoint> read_fit_points(const std::vector<nlohmann::json>& records, const FitPlan& plan,
                                       const SceneRequirement& require);
 
-/// Why a point does not do, empty if it does: it failed, is over the tolerance, the budget or the memory.
+/// Why a point does not do, empty if it does: it failed, is over the tolerance (a confirmed one by its
+/// estimated error), the budget or the memory.
 std::string why_not(const FitPoint& point, const SceneRequirement& require);
+
+/// Why a checked point is not chosen: why_not, or one of its model that is no worse on the loads that both
+/// were run on was refused on further ones.
+std::string why_not_chosen(const FitPoint& point, const std::vector<FitPoint>& checked,
+                           const SceneRequirement& require);
 
 /// Those that do, cheapest first.
 std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points,
@@ -68,8 +79,8 @@ struct FitProspect {
   bool is_between = false;  ///< it is a share between two, which the search has not run
 };
 
-/// How many times a model's worst error over all loads is that on the scene itself: the most of what was
-/// checked of it, at least 1; 1 where nothing was.
+/// How many times a model's worst error over all loads (of a confirmed point, the estimated one) is that on
+/// the scene itself: the most of what was checked of it, at least 1; 1 where nothing was.
 double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
                        const std::string& model);
 

@@ -10,8 +10,8 @@
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
 #include "experiments/fit/fit_freeze.h"
-#include "experiments/fit/fit_grading.h"
 #include "experiments/fit/fit_motions.h"
+#include "experiments/fit/fit_search.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/record_file.h"
@@ -19,7 +19,6 @@
 #include "experiments/runner/runner.h"
 #include "experiments/runner/side_by_side.h"
 #include "experiments/scene_reader/scene_problem.h"
-#include "experiments/trials/modal_stepping.h"
 #include "experiments/trials/motion_trial.h"
 
 namespace palpate::experiments {
@@ -28,19 +27,14 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSearchShare = 0.6;   ///< of the time limit
-constexpr double kGradingShare = 0.5;  ///< of that, up to which graded meshes are prepared
+constexpr double kSearchShare = 0.6;  ///< of the time limit
 constexpr std::size_t kFinalists = 4;
 constexpr int kMostReferences = 2;  ///< at a time: each takes up to 3 GB
 constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
-constexpr double kStillShare = 0.1;      ///< of the time limit: no still part is looked for with less
-constexpr double kWorthChecking = 0.97;  ///< of the cost of what is verified: dearer ones are no gain
-constexpr double kLookingShare = 0.85;   ///< of the time limit: then no cheaper one is looked for any more
-/// A third level of the reference has 64 times the mesh's tets, quadratic: up to here some minutes and 3 GB.
-constexpr std::size_t kMostTetsForThirdLevel = 12'000;
-constexpr double kEnoughShare =
-    0.1;  ///< of the tolerance: a reference that is so good needs no further level
+constexpr double kStillShare = 0.1;     ///< of the time limit: no still part is looked for with less
+constexpr double kLookingShare = 0.85;  ///< of the time limit: then no cheaper one is looked for any more
+constexpr double kWorthChecking = 0.9;  ///< of the cost of what is verified: a smaller gain is within noise
 
 class Fit {
  public:
@@ -57,7 +51,15 @@ class Fit {
   }
 
   FitResult run() {
-    const FitPlan search = plan_search();
+    constexpr double kGradingShare = 0.5;  // of the search's time, up to which graded meshes are prepared
+    const double grading_s = kGradingShare * kSearchShare * options_.time_limit_s;
+    FitSearch planned =
+        plan_search({options_.out, result_.scene, result_.work, grading_s, is_stepped(), options_.stop_flag},
+                    registry_, progress_, candidates_);
+    others_ = std::move(planned.others);
+    result_.dropped = std::move(planned.dropped);
+    result_.is_complete = planned.is_complete;
+    const FitPlan search = std::move(planned.plan);
     prepare_references(search, {"scene_0", "scene_1"});
     progress_.show_long("search: " + std::to_string(search.candidates.size()) + " candidates");
     run_stage(search, kSearchShare * options_.time_limit_s - watch_.seconds());
@@ -80,75 +82,6 @@ class Fit {
  private:
   const SceneRequirement& require() const { return *result_.scene.require; }
 
-  FitPlan plan_search() {
-    FitPlan plan;
-    plan.folder = options_.out / "search";
-    plan.work = result_.work;
-    plan.scenes.push_back(static_scene(result_.scene));
-    drop_modes();
-    drop_unable_steppings();
-    plan.candidates = list_candidates(candidates_, result_.work, require(), result_.dropped);
-    if (plan.candidates.empty())
-      throw InputError(options_.scene.string() + ": require: no candidate can do all of it" + dropped_text());
-    progress_.show_long("mesh");
-    const TetMesh mesh = build_scene_mesh(result_.scene.mesh).mesh;
-    find_error_points(*place_scene(result_.scene, mesh).require, mesh);  // refuses places without a vertex
-    const double grading_s = kGradingShare * kSearchShare * options_.time_limit_s - watch_.seconds();
-    if (!grade_simplifiers(candidates_, result_.scene, mesh,
-                           {registry_, options_.out / "sizes", grading_s, options_.stop_flag},
-                           result_.dropped))
-      result_.is_complete = false;
-    plan.candidates.erase(
-        std::remove_if(plan.candidates.begin(), plan.candidates.end(),
-                       [&](const FitCandidate& candidate) { return !is_known(candidate.simplifier); }),
-        plan.candidates.end());
-    const std::size_t tets = mesh.tets.size();
-    plan.levels = tets <= kMostTetsForThirdLevel ? 3 : 2;
-    plan.enough = kEnoughShare * require().at_most;
-    plan.measures_answers = is_stepped();
-    return plan;
-  }
-
-  /// Leaves out models of modes that the scene's motion is none for; what the scene needs beside is looked at
-  /// with all others.
-  void drop_modes() {
-    auto& models = candidates_.models;
-    models.erase(std::remove_if(models.begin(), models.end(),
-                                [&](const FitModel& model) {
-                                  if (model.method != reference::kModalModel) return false;
-                                  std::string why = model.cannot(result_.work, require().needs);
-                                  if (!why.empty()) return false;  // is said of it as of all others
-                                  why = why_no_modes(result_.scene, candidates_.steppings, model.set,
-                                                     registry_);
-                                  if (!why.empty())
-                                    result_.dropped.push_back(model.label + " (" + model.method +
-                                                              ") are not tried: " + why);
-                                  return !why.empty();
-                                }),
-                 models.end());
-  }
-
-  /// Leaves out integrators that what may change would cost a new set-up.
-  void drop_unable_steppings() {
-    if (!is_stepped()) return;
-    drop_steppings(candidates_.steppings, require().needs, result_.dropped);
-    const auto& left = candidates_.steppings;
-    if (std::all_of(left.begin(), left.end(), [](const FitStepping& one) { return one.modes.has_value(); }))
-      throw InputError(options_.scene.string() + ": require: no stepping can do all of it" + dropped_text());
-  }
-
-  bool is_known(const std::string& simplifier) const {
-    const auto& known = candidates_.simplifiers;
-    return simplifier == kNoSimplifier ||
-           std::any_of(known.begin(), known.end(), [&](const auto& one) { return one.label == simplifier; });
-  }
-
-  std::string dropped_text() const {
-    std::string text;
-    for (const std::string& line : result_.dropped) text += "\n  " + line;
-    return text;
-  }
-
   /// Has the references of some scenes solved side by side, where there is more than one processor: they are
   /// most of what a fit waits for. scene_0 is the scene itself, scene_k the k-th of the other loads.
   void prepare_references(const FitPlan& search, const std::vector<std::string>& scenes) {
@@ -159,8 +92,7 @@ class Fit {
     FitPlan plan = search;
     plan.folder = options_.out / "references";
     plan.candidates.resize(1);
-    for (std::size_t k = 1; k <= kOtherLoads + kConfirmingLoads; ++k)
-      plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+    plan.scenes.insert(plan.scenes.end(), others_.begin(), others_.end());
     setting.plan = write_fit_plan(plan, candidates_);
     setting.folder = plan.folder / "runs";
     const Deadline deadline(left_s(), options_.stop_flag);
@@ -194,8 +126,8 @@ class Fit {
     plan.folder = options_.out / ("check_" + std::to_string(checks_++));
     plan.measures_answers = false;
     plan.candidates.clear();
-    for (std::size_t k = 1; k <= other_loads; ++k)
-      plan.scenes.push_back(perturbed_scene(search.scenes.front(), k));
+    const auto last = others_.begin() + static_cast<std::ptrdiff_t>(other_loads);
+    plan.scenes.insert(plan.scenes.end(), others_.begin(), last);
     return plan;
   }
 
@@ -216,7 +148,7 @@ class Fit {
         continue;
       }
       if (!prospects.empty()) result_.is_complete = false;
-      if (best == nullptr || confirm(search, *best)) break;
+      if (best == nullptr || confirm(search, result_.checked[index_of(*best, result_.checked)])) break;
     }
     if (const FitPoint* best = find_verified()) {
       result_.choice = *best;
@@ -227,10 +159,13 @@ class Fit {
     }
   }
 
-  /// The cheapest of what was checked that meets everything on all loads that it was run on; null: none.
+  /// The cheapest of what was checked that meets everything on all loads that it was run on, as far as others
+  /// of its model say nothing else of further ones; null: none.
   const FitPoint* find_verified() const {
-    const auto good = choose_cheapest(result_.checked, require());
-    return good.empty() ? nullptr : good.front();
+    for (const FitPoint* good : choose_cheapest(result_.checked, require())) {
+      if (why_not_chosen(*good, result_.checked, require()).empty()) return good;
+    }
+    return nullptr;
   }
 
   /// Runs candidates on the scene and on the other loads. One that the time was not enough for is not
@@ -260,10 +195,10 @@ class Fit {
 
   /// Runs the choice on the loads that confirm it; its errors there count like the others. True if it holds,
   /// or if no time is left to tell; FitPoint::error says how many loads it was run on.
-  bool confirm(const FitPlan& search, const FitPoint& best) {
-    FitPoint& point = result_.checked[static_cast<std::size_t>(&best - result_.checked.data())];
+  bool confirm(const FitPlan& search, FitPoint& point) {
     if (point.error.size() > 1 + kOtherLoads || left_s() <= 0.0) return true;
-    FitPlan plan = plan_check(search, kOtherLoads + kConfirmingLoads);
+    FitPlan plan = plan_check(search, 0);
+    plan.scenes.insert(plan.scenes.end(), others_.begin() + kOtherLoads, others_.end());
     plan.candidates = {point.candidate};
     progress_.show_long("confirms " + point.candidate.name());
     prepare_references(search, {"scene_4", "scene_5"});
@@ -272,16 +207,31 @@ class Fit {
     const FitPoint again = read_stage(plan).front();
     const bool is_cut_short = left_s() <= 0.0 || result_.is_interrupted;
     if (again.failure.empty()) {
-      point.error = again.error;
-      point.own_error = again.own_error;
+      point.error.insert(point.error.end(), again.error.begin() + 1, again.error.end());
+      point.own_error.insert(point.own_error.end(), again.own_error.begin() + 1, again.own_error.end());
+      point.is_confirmed = true;
     } else if (!is_cut_short) {
       point.failure = "on further loads: " + again.failure;
     }
-    return is_cut_short || why_not(point, require()).empty();
+    return why_not(point, require()).empty();
+  }
+
+  static std::size_t index_of(const FitPoint& point, const std::vector<FitPoint>& points) {
+    return static_cast<std::size_t>(&point - points.data());
+  }
+
+  /// The cheapest of what meets everything, and does so on the loads that confirm it too; null: none does.
+  const FitPoint* confirm_cheapest(const FitPlan& search, std::vector<FitPoint>& points) {
+    for (const FitPoint* each : choose_cheapest(points, require())) {
+      if (!why_not_chosen(*each, points, require()).empty()) continue;
+      if (confirm(search, points[index_of(*each, points)])) return each;
+    }
+    return nullptr;
   }
 
   /// A scene that moves: the cheapest of the search, and the cheapest to step implicitly, some at a time, on
-  /// more loads and in motion; the first round in which one meets the tolerance everywhere decides.
+  /// more loads and in motion; the first round in which one meets the tolerance everywhere decides, and on
+  /// the loads that confirm it.
   void check_in_motion(const FitPlan& search) {
     std::vector<const FitPoint*> good = choose_cheapest(result_.searched, without_budget());
     if (!good.empty()) prepare_references(search, {"scene_2", "scene_3"});
@@ -299,15 +249,13 @@ class Fit {
       if (modal != nullptr) plan.candidates.push_back(modal->candidate);
       std::vector<FitPoint> points = run_check(plan);
       if (!step_motions(motion_search(), plan, registry_, progress_, points)) result_.is_complete = false;
-      result_.checked.insert(result_.checked.end(), points.begin(), points.end());
-      const auto best = choose_cheapest(points, require());
-      if (!best.empty()) {
-        result_.choice = *best.front();
+      if (const FitPoint* best = confirm_cheapest(search, points)) {
+        result_.choice = *best;
         result_.run = plan.folder / "run";
         freeze(plan);
-        return;
       }
-      if (result_.is_interrupted) return;
+      result_.checked.insert(result_.checked.end(), points.begin(), points.end());
+      if (result_.choice || result_.is_interrupted) return;
       if (const auto dear = choose_cheapest(points, without_budget()); !dear.empty()) {
         result_.nearest = *dear.front();  // the tolerance is met: those that follow are dearer
         result_.run = plan.folder / "run";
@@ -317,8 +265,10 @@ class Fit {
   }
 
   /// Holds still what hardly moves of the choice, if that is cheaper and within the tolerance.
-  void freeze(const FitPlan& check) {
+  void freeze(FitPlan check) {
     FitPoint& choice = *result_.choice;
+    for (std::size_t k = check.scenes.size(); k < choice.error.size(); ++k)
+      check.scenes.push_back(others_[k - 1]);
     if (!choice.stepping || is_modal(choice.candidate)) return;
     if (left_s() <= kStillShare * options_.time_limit_s) return;
     progress_.show_long("still parts of " + choice.candidate.name());
@@ -327,8 +277,8 @@ class Fit {
     task.check = check;
     task.scene = build_fitted_scene(placed, choice.candidate.model);
     choice.stepping->stepping.apply(choice.stepping->step_s, task.scene);
-    task.probes_m = choose_probes(result_.scene, check.folder / "run" / "problems" / choice.mesh / "in.mesh",
-                                  kTrialProbes);
+    task.probes_m =
+        choose_probes(result_.scene, result_.run / "problems" / choice.mesh / "in.mesh", kTrialProbes);
     task.folder = options_.out / "still";
     task.at_most = require().at_most;
     task.measure = require().measure;
@@ -398,6 +348,7 @@ class Fit {
   Progress& progress_;
   Stopwatch watch_;
   FitCandidates candidates_;
+  std::vector<json> others_;              ///< the scene under the other loads, 1, 2, ...
   std::size_t checks_ = 0;                ///< each has a folder
   std::map<std::string, fs::path> runs_;  ///< of what was checked at rest, by its label
   std::optional<SceneRequirement> without_budget_;

@@ -42,15 +42,10 @@ struct FitResult {
 /// Searches all candidates on the scene at rest, takes the cheapest that meet the tolerance with the
 /// reference's own error on top, and runs those again with more repeats on the scene and on kOtherLoads other
 /// loads, until the cheapest of them meets it everywhere. Of a scene at rest shares between the candidates'
-/// are looked at too, as long as they may be cheaper, and what is chosen is run on kConfirmingLoads more
-/// loads: if it does not hold there, the next is looked for.
+/// are looked at too, as long as they may be cheaper. What is chosen is run on kConfirmingLoads more loads:
+/// if it does not hold there, or what is estimated of all loads like these does not, the next is looked for.
 ///
 /// Throws: InputError for a scene without "require", a folder that holds something, and as run_plan.
 FitResult run_fit(const FitOptions& options, const Registry& registry, Progress& progress);
-
-/// Loads beside the scene's own that the choice is made by (seeds 1, 2, ...).
-inline constexpr std::size_t kOtherLoads = 3;
-/// Loads that it is confirmed on after that, of a scene at rest (the seeds that follow).
-inline constexpr std::size_t kConfirmingLoads = 2;
 
 }  // namespace palpate::experiments

@@ -67,8 +67,9 @@ void print_fit(const json& fit, const std::string& folder) {
   std::cout << colored("Fitted: ", Color::kGreen) << name << ", " << point.at("tets") << " tetrahedra, "
             << time_text(point.at("cost_s").get<double>()) << " (" << fit.at("work").get<std::string>()
             << "), error at most " << shown_percent(point.at("worst_error")) << "% on the scene and on "
-            << point.at("error").size() - 1 << " other loads\nNext: palpate simulate " << folder
-            << "/scene.yaml -o DIR\n";
+            << point.at("error").size() - 1 << " other loads, estimated at most "
+            << shown_percent(point.at("estimated_error")) << "% on all like these\nNext: palpate simulate "
+            << folder << "/scene.yaml -o DIR\n";
 }
 
 int fit_model(const FitArguments& arguments) {

@@ -12,7 +12,7 @@
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/scratch_folder.h"
-#include "experiments/fit/fit_grading.h"
+#include "experiments/fit/fit_search.h"
 #include "experiments/grading/graded_mesh.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/processes/stop_signals.h"

@@ -259,14 +259,14 @@ TEST_F(FitCommand, APartThatHardlyMovesMayBeHeldAndWakes) {
                "schema: palpate/candidates/1\nsimplifiers: []\n"
                "models: [{label: blend, method: smoothed.blend, works: {second: []}}]\n"
                "steppings: [{label: explicit, integrator: symplectic_euler}]\n");
-  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.3}").exit_code, 0);
+  ASSERT_EQ(fit("error: {measure: deformation_l2, at_most: 0.35}").exit_code, 0);
   const json found = report();
   ASSERT_FALSE(found.at("frozen").empty());
   const json& held = found.at("frozen")[0];
   EXPECT_GT(held.at("tets").get<int>(), 100);
   EXPECT_GT(held.at("most_force_n").get<double>(), 0.0);
-  EXPECT_LE(held.at("worst_error").get<double>() + held.at("motion_error").get<double>(), 0.3);
-  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.3);
+  EXPECT_LE(held.at("worst_error").get<double>() + held.at("motion_error").get<double>(), 0.35);
+  EXPECT_LE(found.at("/choice/worst_error"_json_pointer).get<double>(), 0.35);
   const bool is_taken = found.at("frozen").back().at("why_not") == "";
   EXPECT_EQ(is_taken, std::filesystem::exists(folder() / "fit/frozen.json"));
   EXPECT_EQ(is_taken, found.at("/choice/set"_json_pointer).contains("frozen"));

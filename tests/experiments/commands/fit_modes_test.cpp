@@ -74,7 +74,8 @@ TEST_F(FitModes, AreTakenWhereTheirOwnMotionIsVerified) {
   const json found = fit("error: {measure: deformation_l2, at_most: 0.3}");
   const json& choice = found.at("choice");
   ASSERT_EQ(choice.at("method"), "reduced.modal") << found.dump(1);
-  EXPECT_EQ(choice.at("error").size(), 4U);
+  EXPECT_EQ(choice.at("error").size(), 6U);
+  EXPECT_EQ(found.at("confirming_loads"), 2);
   std::map<std::string, json> tried;
   for (const json& each : choice.at("steppings")) tried[each.at("label")] = each;
   ASSERT_EQ(tried.size(), 2U);  // explicit steps are for others

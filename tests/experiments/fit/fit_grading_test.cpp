@@ -1,5 +1,5 @@
 // Meshes that are graded by a scene, and what becomes of them when time or user stop it.
-#include "experiments/fit/fit_grading.h"
+#include "experiments/fit/fit_search.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

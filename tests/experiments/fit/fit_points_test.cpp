@@ -55,6 +55,67 @@ class FitChoice : public testing::Test {
   SceneRequirement require_;
 };
 
+/// Of loads that it was run on the largest error is known; what others like them reach is estimated, and
+/// holds once a point is confirmed.
+TEST_F(FitChoice, AConfirmedPointIsHeldByWhatOtherLoadsAreEstimatedToReach) {
+  FitPoint point;
+  point.cost_s = {1.0};
+  point.error = {0.036, 0.034, 0.02};
+  point.own_error = {0.002, 0.001, 0.002};
+  EXPECT_DOUBLE_EQ(point.worst_error(), 0.038);
+  EXPECT_DOUBLE_EQ(point.estimated_error(), 0.038 + 0.5 * (0.038 - 0.022));
+  require_.at_most = 0.045;
+  EXPECT_EQ(why_not(point, require_), "");
+  point.is_confirmed = true;
+  EXPECT_THAT(why_not(point, require_),
+              HasSubstr("estimated to reach 4.6% on loads like these (up to 3.8% seen)"));
+  require_.at_most = 0.047;
+  EXPECT_EQ(why_not(point, require_), "");
+  point.error = {0.04};
+  point.own_error = {0.002};
+  EXPECT_DOUBLE_EQ(point.estimated_error(), point.worst_error()) << "one load says nothing of others";
+  point.own_error = {std::numeric_limits<double>::infinity()};
+  EXPECT_FALSE(why_not(point, require_).empty());
+}
+
+/// What further loads refused of one model they are spared to say again of those that are no better on the
+/// first.
+TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
+  const auto point = [](const std::string& label, const std::vector<double>& errors) {
+    FitPoint made;
+    made.candidate = candidate_of(label);
+    made.cost_s = {1.0};
+    made.error = errors;
+    made.own_error.assign(errors.size(), 0.0);
+    made.is_confirmed = errors.size() > 4;
+    return made;
+  };
+  const std::vector<FitPoint> checked = {
+      point("a", {0.03, 0.04, 0.03, 0.03, 0.03, 0.06}), point("a", {0.04, 0.03, 0.02, 0.04}),
+      point("a", {0.03, 0.039, 0.03, 0.03}), point("b", {0.04, 0.04, 0.04, 0.04}),
+      point("a", {0.04, 0.041, 0.041, 0.04, 0.04, 0.04})};
+  const auto why = [&](std::size_t k) { return why_not_chosen(checked[k], checked, require_); };
+  EXPECT_THAT(why(0), HasSubstr("error up to 6%"));
+  EXPECT_EQ(why(1), "no better than a, the mesh as it is, which further loads refused");
+  EXPECT_EQ(why(2), "") << "it is better";
+  EXPECT_EQ(why(3), "") << "it is another model";
+  EXPECT_EQ(why(4), "") << "it was confirmed";
+}
+
+/// Records stand in the order in which they were run, errors in that of the scenes.
+TEST_F(FitChoice, ErrorsStandInTheOrderOfTheScenes) {
+  plan_.scenes.resize(3);
+  std::vector<json> records;
+  for (const char* scene : {"scene_2", "scene_0", "scene_1"}) {
+    const double number = scene[6] - '0';
+    records.push_back(reference_of(scene, 0.001 * (number + 1.0)));
+    records.push_back(answer("a", scene, 0.01 * (number + 1.0), 1.0));
+  }
+  const FitPoint point = read(records).front();
+  EXPECT_THAT(point.error, testing::ElementsAre(0.01, 0.02, 0.03));
+  EXPECT_THAT(point.own_error, testing::ElementsAre(0.001, 0.002, 0.003));
+}
+
 /// Points with these costs, and with these times of a back-substitution (0: none).
 std::vector<FitPoint> points_with(const std::vector<double>& costs, const std::vector<double>& answers) {
   std::vector<FitPoint> points(costs.size());
