@@ -380,7 +380,8 @@ const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneReq
   const double budget = budget_of(require);
   for (const FitPoint& point : points) {
     if (!point.failure.empty() || !std::isfinite(point.worst_error())) continue;
-    const double over_error = std::max(1.0, point.worst_error() / require.at_most);
+    if (find_better_refused(point, points, require) != nullptr) continue;
+    const double over_error = std::max(1.0, known_error(point) / require.at_most);
     const double over_cost = std::isfinite(budget) ? std::max(1.0, point.cost() / budget) : 1.0;
     const double over = over_error * over_cost;
     if (over < least || (over == least && nearest != nullptr && point.cost() < nearest->cost())) {

@@ -104,7 +104,8 @@ std::vector<FitCandidate> take_prospects(const std::vector<FitProspect>& prospec
 inline constexpr double kLeastShareStep = 0.02;
 
 /// Where nothing does: the one that comes closest, by the product of how many times it is over the tolerance
-/// and over the budget; of equals the cheapest. Null without any figure.
+/// (a confirmed one by its estimated error) and over the budget; of equals the cheapest. Null without any
+/// figure.
 const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneRequirement& require);
 
 /// The point with that candidate, or null.

@@ -100,6 +100,9 @@ TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
   EXPECT_EQ(why(2), "") << "it is better";
   EXPECT_EQ(why(3), "") << "it is another model";
   EXPECT_EQ(why(4), "") << "it was confirmed";
+  const std::vector<FitPoint> first(checked.begin(), checked.begin() + 2);
+  EXPECT_EQ(find_nearest(first, require_), &first[0])
+      << "the other one is no better, though it was run on fewer";
 }
 
 /// Records stand in the order in which they were run, errors in that of the scenes.
