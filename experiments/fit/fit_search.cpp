@@ -11,10 +11,12 @@
 #include "experiments/files/scratch_folder.h"
 #include "experiments/grading/graded_mesh.h"
 #include "experiments/grading/graded_sizes.h"
+#include "experiments/plan_reader/plan.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/placed_text.h"
 #include "experiments/trials/modal_stepping.h"
+#include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -107,14 +109,18 @@ class Planner {
     if (!grade_simplifiers(candidates_, task_.scene, mesh,
                            {registry_, task_.out / "sizes", left_s, task_.stop_flag}, found_.dropped))
       found_.is_complete = false;
-    const auto is_unknown = [&](const FitCandidate& candidate) {
-      const auto& known = candidates_.simplifiers;
-      return candidate.simplifier != kNoSimplifier &&
-             std::none_of(known.begin(), known.end(),
-                          [&](const auto& one) { return one.label == candidate.simplifier; });
-    };
     auto& candidates = found_.plan.candidates;
-    candidates.erase(std::remove_if(candidates.begin(), candidates.end(), is_unknown), candidates.end());
+    candidates.erase(
+        std::remove_if(candidates.begin(), candidates.end(),
+                       [&](const FitCandidate& candidate) { return !is_known(candidate.simplifier); }),
+        candidates.end());
+  }
+
+  bool is_known(const std::string& simplifier) const {
+    const auto& known = candidates_.simplifiers;
+    return simplifier == kNoSimplifier ||
+           std::any_of(known.begin(), known.end(),
+                       [&](const FitSimplifier& one) { return one.label == simplifier; });
   }
 
   const SearchTask& task_;
