@@ -27,12 +27,16 @@ void require_known(const YamlValue& at, const char* what, const std::string& nam
 }
 
 FitSimplifier read_fit_simplifier(const YamlValue& value, const Registry& registry) {
-  const YamlFields fields = value.fields({"label", "method", "ratios", "grade"});
+  const YamlFields fields = value.fields({"label", "method", "set", "ratios", "grade"});
   FitSimplifier simplifier;
   simplifier.label = fields.need("label").identifier();
   const YamlValue method = fields.need("method");
   simplifier.method = method.text();
   const MethodEntry entry = find_method(method, simplifier.method, "simplify", registry);
+  if (const auto set = fields.find("set")) {
+    read_set(*set, *entry.method);
+    simplifier.set = set->json();
+  }
   for (const YamlValue& ratio : fields.need("ratios").items())
     simplifier.ratios.push_back(ratio.number(0.0, 0.999));
   if (simplifier.ratios.empty()) fields.need("ratios").fail_expected("at least one share");

@@ -37,7 +37,7 @@ struct FitSimplifier {
   std::string method;
   std::vector<double> ratios;                     ///< shares of the tetrahedra to remove
   std::optional<GradeWish> grade;                 ///< how its mesh is graded by the scene
-  nlohmann::json set = nlohmann::json::object();  ///< options; of a graded one the file of its sizes
+  nlohmann::json set = nlohmann::json::object();  ///< options; of a graded one the file of its sizes too
 };
 
 struct FitModel {

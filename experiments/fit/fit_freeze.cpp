@@ -70,8 +70,7 @@ class Freezer {
       return tried;
     }
     held.is_confirmed = choice_.is_confirmed;
-    tried.error = (held.is_confirmed ? held.estimated_error() : held.worst_error()) +
-                  choice_.stepping->error.value_or(0.0);
+    tried.error = held.known_error() + choice_.stepping->error.value_or(0.0);
     const std::vector<double> costs = look_at_motion(file, folder, tried);
     tried.why_not = why_not_frozen(tried, mesh_.tets.size(), task_.at_most);
     if (!tried.why_not.empty()) return tried;

@@ -146,11 +146,6 @@ double worst_of_first(const FitPoint& point, std::size_t count) {
   return worst;
 }
 
-/// What a point's model is known to come to on loads: of a confirmed one what is estimated of them all.
-double known_error(const FitPoint& point) {
-  return point.is_confirmed ? point.estimated_error() : point.worst_error();
-}
-
 /// One that was refused on further loads, of the same model, that is no worse on those that both were run on;
 /// null: none.
 const FitPoint* find_better_refused(const FitPoint& point, const std::vector<FitPoint>& checked,
@@ -184,6 +179,10 @@ double FitPoint::estimated_error() const {
   for (std::size_t k = 0; k < error.size(); ++k) certain[k] += own_error[k];
   const auto [least, most] = std::minmax_element(certain.begin(), certain.end());
   return worst_error() + (*most - *least) / static_cast<double>(error.size() - 1);
+}
+
+double FitPoint::known_error() const {
+  return is_confirmed ? estimated_error() : worst_error();
 }
 
 std::vector<FitPoint> read_fit_points(const std::vector<json>& records, const FitPlan& plan,
@@ -301,8 +300,8 @@ double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<
     const double alone = own != nullptr && !own->error.empty()
                              ? own->worst_error()
                              : point.error.front() + point.own_error.front();
-    if (alone > 0.0 && std::isfinite(known_error(point)))
-      growth = std::max(growth, known_error(point) / alone);
+    if (alone > 0.0 && std::isfinite(point.known_error()))
+      growth = std::max(growth, point.known_error() / alone);
   }
   return growth;
 }
@@ -314,10 +313,10 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
   // By model, all that is known of it: a check says more than the search.
   std::map<std::string, std::vector<KnownShare>> known;
   for (const FitPoint& point : checked) {
-    const bool meets = why_not_chosen(point, checked, require).empty();
     const FitPoint* refused = find_better_refused(point, checked, require);
+    const bool meets = refused == nullptr && why_not(point, require).empty();
     const double expected =
-        refused == nullptr ? known_error(point) : std::max(point.worst_error(), known_error(*refused));
+        refused == nullptr ? point.known_error() : std::max(point.worst_error(), refused->known_error());
     known[point.candidate.model.label].push_back({&point, meets, true, point.cost(), expected});
   }
   for (const FitPoint& point : searched) {
@@ -381,7 +380,7 @@ const FitPoint* find_nearest(const std::vector<FitPoint>& points, const SceneReq
   for (const FitPoint& point : points) {
     if (!point.failure.empty() || !std::isfinite(point.worst_error())) continue;
     if (find_better_refused(point, points, require) != nullptr) continue;
-    const double over_error = std::max(1.0, known_error(point) / require.at_most);
+    const double over_error = std::max(1.0, point.known_error() / require.at_most);
     const double over_cost = std::isfinite(budget) ? std::max(1.0, point.cost() / budget) : 1.0;
     const double over = over_error * over_cost;
     if (over < least || (over == least && nearest != nullptr && point.cost() < nearest->cost())) {

@@ -38,6 +38,8 @@ struct FitPoint {
   /// range over their number less one, which is right on average for errors spread evenly between two bounds
   /// (the UMVU estimate of the upper one). worst_error() of a single load.
   double estimated_error() const;
+  /// What is known of all loads like those: the estimated one of a confirmed point, else the worst.
+  double known_error() const;
 };
 
 /// The points of a run's records, in the order of the plan's candidates.

@@ -20,8 +20,7 @@ nlohmann::json build_provenance(const Plan& plan, const Registry& registry, int 
 
 /// The provenance of a run.
 /// Throws: InputError, with the file and the key, if it cannot be read, is none, or has something under one
-/// of
-///         the keys that runs and gates go by that cannot stand there.
+///         of the keys that runs and gates go by that cannot stand there.
 nlohmann::json read_provenance(const std::filesystem::path& file);
 
 /// What a record's "sitting" stands for: when the run was started or resumed, at which commit and load.

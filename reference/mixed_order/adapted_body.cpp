@@ -71,6 +71,8 @@ AdaptedBody adapt_body(const TetMesh& mesh, const BoundaryProblem& problem, cons
   AdaptedBody out{mesh, problem, 0};
   if (options.ratio > 0.0) {
     simplify::RefinedOptions refined;
+    refined.objective = simplify::Objective::kQuality;
+    refined.tools.never_worse = false;
     refined.stop.ratio = options.ratio;
     simplify::simplify_refined(out.mesh, refined);
     out.problem = renumber(problem, match_skins(mesh, out.mesh));

@@ -35,6 +35,20 @@ constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1,
                                                         {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
                                                         {0.90, 0.20, 1, 1.00, 3, 24, 0.25, 0.14, 8}}};
 
+/// With the mean ratio scores are lower, and so are the efforts' thresholds of flips and of repairs.
+constexpr double kFlipsOfShape = 0.6;
+constexpr double kRepairsOfShape = 0.7;
+
+Effort effort_of(const RefinedOptions& options) {
+  Effort effort = kEfforts.at(static_cast<std::size_t>(options.effort));
+  if (options.objective != Objective::kShape) return effort;
+  effort.stage_threshold *= kFlipsOfShape;
+  effort.final_threshold *= kFlipsOfShape;
+  effort.repair_threshold *= kRepairsOfShape;
+  effort.compound_threshold *= kRepairsOfShape;
+  return effort;
+}
+
 /// Counts, relative to the wanted one, that stages aim at: the first flips of a mesh take more tets away than
 /// later ones do.
 constexpr double kFirstAim = 1.06;
@@ -77,7 +91,7 @@ class Run {
       : mesh_(std::move(mesh)),
         scores_(scores),
         options_(options),
-        effort_(kEfforts[static_cast<std::size_t>(options.effort)]),
+        effort_(effort_of(options)),
         target_(target),
         smoother_(mesh_, scores_),
         flipper_(mesh_, scores_, {}),
@@ -85,7 +99,7 @@ class Run {
 
   void simplify() {
     reduce();
-    if (options_.objective == Objective::kQuality) return;
+    if (options_.objective != Objective::kStableStep) return;
     StepLengthener lengthener(mesh_, scores_, final_rule());
     lengthener.run(kStepRounds);
     step_ = lengthener.counts();
@@ -174,8 +188,9 @@ class Run {
   /// From here on neither repairs nor collapses leave a tet below the worst of now.
   void hold_floor() {
     floor_.emplace(scores_.far().ideal_volume);
-    const bool is_uniform = scores_.field().is_empty();  // else scores are for other ideal volumes
-    floor_->take(mesh_, [&](Index t) { return is_uniform ? flipper_.known_score(t) : 0.0; });
+    // Else scores are for other ideal volumes, or are no bound of q.
+    const bool is_known = scores_.field().is_empty() && scores_.far().form == ScoreForm::kSolidAngle;
+    floor_->take(mesh_, [&](Index t) { return is_known ? flipper_.known_score(t) : 0.0; });
     repairer_.set_floor(&*floor_);
   }
 
@@ -289,7 +304,9 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
   const SizingField field(options.sizing, mesh);
   if (mesh.tets.size() > target) {
-    const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target)), field);
+    const ScoreForm form =
+        options.objective == Objective::kShape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle;
+    const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target), form), field);
     mesh = extract_mesh(
         reduce_mesh(build_working_mesh(std::move(mesh), field), scores, options, target, report));
   }

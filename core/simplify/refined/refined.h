@@ -19,7 +19,7 @@ inline constexpr int kMostEffort = 5;
 /// How far the mesh is coarsened, and by which means.
 struct RefinedOptions {
   StopRule stop;  ///< tets or ratio; there are no fusions, and no limit: the count decides the wanted size
-  Objective objective = Objective::kQuality;
+  Objective objective = Objective::kShape;
   int effort = 1;  ///< 0 .. kMostEffort: more passes and higher thresholds, better and slower
   CollapsePlacement collapse_placement = CollapsePlacement::kFirst;
   bool interleave = true;  ///< smooth and flip on the way down; else collapse in one go
@@ -48,9 +48,10 @@ void validate_options(const RefinedOptions& options);
 ///   every free vertex once, flip where it helps; at the wanted count smooth and flip again, then repair the
 ///   worst tets one by one.
 ///
-/// Scores are those of ScoreScale with the ideal volume of the wanted count. Every operation leaves every tet
-/// positive, exactly; boundary vertices and faces stay as they are, to the bit; kept tets too. The same input
-/// gives the same bytes. A mesh that has no more tets than wanted is left as it is.
+/// Scores are those of ScoreScale in the objective's form, with the ideal volume of the wanted count. Every
+/// operation leaves every tet positive, exactly; boundary vertices and faces stay as they are, to the bit;
+/// kept tets too. The same input gives the same bytes. A mesh that has no more tets than wanted is left as it
+/// is.
 ///
 /// Ends at most 0.5% below the wanted count (or one collapse, about 8 tets, if that is more); a run that can
 /// collapse nothing more ends above it, with stop "limit".

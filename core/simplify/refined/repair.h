@@ -17,7 +17,7 @@ struct RepairTools {
   bool face_removal = true;
   bool compound_moves = true;  ///< a flip that is good only once the vertices around it have moved
   bool edge_splits = true;     ///< a new vertex in the middle of an edge of a tet that nothing else helps
-  bool never_worse = false;    ///< no repair leaves a tet worse than the worst that it found around
+  bool never_worse = true;     ///< no repair leaves a tet worse than the worst that it found around
 };
 
 /// How often each was made.

@@ -14,8 +14,9 @@ namespace palpate::simplify {
 
 /// What a mesh is to be good for.
 enum class Objective : std::uint8_t {
-  kQuality,    ///< the scores of ScoreScale
-  kStableStep  ///< those first, then the longest stable step of explicit schemes
+  kShape,      ///< scores by the mean ratio: all measures of shape, and the error of linear elements
+  kQuality,    ///< scores by solid angles: the thesis's quality
+  kStableStep  ///< those of kQuality first, then the longest stable step of explicit schemes
 };
 
 /// Rounds of StepLengthener::run at the end of a run with kStableStep; most end before.

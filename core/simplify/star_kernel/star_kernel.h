@@ -26,8 +26,9 @@ struct StarApex {
   float x;
   float y;
   float z;
-  float inverse_six_ideal;  ///< 1 / (6 x the ideal volume)
+  float inverse_six_ideal;  ///< 1 / (6 x the volume from which on a tet is no longer small)
   float dihedral_weight;
+  float mean_ratio_weight;  ///< 0: scores are by solid angles, see ScoreForm
 };
 
 /// Figures of a set of tets.

@@ -32,6 +32,7 @@
 namespace palpate::simplify {
 
 inline constexpr float kIdealSolidAngleSr = 0.55F;
+inline constexpr float kMeanRatioCubed = 432.0F;
 
 /// A vector of each lane.
 template <typename Lanes>
@@ -78,6 +79,23 @@ PALPATE_STAR_LANES Lanes seen_from(const Lanes& volume) {
   }
 }
 
+/// sin^2 of the dihedral angle farthest from 90 degrees. At the edge e of faces i and j it is
+/// (6 V / |n_i|^2) (6 V / |n_j|^2) e^2. The normals are those of the faces at the apex, the squared lengths
+/// those of its edges and, in the same order, of the edges across.
+template <typename Lanes>
+PALPATE_STAR_LANES Lanes least_sine_sq(const Lanes& six_volume, const LaneVec<Lanes>& normal_u,
+                                       const LaneVec<Lanes>& normal_v, const LaneVec<Lanes>& normal_w,
+                                       const LaneVec<Lanes>& at_apex, const LaneVec<Lanes>& across) {
+  const LaneVec<Lanes> normal_p = normal_u + normal_v + normal_w;
+  const Lanes at_u = six_volume / dot(normal_u, normal_u);
+  const Lanes at_v = six_volume / dot(normal_v, normal_v);
+  const Lanes at_w = six_volume / dot(normal_w, normal_w);
+  const Lanes at_base = six_volume / dot(normal_p, normal_p);
+  return min(min(min(at_apex.z * at_u * at_v, at_apex.y * at_u * at_w),
+                 min(at_apex.x * at_v * at_w, across.x * at_u * at_base)),
+             min(across.y * at_v * at_base, across.z * at_w * at_base));
+}
+
 /// Scores of the tets of a block, or of a part of it; see ScoreScale. u, v, w lead from the apex to the
 /// base's vertices.
 template <SeenFrom kSide, typename Lanes>
@@ -96,6 +114,19 @@ PALPATE_STAR_LANES Lanes score_at(const LaneVec<Lanes>& at, const StarApex& a, c
   const Lanes uu = dot(u, u);
   const Lanes vv = dot(v, v);
   const Lanes ww = dot(w, w);
+  const LaneVec<Lanes> across{vw * vw, wu * wu, uv * uv};
+  const Lanes sine_sq = least_sine_sq(six_volume, normal_u, normal_v, normal_w, {uu, vv, ww}, across);
+  const Lanes angles = sine_sq * Lanes::of(a.dihedral_weight);
+  const Lanes volume_factor = min(Lanes::of(1.0F), six_volume * Lanes::of(a.inverse_six_ideal));
+  if (a.mean_ratio_weight > 0.0F) {
+    // The mean ratio cubed is 432 (6 V)^2 / (sum of the squared edges)^3; the other factor has the sign.
+    const Lanes squares = uu + vv + ww + (across.x + across.y + across.z);
+    const Lanes ratio = six_volume / squares;
+    const Lanes cube =
+        ratio * ratio / squares * Lanes::of(kMeanRatioCubed * a.mean_ratio_weight) * volume_factor;
+    // What underflows is 0, never -0: the least of several would depend on the width.
+    return max(min(cube, angles), Lanes::of(kWorstScore)) + Lanes::of(0.0F);
+  }
   const Lanes lu = sqrt(uu);
   const Lanes lv = sqrt(vv);
   const Lanes lw = sqrt(ww);
@@ -113,20 +144,10 @@ PALPATE_STAR_LANES Lanes score_at(const LaneVec<Lanes>& at, const StarApex& a, c
       Lanes::of(1.0F) - xx * (Lanes::of(1.0F / 3.0F) - xx * (Lanes::of(0.2F) - xx * Lanes::of(1.0F / 7.0F)));
   const Lanes shortest = min(min(min(lu, lv), min(lw, vw)), min(wu, uv));
   const Lanes longest = max(max(max(lu, lv), max(lw, vw)), max(wu, uv));
-  const Lanes volume_factor = min(Lanes::of(1.0F), six_volume * Lanes::of(a.inverse_six_ideal));
   // The magnitude of x: a product of two negative factors must not look positive.
   const Lanes cube = root_of_square(x, xx) * series * Lanes::of(2.0F / kIdealSolidAngleSr) *
                      (shortest / longest) * volume_factor;
-  // sin^2 at the edge e of faces i and j: (6 V / |n_i|^2) (6 V / |n_j|^2) e^2
-  const LaneVec<Lanes> normal_p = normal_u + normal_v + normal_w;
-  const Lanes at_u = six_volume / dot(normal_u, normal_u);
-  const Lanes at_v = six_volume / dot(normal_v, normal_v);
-  const Lanes at_w = six_volume / dot(normal_w, normal_w);
-  const Lanes at_base = six_volume / dot(normal_p, normal_p);
-  const Lanes sine_sq =
-      min(min(min(ww * at_u * at_v, vv * at_u * at_w), min(uu * at_v * at_w, vw * vw * at_u * at_base)),
-          min(wu * wu * at_v * at_base, uv * uv * at_w * at_base));
-  return max(min(cube, sine_sq * Lanes::of(a.dihedral_weight)), Lanes::of(kWorstScore));
+  return max(min(cube, angles), Lanes::of(kWorstScore));
 }
 
 /// Fills the rows of triangles (a, b, c).

@@ -114,6 +114,9 @@ struct Run {
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
+/// Repairs may leave a tet worse than what they found, as the skin may move and help it later.
+constexpr RepairTools kTools{.never_worse = false};
+
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
                       double longest = std::numeric_limits<double>::infinity()) {
@@ -239,7 +242,7 @@ void polish(Run& run, std::uint64_t target) {
   const FlipRule rule = window_of(run, target);
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
-  Repairer repairer(run.mesh, run.scores, rule, {});
+  Repairer repairer(run.mesh, run.scores, rule, kTools);
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
     if (run.options.boundary_smoothing)
@@ -285,6 +288,8 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   // Refined may end 0.5% below; some collapses from a little above get closer.
   const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
+  inside.objective = Objective::kQuality;
+  inside.tools = kTools;
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();

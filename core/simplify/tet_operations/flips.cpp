@@ -158,7 +158,7 @@ double Flipper::known_score(Index t) {
 }
 
 double Flipper::worth(const ScoreScale& scale, double score) const {
-  return gain_of_score(scale, score) - gain_of_score(scale, kUsualScore);
+  return gain_of_score(scale, score) - gain_of_score(scale, scale.usual_score);
 }
 
 Flipper::Before Flipper::measure_before(const Index* tets, std::size_t count) {

@@ -9,9 +9,16 @@
 
 namespace palpate::simplify {
 
-ScoreScale scale_of_ideal_volume(double ideal_volume) {
+ScoreScale scale_of_ideal_volume(double ideal_volume, ScoreForm form) {
   constexpr double kEdgeCubedPerVolume = 8.485281374238571;  // 6 sqrt(2), of a regular tet
+  constexpr double kUsualOfMeanRatio = 0.18;
+  constexpr double kGainOffsetOfMeanRatio = 0.4;
   ScoreScale scale;
+  scale.form = form;
+  if (form == ScoreForm::kMeanRatio) {
+    scale.usual_score = kUsualOfMeanRatio;
+    scale.gain_offset = kGainOffsetOfMeanRatio;
+  }
   scale.ideal_volume = ideal_volume;
   const double edge = std::cbrt(kEdgeCubedPerVolume * ideal_volume);
   int exponent = 0;
@@ -38,13 +45,18 @@ void StarQuality::close() {
 
 void StarQuality::take_scale() {
   const double ideal = scale_.ideal_volume * scale_.unit * scale_.unit * scale_.unit;
-  inverse_six_ideal_ = static_cast<float>(1.0 / (6.0 * ideal));
+  const double small = scale_.form == ScoreForm::kMeanRatio ? ideal / kSmallVolume : ideal;
+  inverse_six_ideal_ = static_cast<float>(1.0 / (6.0 * small));
 }
 
 StarApex StarQuality::apex_at(const Vec3& p) const {
   const auto lane = [&](double x) { return static_cast<float>(x * scale_.unit); };
-  return {lane(p.x - origin_.x), lane(p.y - origin_.y), lane(p.z - origin_.z), inverse_six_ideal_,
-          static_cast<float>(scale_.dihedral_weight)};
+  return {lane(p.x - origin_.x),
+          lane(p.y - origin_.y),
+          lane(p.z - origin_.z),
+          inverse_six_ideal_,
+          static_cast<float>(scale_.dihedral_weight),
+          scale_.form == ScoreForm::kMeanRatio ? static_cast<float>(kMeanRatioWeight) : 0.0F};
 }
 
 StarFigures StarQuality::evaluate(const Vec3& p, double bound) {

@@ -13,28 +13,38 @@
 
 namespace palpate::simplify {
 
+/// What tets are scored by, beside their angles.
+enum class ScoreForm : std::uint8_t {
+  kSolidAngle,  ///< q^3, the thesis's quality
+  kMeanRatio    ///< the mean ratio
+};
+
 /// What tets are scored by.
 ///
-///   score = min(q^3, dihedral_weight * sin^2(the dihedral angle farthest from 90 degrees)),
-///   q^3 = (least solid angle / 0.55 sr) (shortest / longest edge) min(1, V / ideal)
+///   score = min(shape, dihedral_weight * sin^2(the dihedral angle farthest from 90 degrees)),
+///   shape = q^3 = (least solid angle / 0.55 sr) (shortest / longest edge) min(1, V / ideal), or
+///   shape = kMeanRatioWeight eta^3 min(1, kSmallVolume V / ideal), eta^3 = 15552 V^2 / (sum of l^2)^3
 ///
 /// without cube root or trigonometry: the least solid angle is 2 atan(x), x = 6 V / (largest denominator of
 /// Van Oosterom and Strackee's formula), and as it is at most 0.5513 sr, x <= 0.283 and four terms of the
-/// series are good to 5e-6. Scores are computed in single precision, from coordinates relative to a point
-/// near by, in units of about the ideal edge: they tell good from bad, never positive from inverted; that is
-/// orientation()'s.
+/// series are good to 5e-6; eta is the mean ratio (Liu and Joe 1994), 1 for a regular tet. Scores are
+/// computed in single precision, from coordinates relative to a point near by, in units of about the ideal
+/// edge: they tell good from bad, never positive from inverted; that is orientation()'s.
 struct ScoreScale {
   double unit = 1.0;          ///< lengths are multiplied by this first; a power of two
   double ideal_volume = 1.0;  ///< in the mesh's own unit
   double dihedral_weight = 0.5;
   double gain_offset = 0.1;  ///< c of gain_of_score: the smaller, the more the worst tets count
+  ScoreForm form = ScoreForm::kSolidAngle;
+  double usual_score = 0.33;  ///< of a tet of a good mesh (q about 0.7): what a tet more or less is worth
 };
 
-/// The scale for tets of a given ideal volume.
-ScoreScale scale_of_ideal_volume(double ideal_volume);
+/// The scale for tets of a given ideal volume, in one of the forms.
+ScoreScale scale_of_ideal_volume(double ideal_volume, ScoreForm form = ScoreForm::kSolidAngle);
 
-/// The score of a usual tet of a good mesh (q about 0.7): what a tet more or less is worth.
-inline constexpr double kUsualScore = 0.33;
+/// How much of the mean ratio's cube is a score, and up to which share of the ideal volume a tet is small.
+inline constexpr double kMeanRatioWeight = 0.2;
+inline constexpr double kSmallVolume = 2.5;
 
 /// What a score is worth in a sum over tets: -1 / (c + score), steep where the score is low. Sums of it trade
 /// the mean against the worst.

@@ -343,7 +343,7 @@ TEST(CommandLine, ListContestantsTakesAPartOfAName) {
 TEST(CommandLine, RunAndGateExitCodes) {
   const test::ExperimentFixture fixture;
   const auto run = [&](const std::string& contestants, const std::string& folder) {
-    const auto plan = fixture.add_plan(contestants, "run: {timeout_s: 5}\n");
+    const auto plan = fixture.add_plan(contestants, "run: {timeout_s: 60}\n");
     return run_program({"run", plan.string(), "--out", (fixture.folder() / folder).string(), "--no-report"});
   };
   const ProgramResult good = run("[test.copy]", "good");

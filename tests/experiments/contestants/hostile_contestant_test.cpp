@@ -64,7 +64,7 @@ TEST(HostileContestant, WhatLeftItsSessionEndsWithIt) {
 
 TEST(HostileContestant, WhatLeftItsSessionEndsAtTheTimeOut) {
   const HostileContestant leaver(std::string(kLeaves) + "time.sleep(3600)\n");
-  EXPECT_EQ(leaver.answer(2.0).outcome, "timed_out");
+  EXPECT_EQ(leaver.answer_with("left").outcome, "timed_out");
   EXPECT_TRUE(fs::exists(leaver.folder() / "hostile/left"));
   EXPECT_TRUE(leaver.processes().empty());
 }
@@ -83,7 +83,7 @@ for i in range(50):
         os._exit(0)
 time.sleep(3600)
 )");
-  const ContestantAnswer answer = storm.answer(4.0);
+  const ContestantAnswer answer = storm.answer_with("storm");
   EXPECT_EQ(answer.outcome, "timed_out");
   EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
   EXPECT_TRUE(fs::exists(storm.folder() / "hostile/storm"));
@@ -115,7 +115,7 @@ if os.fork() == 0:
     ctypes.CDLL(None).syscall(60, 0)  # exit of this thread alone: the process is shown as a zombie
 time.sleep(3600)
 )");
-  const ContestantAnswer answer = threads.answer(2.0);
+  const ContestantAnswer answer = threads.answer_with("left");
   EXPECT_EQ(answer.outcome, "timed_out");
   EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
   EXPECT_TRUE(fs::exists(threads.folder() / "hostile/left"));
@@ -124,7 +124,8 @@ time.sleep(3600)
 TEST(HostileContestant, TheSupervisorThatWasStoppedIsHelped) {
   const HostileContestant stopper(std::string(kLeaves) +
                                   "os.kill(os.getppid(), signal.SIGSTOP)\ntime.sleep(3600)\n");
-  EXPECT_EQ(stopper.answer(2.0).outcome, "timed_out");
+  EXPECT_EQ(stopper.answer_with("left").outcome, "timed_out");
+  EXPECT_TRUE(fs::exists(stopper.folder() / "hostile/left"));
   EXPECT_TRUE(stopper.all_end());
 }
 

@@ -225,7 +225,7 @@ TEST(Schema, RecordsOfARun) {
         std::string("\n  - {method: test.copy, label: ") + behave + ", set: {behave: " + behave + "}}";
   }
   contestants += "\n  - {method: test.copy, label: after_crash, stop: {tets_of: crash}}";
-  const auto plan = fixture.add_plan(contestants, "run: {repeats: 2, warmup: 1, timeout_s: 1}\n");
+  const auto plan = fixture.add_plan(contestants, "run: {repeats: 2, warmup: 1, timeout_s: 3}\n");
   const auto folder = fixture.folder() / "run";
   test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report"});
   json records = read_records(folder / "records.jsonl");

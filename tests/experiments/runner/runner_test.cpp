@@ -76,7 +76,7 @@ TEST(Runner, OutcomesOfBadContestants) {
     contestants += "\n  - {method: test.copy, label: " + behave + ", set: {behave: " + behave + "}}";
   }
   const auto plan = fixture.add_plan(
-      contestants, "run: {repeats: 2, timeout_s: 1}\naccept: {boundary_changed_faces: {max: 0}}\n");
+      contestants, "run: {repeats: 2, timeout_s: 3}\naccept: {boundary_changed_faces: {max: 0}}\n");
   const RunResult result = run_quietly(fixture, plan, fixture.folder() / "run");
   EXPECT_TRUE(result.required_failed);
   EXPECT_TRUE(result.required_rejected);

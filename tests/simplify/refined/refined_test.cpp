@@ -133,6 +133,25 @@ TEST(Refined, EveryEffortIsValidAndMoreEffortIsBetterInTheMean) {
   EXPECT_GT(mean[5], mean[1]);  // 3 and 5 are a few tenths of a percent apart, either way
 }
 
+/// What shape is for, and what it costs of the thesis's quality.
+TEST(Refined, ShapeRaisesRatiosAndLowersTheGreatestAngles) {
+  for (const TetMesh& input : {build_kuhn_cube(10, 0.3, 5), make_sliver_cube(8, 3)}) {
+    for (const double ratio : {0.3, 0.5}) {
+      SCOPED_TRACE(std::to_string(input.tets.size()) + " " + std::to_string(ratio));
+      RefinedOptions options = stop_at(ratio);
+      ASSERT_EQ(options.objective, Objective::kShape);
+      const judge::Quality shape = judge::measure_quality(run(input, options).mesh);
+      options.objective = Objective::kQuality;
+      const judge::Quality quality = judge::measure_quality(run(input, options).mesh);
+      EXPECT_GT(shape.mean_ratio.mean, quality.mean_ratio.mean);
+      EXPECT_GT(shape.mean_ratio.p5, quality.mean_ratio.p5);
+      EXPECT_GT(shape.radius_ratio.mean, quality.radius_ratio.mean);  // which neither raises
+      EXPECT_LT(shape.p99_max_dihedral_deg, quality.p99_max_dihedral_deg);
+      EXPECT_GT(shape.percent_above_0_5, quality.percent_above_0_5 - 3.0);
+    }
+  }
+}
+
 TEST(Refined, EachIngredientCanBeLeftOut) {
   const TetMesh input = make_sliver_cube(7, 6);
   const TetMesh whole = run(input, stop_at(0.4)).mesh;

@@ -41,8 +41,12 @@ std::vector<Vec3> random_points(SplitMix64& random, std::size_t count) {
 }
 
 StarApex random_apex(SplitMix64& random, const Vec3& at) {
-  return {static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z),
-          static_cast<float>(random.uniform() * 20.0), 0.5F};
+  return {static_cast<float>(at.x),
+          static_cast<float>(at.y),
+          static_cast<float>(at.z),
+          static_cast<float>(random.uniform() * 20.0),
+          0.5F,
+          random.below(2) == 0 ? 0.0F : 0.2F};
 }
 
 /// What a kernel says of a star, all in a row.
@@ -127,6 +131,7 @@ TEST(StarKernel, BothFormsSeeRingsTheSameAndFromBothSidesAsOneByOne) {
     const StarApex a = random_apex(random, points[count]);
     StarApex b = random_apex(random, points[count + 1]);
     b.inverse_six_ideal = a.inverse_six_ideal;  // one edge, one scale
+    b.mean_ratio_weight = a.mean_ratio_weight;
     const RingAnswers found = answers_on_ring(kStarKernel, ring, count, a, b);
     for (std::size_t t = 0; t < found.from_a.size(); ++t) {
       const bool is_positive = (found.positive >> t & 1U) != 0U;

@@ -153,6 +153,7 @@ void run_fusions(Method method, TetMesh& mesh, const SizingOptions& sizing, Spli
 
 void run_refined(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random, Operations& done) {
   RefinedOptions options;
+  if (random.below(2) == 0) options.objective = Objective::kQuality;
   options.stop = random_stop(random);
   options.sizing = sizing;
   options.effort = static_cast<int>(random.below(3));
@@ -385,7 +386,8 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
     const SizingField field;
     WorkingMesh mesh = build_working_mesh(TetMesh(hard.mesh), field);
     const double mean_volume = total_volume(hard.mesh) / static_cast<double>(hard.mesh.tets.size());
-    ScoreScale scale = scale_of_ideal_volume(mean_volume * (0.5 + 2.0 * random.uniform()));
+    const ScoreForm form = random.below(2) == 0 ? ScoreForm::kSolidAngle : ScoreForm::kMeanRatio;
+    ScoreScale scale = scale_of_ideal_volume(mean_volume * (0.5 + 2.0 * random.uniform()), form);
     scale.dihedral_weight = random.below(2) == 0 ? 0.5 : 1e3;
     const ScoreRule scores(scale, field);
     Flipper flipper(mesh, scores, {});

@@ -214,7 +214,8 @@ TEST(Flipper, EveryFlipByTheRuleRaisesTheSumOfGains) {
     double sum = 0.0;
     for (Index t = 0; t < mesh.tets.size(); ++t) {
       if (!mesh.is_alive(t)) continue;
-      sum += gain_of_score(scores.far(), flipper.known_score(t)) - gain_of_score(scores.far(), kUsualScore);
+      sum += gain_of_score(scores.far(), flipper.known_score(t)) -
+             gain_of_score(scores.far(), scores.far().usual_score);
     }
     return sum;
   };

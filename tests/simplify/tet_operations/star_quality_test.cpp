@@ -34,8 +34,10 @@ Corners random_tet(SplitMix64& random, double size, const Vec3& at) {
 /// The score by the formula in the header, in double precision, from other code.
 double exact_score(const ScoreScale& scale, const Corners& p) {
   const TetFigures figures = measure_tet(kThesisMetric, p[0], p[1], p[2], p[3]);
-  const double cube = figures.shape * std::min(1.0, figures.volume / scale.ideal_volume);
+  double cube = figures.shape * std::min(1.0, figures.volume / scale.ideal_volume);
   const judge::TetShape shape = judge::measure_tet(p[0], p[1], p[2], p[3]);
+  if (scale.form == ScoreForm::kMeanRatio)
+    cube = 0.2 * std::pow(shape.mean_ratio, 3.0) * std::min(1.0, 2.5 * figures.volume / scale.ideal_volume);
   const double sine =
       std::min(std::sin(shape.min_dihedral), std::sin(shape.max_dihedral));  // farthest from 90 degrees
   return std::min(cube, scale.dihedral_weight * sine * sine);
@@ -47,7 +49,8 @@ TEST(StarQuality, ScoresAreThoseOfTheFormula) {
     for (const Vec3& at : {Vec3{0, 0, 0}, Vec3{30.0 * size, -70.0 * size, 4.0 * size}}) {
       for (int i = 0; i < 2000; ++i) {
         const Corners p = random_tet(random, size, at);
-        const ScoreScale scale = scale_of_ideal_volume(0.03 * size * size * size);
+        const ScoreForm form = i % 2 == 0 ? ScoreForm::kSolidAngle : ScoreForm::kMeanRatio;
+        const ScoreScale scale = scale_of_ideal_volume(0.03 * size * size * size, form);
         const double exact = exact_score(scale, p);
         const double score = score_tet(scale, p[0], p[1], p[2], p[3]);
         // Coordinates are rounded to 2^-24 of the tet's size. The volume's relative error is that over the
