@@ -37,7 +37,7 @@ RefinedRequest read_refined_options(const Request& request) {
                                    simplify::CollapsePlacement::kMidpoint};
   options.collapse_placement =
       kPlacements[take_choice(left, "collapse_placement", {"first", "best", "midpoint"})];
-  options.objective = take_objective_inside(left);
+  options.objective = take_objective(left, {"shape", "quality", "stable_step"});
   simplify::RepairTools& tools = options.tools;
   options.interleave = take_switch(left, "interleave", options.interleave);
   options.repair = take_switch(left, "repair", options.repair);

@@ -35,10 +35,6 @@ constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1,
                                                         {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
                                                         {0.90, 0.20, 1, 1.00, 3, 24, 0.25, 0.14, 8}}};
 
-/// With the mean ratio scores are lower, and so are the efforts' thresholds of flips and of repairs.
-constexpr double kFlipsOfShape = 0.6;
-constexpr double kRepairsOfShape = 0.7;
-
 Effort effort_of(const RefinedOptions& options) {
   Effort effort = kEfforts.at(static_cast<std::size_t>(options.effort));
   if (options.objective != Objective::kShape) return effort;
@@ -304,9 +300,9 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   const std::uint64_t target = target_tet_count(options.stop, mesh.tets.size());
   const SizingField field(options.sizing, mesh);
   if (mesh.tets.size() > target) {
-    const ScoreForm form =
-        options.objective == Objective::kShape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle;
-    const ScoreRule scores(scale_of_ideal_volume(ideal_volume(mesh, field, target), form), field);
+    const ScoreScale scale =
+        scale_of_ideal_volume(ideal_volume(mesh, field, target), form_of(options.objective));
+    const ScoreRule scores(scale, field);
     mesh = extract_mesh(
         reduce_mesh(build_working_mesh(std::move(mesh), field), scores, options, target, report));
   }

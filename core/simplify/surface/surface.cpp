@@ -62,7 +62,7 @@ struct Run {
         mesh(build_working_mesh(std::move(input), field)),
         level(given.sparing ? 0 : kErrorLevels.size() - 1),
         boundary(mesh, kErrorLevels[level] * given.max_surface_error, given.feature_deg),
-        scores(scale_of_ideal_volume(1.0), field) {
+        scores(scale_of(1.0), field) {
     report.vertices_in = mesh.points.size();
     report.tets_in = mesh.alive;
     report.boundary_faces_in = boundary.size();
@@ -84,10 +84,22 @@ struct Run {
     return flat / (size * size);
   }
 
+  ScoreScale scale_of(double ideal_volume) const {
+    return scale_of_ideal_volume(ideal_volume, form_of(options.objective));
+  }
+
+  /// A threshold of scores by solid angles, in the objective's own.
+  double flips_below(double score) const {
+    return options.objective == Objective::kShape ? kFlipsOfShape * score : score;
+  }
+  double repairs_below(double score) const {
+    return options.objective == Objective::kShape ? kRepairsOfShape * score : score;
+  }
+
   bool has_changed_boundary() const { return report.surface.collapses > 0; }
 
   void aim_at(double tets) {
-    scores = ScoreRule(scale_of_ideal_volume(room / std::max(1.0, tets)), field);
+    scores = ScoreRule(scale_of(room / std::max(1.0, tets)), field);
     std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
   }
 
@@ -114,8 +126,10 @@ struct Run {
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
-/// Repairs may leave a tet worse than what they found, as the skin may move and help it later.
-constexpr RepairTools kTools{.never_worse = false};
+/// By solid angles repairs may leave a tet worse than what they found.
+RepairTools tools_for(Objective objective) {
+  return {.never_worse = objective == Objective::kShape};
+}
 
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
@@ -152,7 +166,7 @@ void even_out(Run& run) {
   smoother.sweep(2);
   if (!run.has_changed_boundary()) return;
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
-  if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+  if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
   if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
 }
 
@@ -242,12 +256,12 @@ void polish(Run& run, std::uint64_t target) {
   const FlipRule rule = window_of(run, target);
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
-  Repairer repairer(run.mesh, run.scores, rule, kTools);
+  Repairer repairer(run.mesh, run.scores, rule, tools_for(run.options.objective));
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
-    if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(kPoorScore);
+    if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
     if (run.options.boundary_smoothing)
       smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
-    repairer.round(kRepairScore, kCompoundScore, 2);
+    repairer.round(run.repairs_below(kRepairScore), run.repairs_below(kCompoundScore), 2);
   }
 }
 
@@ -288,8 +302,8 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   // Refined may end 0.5% below; some collapses from a little above get closer.
   const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
-  inside.objective = Objective::kQuality;
-  inside.tools = kTools;
+  inside.objective = options.objective == Objective::kShape ? Objective::kShape : Objective::kQuality;
+  inside.tools = tools_for(options.objective);
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
