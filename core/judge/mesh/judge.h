@@ -63,7 +63,8 @@ struct Spread {
 };
 
 /// Shape of the tets, by the thesis's quality factor (2.3.5), by interior dihedral angles, and by ratios that
-/// are 1 for a regular tet alone (edge_ratio: for equal edges). Of these palpate.refined raises the mean ratio.
+/// are 1 for a regular tet alone (edge_ratio: for equal edges). Of these palpate.refined raises the mean
+/// ratio.
 ///
 ///   q = cbrt(q1 q2 q3);  q1 = least solid angle / 0.55 sr,  q2 = shortest / longest edge,
 ///   q3 = min(1, V / ideal volume)
