@@ -103,10 +103,9 @@ experiments::ContestantAnswer HostileContestant::answer(double timeout_s, std::u
   return run_contestant(task);
 }
 
-experiments::ContestantAnswer HostileContestant::answer_with(const std::string& file) const {
-  constexpr double kShort = 2.0;
+experiments::ContestantAnswer HostileContestant::answer_with(const std::string& file,
+                                                             double timeout_s) const {
   constexpr double kLong = 100.0;
-  double timeout_s = kShort;
   experiments::ContestantAnswer given = answer(timeout_s);
   while (!fs::exists(folder_ / "hostile" / file) && timeout_s < kLong) {
     timeout_s *= 4.0;

@@ -26,9 +26,9 @@ class HostileContestant {
 
   /// Runs it once by itself.
   experiments::ContestantAnswer answer(double timeout_s = 60.0, std::uint64_t memory_mib = 0) const;
-  /// Runs what never answers until it has made this file of its folder: for 2 s, or on a busy machine for
-  /// longer.
-  experiments::ContestantAnswer answer_with(const std::string& file) const;
+  /// Runs what never answers until it has made this file of its folder: for `timeout_s`, or on a busy machine
+  /// for longer.
+  experiments::ContestantAnswer answer_with(const std::string& file, double timeout_s = 2.0) const;
 
   /// A plan over it and the contestant that copies well ("good", before it and after it).
   std::filesystem::path plan(const std::string& run = "{repeats: 1}") const;

@@ -83,7 +83,7 @@ for i in range(50):
         os._exit(0)
 time.sleep(3600)
 )");
-  const ContestantAnswer answer = storm.answer_with("storm");
+  const ContestantAnswer answer = storm.answer_with("storm", 4.0);
   EXPECT_EQ(answer.outcome, "timed_out");
   EXPECT_THAT(answer.message, Not(HasSubstr("could not be ended")));
   EXPECT_TRUE(fs::exists(storm.folder() / "hostile/storm"));
