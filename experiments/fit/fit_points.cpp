@@ -19,6 +19,7 @@ using nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 constexpr double kNearMiss = 1.05;  // of the tolerance
+constexpr double kSameCost = 1.25;  // times: a table of compliances was timed at 40 to 54 us again and again
 
 std::optional<double> number_at(const json& record, const std::string& pointer) {
   const json::json_pointer at(pointer);
@@ -85,9 +86,20 @@ bool is_worth_halving(const KnownShare& low, const KnownShare* high, double at_m
   return low.meets || std::min(low.expected, high->expected) <= kNearMiss * at_most;
 }
 
-/// The middle between a share and the next one up; null: nothing there is.
-std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShare* high,
-                                          const std::string& simplifier) {
+/// What a share above the greatest one costs: by its tetrahedra, or by how the cost fell from the share
+/// below, if that is more. A table of compliances costs the same on whatever mesh.
+double cost_above(const KnownShare& low, const KnownShare* below, double kept_ratio, double step) {
+  const double by_tets = low.cost_s * kept_ratio;
+  if (below == nullptr || !std::isfinite(below->cost_s)) return by_tets;
+  const double from = below->point->candidate.removed();
+  const double slope = (below->cost_s - low.cost_s) / (low.point->candidate.removed() - from);
+  return std::max(by_tets, low.cost_s - slope * step);
+}
+
+/// The middle between a share and the next one up, `below` the one before it (null: none); null: nothing is
+/// there.
+std::optional<FitProspect> prospect_above(const KnownShare* below, const KnownShare& low,
+                                          const KnownShare* high, const std::string& simplifier) {
   constexpr double kAll = 1.0;  // no mesh is left there
   const double from = low.point->candidate.removed();
   const double to = high == nullptr ? kAll : high->point->candidate.removed();
@@ -101,10 +113,30 @@ std::optional<FitProspect> prospect_above(const KnownShare& low, const KnownShar
   const double cost = low.cost_s;
   const bool is_between = high != nullptr && std::isfinite(high->cost_s);
   found.cost_s = is_between ? cost + (high->cost_s - cost) * (middle - from) / (to - from)
-                            : cost * (kAll - middle) / (kAll - from);
+                            : cost_above(low, below, (kAll - middle) / (kAll - from), middle - from);
+  found.expected_error = high == nullptr
+                             ? kNone
+                             : low.expected + (high->expected - low.expected) * (middle - from) / (to - from);
   found.is_likely = low.meets && low.is_likely;
   found.is_between = true;
   return found;
+}
+
+/// The likely ones first, the cheapest of each first; of what costs the same within noise as the cheapest
+/// that is left, the most accurate.
+void sort_prospects(std::vector<FitProspect>& found) {
+  std::stable_sort(found.begin(), found.end(), [](const FitProspect& a, const FitProspect& b) {
+    return a.is_likely != b.is_likely ? a.is_likely : a.cost_s < b.cost_s;
+  });
+  for (auto from = found.begin(); from != found.end();) {
+    const auto to = std::find_if(from, found.end(), [&](const FitProspect& each) {
+      return each.is_likely != from->is_likely || each.cost_s > kSameCost * from->cost_s;
+    });
+    std::stable_sort(from, to, [](const FitProspect& a, const FitProspect& b) {
+      return a.expected_error < b.expected_error;
+    });
+    from = to;
+  }
 }
 
 std::string scene_of(const json& record) {
@@ -326,7 +358,7 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
     const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
     const bool is_likely = meets && expected <= require.at_most;
     known[model].push_back({&point, meets, is_likely, point.cost(), expected});
-    if (meets) found.push_back({point.candidate, point.cost(), is_likely, false});
+    if (meets) found.push_back({point.candidate, point.cost(), expected, is_likely, false});
   }
   for (auto& [model, shares] : known) {
     std::stable_sort(shares.begin(), shares.end(), [](const KnownShare& a, const KnownShare& b) {
@@ -341,9 +373,11 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
       });
       lower_costs(own, found);
       for (std::size_t k = 0; k < own.size(); ++k) {
+        const KnownShare* below = k > 0 ? &own[k - 1] : nullptr;
         const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
         if (!is_worth_halving(own[k], next, require.at_most)) continue;
-        if (const auto middle = prospect_above(own[k], next, simplifier.label)) found.push_back(*middle);
+        if (const auto middle = prospect_above(below, own[k], next, simplifier.label))
+          found.push_back(*middle);
       }
     }
   }
@@ -351,9 +385,7 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
     return !(each.cost_s < most_cost_s) || find_same(checked, each.candidate) != nullptr;
   };
   found.erase(std::remove_if(found.begin(), found.end(), is_out), found.end());
-  std::stable_sort(found.begin(), found.end(), [](const FitProspect& a, const FitProspect& b) {
-    return a.is_likely != b.is_likely ? a.is_likely : a.cost_s < b.cost_s;
-  });
+  sort_prospects(found);
   return found;
 }
 

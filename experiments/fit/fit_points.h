@@ -72,13 +72,14 @@ bool is_modal(const FitCandidate& candidate);
 /// with the least error. What was not taken stays. Null if there is none of modes.
 const FitPoint* take_modal_finalist(std::vector<const FitPoint*>& good, double at_most);
 
-/// What a candidate that may be looked at on more loads is expected to come to: neither decides anything but
-/// the order.
+/// What a candidate that may be looked at on more loads is expected to come to: none of it decides anything
+/// but the order.
 struct FitProspect {
   FitCandidate candidate;
   double cost_s = 0.0;
-  bool is_likely = true;    ///< what is known of its model on other loads does not speak against it
-  bool is_between = false;  ///< it is a share between two, which the search has not run
+  double expected_error = 0.0;  ///< relative, the worst on all loads; infinity: nothing is known of it
+  bool is_likely = true;        ///< what is known of its model on other loads does not speak against it
+  bool is_between = false;      ///< it is a share between two, which the search has not run
 };
 
 /// How many times a model's worst error over all loads (of a confirmed point, the estimated one) is that on
@@ -86,12 +87,13 @@ struct FitProspect {
 double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
                        const std::string& model);
 
-/// What is worth a check on all loads, the likely ones first, the cheapest of each first: points of the
-/// search that meet all on the scene itself, and, where one share of a simplifier meets it and the next one
-/// up does not, or both miss the tolerance and one of them by less than a twentieth of it, the share in the
-/// middle (down to steps of kLeastShareStep; above the greatest share, half of what is left). Costs in the
-/// middle are read off the line between both, and fewer tetrahedra are expected to cost no more. Left out:
-/// what was checked, graded meshes (their sizes are for one share), and what is expected to cost
+/// What is worth a check on all loads, the likely ones first, the cheapest of each first, and of those that
+/// cost the same within noise (1.25 times the cheapest of them at most) the most accurate first: points of
+/// the search that meet all on the scene itself, and, where one share of a simplifier meets it and the next
+/// one up does not, or both miss the tolerance and one of them by less than a twentieth of it, the share in
+/// the middle (down to steps of kLeastShareStep; above the greatest share, half of what is left). Costs in
+/// the middle are read off the line between both, and fewer tetrahedra are expected to cost no more. Left
+/// out: what was checked, graded meshes (their sizes are for one share), and what is expected to cost
 /// `most_cost_s` or more.
 std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
                                         const std::vector<FitPoint>& checked, const FitCandidates& candidates,

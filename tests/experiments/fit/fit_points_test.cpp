@@ -216,7 +216,7 @@ constexpr double kAnyCost = std::numeric_limits<double>::infinity();
 TEST_F(FitProspects, BetweenAShareThatMeetsItAndTheNextTheMiddleIsWorthACheck) {
   searched_ = {point(0.0, {0.01}, 10.0), point(0.3, {0.04}, 6.0), point(0.5, {0.06}, 4.0),
                point(0.9, {0.2}, 1.0)};
-  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.4, 5.0}, {0.3, 6.0}, {0.0, 10.0}}));
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.3, 6.0}, {0.4, 5.0}, {0.0, 10.0}}));
   EXPECT_EQ(prospects(6.0), (Shares{{0.4, 5.0}}));
   checked_ = {point(0.3, {0.04, 0.045}, 6.0), point(0.4, {0.048, 0.06}, 5.0)};
   EXPECT_EQ(prospects(0.97 * 6.0), (Shares{{0.35, 5.5}}));
@@ -231,6 +231,13 @@ TEST_F(FitProspects, NoShareIsExpectedToCostMoreThanOneWithMoreTetrahedra) {
   searched_ = {point(0.0, {0.01}, 10.0), point(0.3, {0.02}, 6.0), point(0.5, {0.03}, 60.0),
                point(0.9, {0.2}, 2.0)};
   EXPECT_EQ(prospects(kAnyCost), (Shares{{0.7, 4.0}, {0.3, 6.0}, {0.5, 6.0}, {0.0, 10.0}}));
+}
+
+/// What costs the same on whatever mesh stands by its error: else coarse ones are refused one by one, until
+/// the time is up.
+TEST_F(FitProspects, OfWhatCostsTheSameTheMostAccurateComesFirst) {
+  searched_ = {point(0.0, {0.01}, 7.4), point(0.3, {0.03}, 7.0), point(0.5, {0.04}, 6.6)};
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.0, 7.4}, {0.3, 7.0}, {0.5, 6.6}, {0.75, 6.1}}));
 }
 
 /// Errors need not grow with the share: between two that miss the tolerance by little one may meet it.
@@ -265,7 +272,7 @@ TEST_F(FitProspects, WhatARefusedChoiceLeavesIsLookedAtAgain) {
   EXPECT_TRUE(prospects(0.97 * 6.0).empty());
   checked_[0] = point(0.3, {0.04, 0.045, 0.052}, 6.0);
   EXPECT_TRUE(choose_cheapest(checked_, require_).empty());
-  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.15, 8.0}, {0.0, 10.0}}));
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.0, 10.0}, {0.15, 8.0}}));
 }
 
 /// What a model was worse by on other loads makes its other shares unlikely: they are looked at last, and not
@@ -275,14 +282,14 @@ TEST_F(FitProspects, WhatIsExpectedToMissOnOtherLoadsComesLast) {
   checked_ = {point(0.5, {0.045, 0.06}, 4.0)};
   EXPECT_NEAR(growth_on_loads(searched_, checked_, "a"), 4.0 / 3.0, 1e-12);
   EXPECT_EQ(growth_on_loads(searched_, checked_, "b"), 1.0);
-  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.0, 10.0}, {-0.4, 5.0}, {-0.3, 6.0}}));
+  EXPECT_EQ(prospects(kAnyCost), (Shares{{0.0, 10.0}, {-0.3, 6.0}, {-0.4, 5.0}}));
 }
 
 TEST_F(FitProspects, UntilOneIsVerifiedHalfOfARoundAreOfTheSearch) {
   std::vector<FitProspect> found;
   for (const double ratio : {0.4, 0.6, 0.7, 0.3, 0.5, 0.1}) {
     const bool is_between = ratio == 0.4 || ratio == 0.6 || ratio == 0.7;
-    found.push_back({point(ratio, {0.01}, 1.0).candidate, 1.0, true, is_between});
+    found.push_back({point(ratio, {0.01}, 1.0).candidate, 1.0, 0.01, true, is_between});
   }
   const auto shares = [&](bool has_choice) {
     std::vector<double> ratios;
