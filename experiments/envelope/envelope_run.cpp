@@ -9,7 +9,7 @@
 #include "experiments/envelope/fitted_folder.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
-#include "experiments/fit/fit_points.h"
+#include "experiments/fit/candidates/fit_points.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"

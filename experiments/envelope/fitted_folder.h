@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "experiments/fit/fit_candidates.h"
-#include "experiments/fit/fit_plan.h"
+#include "experiments/fit/candidates/fit_candidates.h"
+#include "experiments/fit/candidates/fit_plan.h"
 
 namespace palpate::experiments {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "experiments/fit/fit_points.h"
+#include "experiments/fit/candidates/fit_points.h"
 #include "experiments/trials/frozen_choice.h"
 
 namespace palpate::experiments {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "experiments/fit/fit_points.h"
+#include "experiments/fit/candidates/fit_points.h"
 #include "experiments/text/terminal.h"
 #include "experiments/trials/fit_stepping.h"
 

@@ -194,7 +194,9 @@ const char* work_text(FitWork work) {
 std::string loads_text(const json& fit) {
   const auto further = fit.at("confirming_loads").get<std::size_t>();
   std::string text = "it and on " + std::to_string(kOtherLoads) + " other loads that it was chosen by";
-  if (further > 0) return text + ", and on " + std::to_string(further) + " more that it was not chosen by";
+  if (further > 0)
+    return text + ", and on " + std::to_string(further) + " more, the worst of " +
+           fit.at("looked_at_loads").dump() + " that it was not chosen by";
   return text + " (no further ones were run)";
 }
 
@@ -288,6 +290,7 @@ json describe_fit(const FitResult& result) {
            {"choice", nullptr},
            {"nearest", nullptr},
            {"confirming_loads", 0},
+           {"looked_at_loads", 0},
            {"savings", json::array()},
            {"tried", json::array()},
            {"checked", json::array()},
@@ -311,6 +314,7 @@ json describe_fit(const FitResult& result) {
   if (result.choice) {
     fit["choice"] = describe_point(*result.choice);
     fit["confirming_loads"] = std::max(result.choice->error.size(), 1 + kOtherLoads) - 1 - kOtherLoads;
+    fit["looked_at_loads"] = std::max<std::size_t>(result.choice->looked_at, fit.at("confirming_loads"));
     fit["savings"] = describe_savings(result);
   } else if (result.nearest) {
     fit["nearest"] = describe_point(*result.nearest);

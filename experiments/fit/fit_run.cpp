@@ -5,10 +5,13 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
+#include <optional>
 
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
 #include "experiments/files/output_file.h"
+#include "experiments/fit/candidates/fit_prospects.h"
 #include "experiments/fit/fit_freeze.h"
 #include "experiments/fit/fit_motions.h"
 #include "experiments/fit/fit_search.h"
@@ -34,6 +37,7 @@ constexpr std::size_t kMostRounds = 4;
 constexpr int kTimingRepeats = 5;
 constexpr double kStillShare = 0.1;     ///< of the time limit: no still part is looked for with less
 constexpr double kLookingShare = 0.85;  ///< of the time limit: then no cheaper one is looked for any more
+constexpr double kFurtherShare = 0.3;   ///< of what is left: then no further loads are looked at any more
 constexpr double kWorthChecking = 0.9;  ///< of the cost of what is verified: a smaller gain is within noise
 
 class Fit {
@@ -193,15 +197,52 @@ class Fit {
     return text;
   }
 
-  /// Runs the choice on the loads that confirm it; its errors there count like the others. True if it holds,
-  /// or if no time is left to tell; FitPoint::error says how many loads it was run on.
+  /// Numbers of the further loads on which a candidate is the farthest off, the worst first, against
+  /// quadratic elements on the scene's own mesh: that tells which, in a fraction of the time. Loads that
+  /// there was no time for come last, in their order. `looked_at` is told how many were looked at.
+  std::vector<std::size_t> rank_further_loads(const FitPlan& search, const FitCandidate& candidate,
+                                              std::size_t& looked_at) {
+    FitPlan plan = search;
+    plan.folder = options_.out / ("look_" + std::to_string(looks_++));
+    plan.levels = 1;
+    plan.measures_answers = false;
+    plan.candidates = {candidate};
+    plan.scenes.assign(others_.begin() + kOtherLoads, others_.end());
+    progress_.show_long("looks for the loads on which " + candidate.name() + " is the farthest off");
+    const bool was_complete = result_.is_complete;
+    run_stage(plan, kFurtherShare * left_s());
+    if (!result_.is_interrupted) result_.is_complete = was_complete;  // fewer loads are no fault
+    const fs::path records = plan.folder / "run" / "records.jsonl";
+    std::vector<std::optional<double>> errors(kFurtherLoads);
+    if (fs::exists(records)) errors = read_errors(read_records(records), plan, require(), candidate);
+    std::vector<std::size_t> order(kFurtherLoads);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return errors[a].value_or(-1.0) > errors[b].value_or(-1.0);
+    });
+    looked_at = static_cast<std::size_t>(
+        std::count_if(errors.begin(), errors.end(), [](const auto& error) { return error.has_value(); }));
+    for (std::size_t& number : order) number += 1 + kOtherLoads;
+    return order;
+  }
+
+  /// Runs the choice on the worst of the further loads; its errors there count like the others. True if it
+  /// holds, or if no time is left to tell; FitPoint::error says how many loads it was run on.
   bool confirm(const FitPlan& search, FitPoint& point) {
     if (point.error.size() > 1 + kOtherLoads || left_s() <= 0.0) return true;
+    std::size_t looked_at = 0;
+    std::vector<std::size_t> loads = rank_further_loads(search, point.candidate, looked_at);
+    loads.resize(kConfirmingLoads);
     FitPlan plan = plan_check(search, 0);
-    plan.scenes.insert(plan.scenes.end(), others_.begin() + kOtherLoads, others_.end());
+    std::vector<std::string> names;
+    for (const std::size_t number : loads) {
+      plan.scenes.push_back(others_[number - 1]);
+      names.push_back("scene_" + std::to_string(number));
+    }
     plan.candidates = {point.candidate};
+    if (left_s() <= 0.0) return true;
     progress_.show_long("confirms " + point.candidate.name());
-    prepare_references(search, {"scene_4", "scene_5"});
+    prepare_references(search, names);
     if (left_s() <= 0.0) return true;
     run_stage(plan, left_s());
     const FitPoint again = read_stage(plan).front();
@@ -210,6 +251,8 @@ class Fit {
       point.error.insert(point.error.end(), again.error.begin() + 1, again.error.end());
       point.own_error.insert(point.own_error.end(), again.own_error.begin() + 1, again.own_error.end());
       point.is_confirmed = true;
+      point.confirmed_on = loads;
+      point.looked_at = looked_at;
     } else if (!is_cut_short) {
       point.failure = "on further loads: " + again.failure;
     }
@@ -267,8 +310,7 @@ class Fit {
   /// Holds still what hardly moves of the choice, if that is cheaper and within the tolerance.
   void freeze(FitPlan check) {
     FitPoint& choice = *result_.choice;
-    for (std::size_t k = check.scenes.size(); k < choice.error.size(); ++k)
-      check.scenes.push_back(others_[k - 1]);
+    for (const std::size_t number : choice.confirmed_on) check.scenes.push_back(others_[number - 1]);
     if (!choice.stepping || is_modal(choice.candidate)) return;
     if (left_s() <= kStillShare * options_.time_limit_s) return;
     progress_.show_long("still parts of " + choice.candidate.name());
@@ -348,8 +390,9 @@ class Fit {
   Progress& progress_;
   Stopwatch watch_;
   FitCandidates candidates_;
-  std::vector<json> others_;              ///< the scene under the other loads, 1, 2, ...
-  std::size_t checks_ = 0;                ///< each has a folder
+  std::vector<json> others_;  ///< the scene under the other loads, 1, 2, ...
+  std::size_t checks_ = 0;    ///< each has a folder
+  std::size_t looks_ = 0;
   std::map<std::string, fs::path> runs_;  ///< of what was checked at rest, by its label
   std::optional<SceneRequirement> without_budget_;
   FitResult result_;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/fit/fit_points.h"
+#include "experiments/fit/candidates/fit_points.h"
 #include "experiments/text/terminal.h"
 #include "experiments/trials/frozen_choice.h"
 
@@ -42,8 +42,9 @@ struct FitResult {
 /// Searches all candidates on the scene at rest, takes the cheapest that meet the tolerance with the
 /// reference's own error on top, and runs those again with more repeats on the scene and on kOtherLoads other
 /// loads, until the cheapest of them meets it everywhere. Of a scene at rest shares between the candidates'
-/// are looked at too, as long as they may be cheaper. What is chosen is run on kConfirmingLoads more loads:
-/// if it does not hold there, or what is estimated of all loads like these does not, the next is looked for.
+/// are looked at too, as long as they may be cheaper. What is chosen is looked at under kFurtherLoads more
+/// loads and run on the kConfirmingLoads worst of them: if it does not hold there, or what is estimated of
+/// all loads like these does not, the next is looked for.
 ///
 /// Throws: InputError for a scene without "require", a folder that holds something, and as run_plan.
 FitResult run_fit(const FitOptions& options, const Registry& registry, Progress& progress);

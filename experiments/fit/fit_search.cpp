@@ -48,7 +48,7 @@ class Planner {
     progress.show_long("mesh");
     const TetMesh mesh = build_scene_mesh(task_.scene.mesh).mesh;
     find_error_points(*place_scene(task_.scene, mesh).require, mesh);  // refuses places without a vertex
-    for (std::size_t k = 1; k <= kOtherLoads + kConfirmingLoads; ++k)
+    for (std::size_t k = 1; k <= kOtherLoads + kFurtherLoads; ++k)
       found_.others.push_back(other_scene(k, mesh));
     grade(mesh);
     plan.levels = mesh.tets.size() <= kMostTetsForThirdLevel ? 3 : 2;

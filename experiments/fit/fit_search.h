@@ -10,7 +10,7 @@
 
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
-#include "experiments/fit/fit_plan.h"
+#include "experiments/fit/candidates/fit_plan.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
@@ -26,7 +26,7 @@ struct SearchTask {
 
 struct FitSearch {
   FitPlan plan;                        ///< of one scene
-  std::vector<nlohmann::json> others;  ///< the scene under the other loads, kOtherLoads + kConfirmingLoads
+  std::vector<nlohmann::json> others;  ///< the scene under the other loads, kOtherLoads + kFurtherLoads
   std::vector<std::string> dropped;    ///< what cannot do what is needed, and why
   bool is_complete = true;             ///< false: a graded mesh was not prepared
 };
@@ -59,7 +59,9 @@ bool grade_simplifiers(FitCandidates& candidates, const Scene& scene, const TetM
 
 /// Loads beside the scene's own that the choice is made by (numbers 1, 2, ... of perturbed_scene).
 inline constexpr std::size_t kOtherLoads = 3;
-/// Loads that it is confirmed on after that (the numbers that follow).
+/// Loads that it is looked at coarsely under after that (the numbers that follow), and so many of them, the
+/// worst, that it is confirmed on.
+inline constexpr std::size_t kFurtherLoads = 12;
 inline constexpr std::size_t kConfirmingLoads = 2;
 
 }  // namespace palpate::experiments

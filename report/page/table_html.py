@@ -3,6 +3,7 @@
 import math
 
 from page.markup import Markup, escape, join, tag
+from shared.run_file import is_number
 
 MOST_ROWS = 400  # of a table; the rest is in its file
 FEWEST_ROWS = 20  # of a table where the page is full
@@ -19,13 +20,6 @@ def number_text(value, digits):
     if size >= 10 ** max(7, digits) or size < 1e-4:
         return f"{value:.{digits - 1}e}"
     return f"{float(f'{value:.{digits}g}'):,.15g}"
-
-
-def is_number(value):
-    try:
-        return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:  # a whole number that no double holds
-        return False
 
 
 def cell(value, column, is_first):

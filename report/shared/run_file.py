@@ -115,7 +115,7 @@ def read_object(path, most=MOST_BYTES):
 def is_number(value):
     """Whether it is a number of JSON that a double can hold; true and false are none."""
     try:
-        return type(value) in (int, float) and math.isfinite(value)
+        return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
     except OverflowError:  # a whole number of more than 308 digits
         return False
 

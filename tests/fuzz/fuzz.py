@@ -26,7 +26,7 @@ SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.
            "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/reduced/pod_file.cpp", "reference/cgal/surface_file.cpp",
            "reference/cgal/*_claims.cpp", "experiments/text/yaml_value.cpp", "experiments/contestants/answer_form.cpp",
            "experiments/contestants/contestant.cpp", "experiments/contestants/stop.cpp",
-           "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/fit_candidates.cpp",
+           "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/candidates/fit_candidates.cpp",
            "experiments/plan_reader/*.cpp", "experiments/runner/read_plan.cpp", "experiments/contests/*/plan_*.cpp",
            "experiments/contests/stability/stability_answer.cpp", "experiments/contests/engine/engine_judge.cpp", "experiments/scene_reader/*.cpp",
            "experiments/spring_training/training_plan.cpp"]

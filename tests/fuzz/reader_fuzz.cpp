@@ -23,7 +23,7 @@
 #include "experiments/contestants/contestant.h"
 #include "experiments/contests/engine/engine_judge.h"
 #include "experiments/contests/stability/stability_answer.h"
-#include "experiments/fit/fit_candidates.h"
+#include "experiments/fit/candidates/fit_candidates.h"
 #include "experiments/gates/accepted_figures.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"

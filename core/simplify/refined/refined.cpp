@@ -35,13 +35,13 @@ constexpr std::array<Effort, kMostEffort + 1> kEfforts{{{0.70, 0.05, 0, 0.12, 1,
                                                         {0.85, 0.15, 0, 0.40, 3, 14, 0.20, 0.12, 6},
                                                         {0.90, 0.20, 1, 1.00, 3, 24, 0.25, 0.14, 8}}};
 
-Effort effort_of(const RefinedOptions& options) {
-  Effort effort = kEfforts.at(static_cast<std::size_t>(options.effort));
-  if (options.objective != Objective::kShape) return effort;
-  effort.stage_threshold *= kFlipsOfShape;
-  effort.final_threshold *= kFlipsOfShape;
-  effort.repair_threshold *= kRepairsOfShape;
-  effort.compound_threshold *= kRepairsOfShape;
+/// With thresholds in the scale's own scores.
+Effort effort_of(int level, const ScoreScale& scale) {
+  Effort effort = kEfforts.at(static_cast<std::size_t>(level));
+  effort.stage_threshold *= scale.flip_share;
+  effort.final_threshold *= scale.flip_share;
+  effort.repair_threshold *= scale.repair_share;
+  effort.compound_threshold *= scale.repair_share;
   return effort;
 }
 
@@ -87,7 +87,7 @@ class Run {
       : mesh_(std::move(mesh)),
         scores_(scores),
         options_(options),
-        effort_(effort_of(options)),
+        effort_(effort_of(options.effort, scores.far())),
         target_(target),
         smoother_(mesh_, scores_),
         flipper_(mesh_, scores_, {}),

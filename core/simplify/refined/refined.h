@@ -16,11 +16,6 @@ namespace palpate::simplify {
 /// The highest effort.
 inline constexpr int kMostEffort = 5;
 
-/// With scores by the mean ratio, which are lower, thresholds of flips and of repairs are so many times those
-/// with scores by solid angles.
-inline constexpr double kFlipsOfShape = 0.6;
-inline constexpr double kRepairsOfShape = 0.7;
-
 /// What tets are scored by for an objective.
 constexpr ScoreForm form_of(Objective objective) {
   return objective == Objective::kShape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle;

@@ -88,13 +88,9 @@ struct Run {
     return scale_of_ideal_volume(ideal_volume, form_of(options.objective));
   }
 
-  /// A threshold of scores by solid angles, in the objective's own.
-  double flips_below(double score) const {
-    return options.objective == Objective::kShape ? kFlipsOfShape * score : score;
-  }
-  double repairs_below(double score) const {
-    return options.objective == Objective::kShape ? kRepairsOfShape * score : score;
-  }
+  /// Thresholds of scores by solid angles, in the scale's own.
+  double flips_below(double score) const { return scores.far().flip_share * score; }
+  double repairs_below(double score) const { return scores.far().repair_share * score; }
 
   bool has_changed_boundary() const { return report.surface.collapses > 0; }
 

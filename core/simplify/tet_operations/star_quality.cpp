@@ -11,13 +11,14 @@ namespace palpate::simplify {
 
 ScoreScale scale_of_ideal_volume(double ideal_volume, ScoreForm form) {
   constexpr double kEdgeCubedPerVolume = 8.485281374238571;  // 6 sqrt(2), of a regular tet
-  constexpr double kUsualOfMeanRatio = 0.18;
-  constexpr double kGainOffsetOfMeanRatio = 0.4;
   ScoreScale scale;
   scale.form = form;
   if (form == ScoreForm::kMeanRatio) {
-    scale.usual_score = kUsualOfMeanRatio;
-    scale.gain_offset = kGainOffsetOfMeanRatio;
+    scale.usual_score = 0.18;
+    scale.gain_offset = 0.4;
+    scale.small_volume = 2.5;
+    scale.flip_share = 0.6;  // these scores are lower
+    scale.repair_share = 0.7;
   }
   scale.ideal_volume = ideal_volume;
   const double edge = std::cbrt(kEdgeCubedPerVolume * ideal_volume);
@@ -45,7 +46,7 @@ void StarQuality::close() {
 
 void StarQuality::take_scale() {
   const double ideal = scale_.ideal_volume * scale_.unit * scale_.unit * scale_.unit;
-  const double small = scale_.form == ScoreForm::kMeanRatio ? ideal / kSmallVolume : ideal;
+  const double small = ideal / scale_.small_volume;
   inverse_six_ideal_ = static_cast<float>(1.0 / (6.0 * small));
 }
 

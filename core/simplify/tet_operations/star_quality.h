@@ -23,7 +23,7 @@ enum class ScoreForm : std::uint8_t {
 ///
 ///   score = min(shape, dihedral_weight * sin^2(the dihedral angle farthest from 90 degrees)),
 ///   shape = q^3 = (least solid angle / 0.55 sr) (shortest / longest edge) min(1, V / ideal), or
-///   shape = kMeanRatioWeight eta^3 min(1, kSmallVolume V / ideal), eta^3 = 15552 V^2 / (sum of l^2)^3
+///   shape = kMeanRatioWeight eta^3 min(1, small_volume V / ideal), eta^3 = 15552 V^2 / (sum of l^2)^3
 ///
 /// without cube root or trigonometry: the least solid angle is 2 atan(x), x = 6 V / (largest denominator of
 /// Van Oosterom and Strackee's formula), and as it is at most 0.5513 sr, x <= 0.283 and four terms of the
@@ -37,14 +37,16 @@ struct ScoreScale {
   double gain_offset = 0.1;  ///< c of gain_of_score: the smaller, the more the worst tets count
   ScoreForm form = ScoreForm::kSolidAngle;
   double usual_score = 0.33;  ///< of a tet of a good mesh (q about 0.7): what a tet more or less is worth
+  double small_volume = 1.0;  ///< the ideal volume over the greatest one that counts as small
+  double flip_share = 1.0;    ///< thresholds of flips and of repairs, over those for scores by solid angles
+  double repair_share = 1.0;
 };
 
-/// The scale for tets of a given ideal volume, in one of the forms.
+/// The scale for tets of a given ideal volume, in one of the forms, with all that is usual for it.
 ScoreScale scale_of_ideal_volume(double ideal_volume, ScoreForm form = ScoreForm::kSolidAngle);
 
-/// How much of the mean ratio's cube is a score, and up to which share of the ideal volume a tet is small.
+/// How much of the mean ratio's cube is a score.
 inline constexpr double kMeanRatioWeight = 0.2;
-inline constexpr double kSmallVolume = 2.5;
 
 /// What a score is worth in a sum over tets: -1 / (c + score), steep where the score is low. Sums of it trade
 /// the mean against the worst.

@@ -1,4 +1,4 @@
-#include "experiments/fit/fit_candidates.h"
+#include "experiments/fit/candidates/fit_candidates.h"
 
 #include <algorithm>
 #include <limits>

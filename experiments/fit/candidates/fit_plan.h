@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/fit/fit_candidates.h"
+#include "experiments/fit/candidates/fit_candidates.h"
 
 namespace palpate::experiments {
 

@@ -1,4 +1,4 @@
-#include "experiments/fit/fit_plan.h"
+#include "experiments/fit/candidates/fit_plan.h"
 
 #include <algorithm>
 #include <array>

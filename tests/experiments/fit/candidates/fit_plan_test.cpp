@@ -1,5 +1,5 @@
 // What a fit tries: candidates as data, loads that the choice never saw, the plan of its search.
-#include "experiments/fit/fit_plan.h"
+#include "experiments/fit/candidates/fit_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,34 @@
+// Where a simplification ended above the count that was asked for: how far it got, what held it and what gets
+// there.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "core/mesh/tet_mesh.h"
+#include "experiments/contestants/contestant.h"
+#include "experiments/contestants/contestant_run.h"
+
+namespace palpate::experiments {
+
+/// Where a skin that was left as it is keeps the mesh from what was asked for: what would coarsen it too.
+/// Empty where less than three quarters of the tets touch the skin.
+std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::string& method);
+
+/// The most tets that may be left at a stop by count or by ratio; nothing for other stops.
+std::optional<double> wanted_tets(const TetMesh& in, const Stop& stop);
+
+/// How far a run came that has not reached its count, and what stood in its way; `report` is the run's.
+nlohmann::json describe_shortfall(const TetMesh& in, const TetMesh& out, double wanted,
+                                  const nlohmann::json& report);
+
+/// Adds as "way_out" the least of some distances, in the mesh's unit, with which palpate.surface reaches the
+/// count; null stays if none does. What was tried is in "tried_bounds". Takes some seconds.
+void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry,
+                  nlohmann::json& shortfall);
+
+/// A shortfall in words.
+std::string shortfall_text(const nlohmann::json& shortfall);
+
+}  // namespace palpate::experiments
