@@ -90,14 +90,15 @@ class Planner {
 
   json other_scene(std::size_t k, const TetMesh& mesh) const {
     const json& own = found_.plan.scenes.front();
-    json other = perturbed_scene(own, k);
+    const LoadRange range = k <= kOtherLoads ? LoadRange::kBorder : LoadRange::kWhole;
+    json other = perturbed_scene(own, k, range);
     const fs::path file = task_.out / "loads" / ("scene_" + std::to_string(k) + ".yaml");
     create_folder(file.parent_path());
     write_file_atomically(file, other.dump(1) + "\n");
     try {
       resolve_problem(place_scene(read_scene(file), mesh), mesh);
     } catch (const InputError&) {
-      other = perturbed_scene(own, k, false);
+      other = perturbed_scene(own, k, range, false);
       write_file_atomically(file, other.dump(1) + "\n");
     }
     return other;

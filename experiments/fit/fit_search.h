@@ -57,10 +57,11 @@ struct GradingTask {
 bool grade_simplifiers(FitCandidates& candidates, const Scene& scene, const TetMesh& mesh,
                        const GradingTask& task, std::vector<std::string>& dropped);
 
-/// Loads beside the scene's own that the choice is made by (numbers 1, 2, ... of perturbed_scene).
+/// Loads beside the scene's own that the choice is made by (numbers 1, 2, ... of perturbed_scene, on the
+/// border).
 inline constexpr std::size_t kOtherLoads = 3;
-/// Loads that it is looked at coarsely under after that (the numbers that follow), and so many of them, the
-/// worst, that it is confirmed on.
+/// Loads anywhere in the range that it is looked at coarsely under after that (the numbers that follow), and
+/// so many of them, the worst, that it is confirmed on.
 inline constexpr std::size_t kFurtherLoads = 12;
 inline constexpr std::size_t kConfirmingLoads = 2;
 

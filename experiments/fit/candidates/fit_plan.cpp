@@ -8,6 +8,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/number_text.h"
+#include "core/base/random.h"
 #include "core/base/types.h"
 #include "experiments/files/output_file.h"
 #include "experiments/plan_reader/plan.h"
@@ -36,19 +37,32 @@ json list_of(const Vec3& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Points on the border of the range of loads, spread evenly however many there are: a Kronecker sequence by
+/// Points of the range of loads. On its border, spread evenly however many there are: a Kronecker sequence by
 /// the inverse powers of the root of x^4 = x + 1 (M. Roberts' R3), another offset for each further number.
-class BorderPoint {
+/// Anywhere in it, drawn at random, the number being the seed.
+class RangePoint {
  public:
-  explicit BorderPoint(std::uint64_t number) : number_(static_cast<double>(number)) {}
+  RangePoint(std::uint64_t number, LoadRange range)
+      : number_(static_cast<double>(number)), range_(range), random_(number) {}
 
   /// The point's next number, in [0, 1).
   double next_share() {
+    if (range_ == LoadRange::kWhole) return random_.uniform();
     constexpr std::array kSteps = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     constexpr double kGolden = 0.6180339887498949;
     const double share = number_ * kSteps[count_ % kSteps.size()] + static_cast<double>(count_) * kGolden;
     ++count_;
     return share - std::floor(share);
+  }
+
+  /// How far towards the border it is, in [0, 1].
+  double next_reach() { return range_ == LoadRange::kBorder ? 1.0 : random_.uniform(); }
+
+  /// What the scene's own size is multiplied by.
+  double next_growth() {
+    const double share = next_share();
+    if (range_ == LoadRange::kBorder) return share < 0.5 ? 1.0 - kMostGrowth : 1.0 + kMostGrowth;
+    return 1.0 + kMostGrowth * (2.0 * share - 1.0);
   }
 
   double next_angle() { return 2.0 * std::numbers::pi * next_share(); }
@@ -62,6 +76,8 @@ class BorderPoint {
 
  private:
   double number_;
+  LoadRange range_;
+  SplitMix64 random_;
   std::size_t count_ = 0;
 };
 
@@ -78,21 +94,23 @@ Vec3 turned(const Vec3& v, double angle, double azimuth) {
   return size * (std::cos(angle) * along + std::sin(angle) * across);
 }
 
-void perturb_vector(json& list, BorderPoint& border) {
-  const Vec3 v = turned(vector_of(list), kMostTurn, border.next_angle());
-  list = list_of((border.next_share() < 0.5 ? 1.0 - kMostGrowth : 1.0 + kMostGrowth) * v);
+void perturb_vector(json& list, RangePoint& point) {
+  const double angle = kMostTurn * point.next_reach();
+  const Vec3 v = turned(vector_of(list), angle, point.next_angle());
+  list = list_of(point.next_growth() * v);
 }
 
 /// Moves a sphere; half-spaces and boxes are parts of the body that a load means, and stay.
-void perturb_place(json& load, BorderPoint& border) {
+void perturb_place(json& load, RangePoint& point) {
   if (!load.contains("sphere")) return;
   json& sphere = load["sphere"];
   if (sphere.contains("surface_point")) {
     json& direction = sphere["surface_point"]["direction"];
-    direction = list_of(turned(vector_of(direction), kMostPlaceTurn, border.next_angle()));
+    const double angle = kMostPlaceTurn * point.next_reach();
+    direction = list_of(turned(vector_of(direction), angle, point.next_angle()));
   } else if (sphere.contains("center_m") && sphere.contains("radius_m")) {
-    const double shift = kMostShift * sphere["radius_m"].get<double>();
-    sphere["center_m"] = list_of(vector_of(sphere["center_m"]) + shift * border.next_unit_vector());
+    const double shift = kMostShift * sphere["radius_m"].get<double>() * point.next_reach();
+    sphere["center_m"] = list_of(vector_of(sphere["center_m"]) + shift * point.next_unit_vector());
   }
 }
 
@@ -206,18 +224,18 @@ json build_fitted_scene(const Scene& placed, const FitModel& model) {
   return scene;
 }
 
-json perturbed_scene(const json& scene, std::uint64_t number, bool moves_places) {
+json perturbed_scene(const json& scene, std::uint64_t number, LoadRange range, bool moves_places) {
   json out = scene;
-  BorderPoint border(number);
+  RangePoint point(number, range);
   for (json& load : out["load"]) {
-    if (load.contains("gravity_m_s2")) perturb_vector(load["gravity_m_s2"], border);
+    if (load.contains("gravity_m_s2")) perturb_vector(load["gravity_m_s2"], point);
     if (load.contains("displace")) {
-      if (moves_places) perturb_place(load["displace"], border);
-      perturb_vector(load["displace"]["by_m"], border);
+      if (moves_places) perturb_place(load["displace"], point);
+      perturb_vector(load["displace"]["by_m"], point);
     }
     if (load.contains("force")) {
-      if (moves_places) perturb_place(load["force"], border);
-      perturb_vector(load["force"]["total_n"], border);
+      if (moves_places) perturb_place(load["force"], point);
+      perturb_vector(load["force"]["total_n"], point);
     }
   }
   return out;

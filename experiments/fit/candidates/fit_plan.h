@@ -35,11 +35,17 @@ std::vector<FitCandidate> list_candidates(const FitCandidates& candidates, FitWo
 /// Throws: InputError as read_yaml.
 nlohmann::json static_scene(const Scene& scene);
 
-/// Other loads on the same supports, on the border of the range that a fit is meant for: each one's direction
-/// turned by 30 degrees, its size times 0.7 or 1.3, and its place moved by half its radius (a direction on
-/// the surface, by 15 degrees); half-spaces and boxes stay, and all places without `moves_places`. Numbers 1,
-/// 2, ... lie spread evenly around the scene's own.
-nlohmann::json perturbed_scene(const nlohmann::json& scene, std::uint64_t number, bool moves_places = true);
+/// Where in the range that a fit is meant for another load lies.
+enum class LoadRange : std::uint8_t {
+  kBorder,  ///< where loads differ most from the scene's own; numbers lie spread evenly around it
+  kWhole    ///< anywhere, at random: the number is the seed
+};
+
+/// Other loads on the same supports: each one's direction turned by up to 30 degrees, its size times 0.7 to
+/// 1.3, and its place moved by up to half its radius (a direction on the surface, by up to 15 degrees);
+/// half-spaces and boxes stay, and all places without `moves_places`.
+nlohmann::json perturbed_scene(const nlohmann::json& scene, std::uint64_t number,
+                               LoadRange range = LoadRange::kBorder, bool moves_places = true);
 
 /// The scene with the model and `organ.mesh` (metres) beside it. Regions are in metres: they stay where the
 /// scene's own mesh had them. `placed` is the scene on that (place_scene).

@@ -69,6 +69,39 @@ TEST(PerturbedScene, LiesOnTheBorderOfWhatItSays) {
   }
 }
 
+/// Loads drawn from the whole range reach all of it, and nothing beyond.
+TEST(PerturbedScene, DrawnFromTheWholeRangeItLiesAnywhereInIt) {
+  double most_turn = 0.0;
+  double least_turn = 1.0;
+  double least = 2.0;
+  double most = 0.0;
+  double farthest = 0.0;
+  const auto at = "/load/1/force/total_n"_json_pointer;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    const json scene = perturbed_scene(kPressed, seed, LoadRange::kWhole);
+    EXPECT_EQ(scene, perturbed_scene(kPressed, seed, LoadRange::kWhole));
+    const Vec3 before = as_vector(kPressed.at(at));
+    const Vec3 after = as_vector(scene.at(at));
+    const double turn = angle_between(before, after);
+    most_turn = std::max(most_turn, turn);
+    least_turn = std::min(least_turn, turn);
+    least = std::min(least, length(after) / length(before));
+    most = std::max(most, length(after) / length(before));
+    const Vec3 moved =
+        as_vector(scene.at("/load/1/force/sphere/center_m"_json_pointer)) - Vec3{0.01, 0.02, 0.03};
+    farthest = std::max(farthest, length(moved));
+  }
+  EXPECT_LT(least_turn, 0.02);
+  EXPECT_GT(most_turn, 0.5);
+  EXPECT_LE(most_turn, std::numbers::pi / 6.0 + 1e-9);
+  EXPECT_LT(least, 0.72);
+  EXPECT_GE(least, 0.7 - 1e-12);
+  EXPECT_GT(most, 1.28);
+  EXPECT_LE(most, 1.3 + 1e-12);
+  EXPECT_GT(farthest, 0.0049);
+  EXPECT_LE(farthest, 0.005 + 1e-12);
+}
+
 /// Five loads on a cone about the scene's own leave no wide gap: 72 degrees apart they would lie evenly.
 TEST(PerturbedScene, TheFirstFiveLieAroundTheScenesOwn) {
   for (const auto& at : {"/load/0/gravity_m_s2"_json_pointer, "/load/1/force/total_n"_json_pointer,
