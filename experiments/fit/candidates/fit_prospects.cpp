@@ -89,6 +89,7 @@ std::optional<FitProspect> prospect_above(const KnownShare* below, const KnownSh
 void alternate(std::vector<FitProspect>::iterator from, std::vector<FitProspect>::iterator to) {
   std::vector<FitProspect> cheap(from, to);
   std::vector<const FitProspect*> accurate;
+  accurate.reserve(cheap.size());
   for (const FitProspect& each : cheap) accurate.push_back(&each);
   std::stable_sort(accurate.begin(), accurate.end(), [](const FitProspect* a, const FitProspect* b) {
     return a->expected_error < b->expected_error;
