@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "core/base/plain_file.h"
 
 namespace palpate {
 
@@ -29,7 +28,7 @@ AtomicFile::AtomicFile(std::filesystem::path path) : path_(std::move(path)) {
     throw InputError(path_.string(), 0, "a file to write", "a folder");
   }
   is_special_ = std::filesystem::is_other(path_, ignored);
-  partial_ = is_special_ ? path_.string() : path_.string() + kPartialMark + std::to_string(::getpid());
+  partial_ = is_special_ ? path_.string() : path_.string() + ".partial-" + std::to_string(::getpid());
   file_ = std::fopen(partial_.c_str(), "wb");
   if (file_ == nullptr) fail("a folder that can be written");
 }
