@@ -206,6 +206,7 @@ class Fit {
     plan.folder = options_.out / ("look_" + std::to_string(looks_++));
     plan.levels = 1;
     plan.measures_answers = false;
+    plan.work = FitWork::kFirst;  // nothing is timed
     plan.candidates = {candidate};
     plan.scenes.assign(others_.begin() + kOtherLoads, others_.end());
     progress_.show_long("looks for the loads on which " + candidate.name() + " is the farthest off");

@@ -65,11 +65,10 @@ TEST_F(FitSearchPlan, APadThatWouldLoseItsOnlyFaceKeepsItsPlace) {
   press_a_face(1.01);
   const FitSearch found = plan();
   const json& own = found.plan.scenes.front();
-  ASSERT_EQ(found.others.size(), kOtherLoads + kConfirmingLoads);
-  for (const json& other : found.others) {
-    EXPECT_EQ(place(other), place(own));
-    EXPECT_NE(way(other), way(own));
-  }
+  ASSERT_EQ(found.others.size(), kOtherLoads + kFurtherLoads);
+  // A smaller move, of one within the range, may leave it its face.
+  for (std::size_t k = 0; k < kOtherLoads; ++k) EXPECT_EQ(place(found.others[k]), place(own)) << k;
+  for (const json& other : found.others) EXPECT_NE(way(other), way(own));
 }
 
 TEST_F(FitSearchPlan, APadOfManyFacesMoves) {
