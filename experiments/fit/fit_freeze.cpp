@@ -69,7 +69,8 @@ class Freezer {
       tried.why_not = held.failure;
       return tried;
     }
-    held.is_confirmed = choice_.is_confirmed;
+    held.confirmed_on = choice_.confirmed_on;
+    held.looked_at = choice_.looked_at;
     tried.error = held.known_error() + choice_.stepping->error.value_or(0.0);
     const std::vector<double> costs = look_at_motion(file, folder, tried);
     tried.why_not = why_not_frozen(tried, mesh_.tets.size(), task_.at_most);

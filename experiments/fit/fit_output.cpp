@@ -313,7 +313,7 @@ json describe_fit(const FitResult& result) {
   });
   if (result.choice) {
     fit["choice"] = describe_point(*result.choice);
-    fit["confirming_loads"] = std::max(result.choice->error.size(), 1 + kOtherLoads) - 1 - kOtherLoads;
+    fit["confirming_loads"] = result.choice->confirmed_on.size();
     fit["looked_at_loads"] = std::max<std::size_t>(result.choice->looked_at, fit.at("confirming_loads"));
     fit["savings"] = describe_savings(result);
   } else if (result.nearest) {

@@ -251,7 +251,6 @@ class Fit {
     if (again.failure.empty()) {
       point.error.insert(point.error.end(), again.error.begin() + 1, again.error.end());
       point.own_error.insert(point.own_error.end(), again.own_error.begin() + 1, again.own_error.end());
-      point.is_confirmed = true;
       point.confirmed_on = loads;
       point.looked_at = looked_at;
     } else if (!is_cut_short) {

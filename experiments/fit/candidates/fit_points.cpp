@@ -109,7 +109,7 @@ double FitPoint::estimated_error() const {
 }
 
 double FitPoint::known_error() const {
-  return is_confirmed ? estimated_error() : worst_error();
+  return is_confirmed() ? estimated_error() : worst_error();
 }
 
 std::vector<std::optional<double>> read_errors(const std::vector<json>& records, const FitPlan& plan,
@@ -172,7 +172,7 @@ std::string why_not(const FitPoint& point, const SceneRequirement& require) {
   const auto add = [&](const std::string& text) { why += (why.empty() ? "" : "; ") + text; };
   if (point.worst_error() > require.at_most)
     add("error up to " + three_digits(100.0 * point.worst_error()) + "%");
-  else if (point.is_confirmed && point.estimated_error() > require.at_most)
+  else if (point.is_confirmed() && point.estimated_error() > require.at_most)
     add("error estimated to reach " + three_digits(100.0 * point.estimated_error()) +
         "% on loads like these (up to " + three_digits(100.0 * point.worst_error()) + "% seen)");
   if (point.cost() > budget_of(require))
@@ -194,9 +194,9 @@ std::string why_not_chosen(const FitPoint& point, const std::vector<FitPoint>& c
 
 const FitPoint* find_better_refused(const FitPoint& point, const std::vector<FitPoint>& checked,
                                     const SceneRequirement& require) {
-  if (point.is_confirmed) return nullptr;
+  if (point.is_confirmed()) return nullptr;
   for (const FitPoint& other : checked) {
-    if (!other.is_confirmed || other.candidate.model.label != point.candidate.model.label) continue;
+    if (!other.is_confirmed() || other.candidate.model.label != point.candidate.model.label) continue;
     const std::size_t both = std::min(point.error.size(), other.error.size());
     if (worst_of_first(other, both) <= worst_of_first(point, both) && !why_not(other, require).empty())
       return &other;

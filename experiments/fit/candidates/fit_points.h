@@ -25,13 +25,14 @@ struct FitPoint {
   std::optional<double> explicit_step_s;
   std::optional<double> answer_s;  ///< of a back-substitution, where the plan asks for it
   std::uint64_t memory_bytes = 0;
-  std::string failure;                      ///< why it has no figure; empty if it has
-  std::vector<SteppingTry> steppings{};     ///< on the scene's own motion
-  std::optional<SteppingTry> stepping{};    ///< the one that is taken; its cost is the point's then
-  bool is_confirmed = false;                ///< run on loads that nothing was chosen by
-  std::vector<std::size_t> confirmed_on{};  ///< numbers of those loads; their errors are the last ones
+  std::string failure;                    ///< why it has no figure; empty if it has
+  std::vector<SteppingTry> steppings{};   ///< on the scene's own motion
+  std::optional<SteppingTry> stepping{};  ///< the one that is taken; its cost is the point's then
+  /// Numbers of the loads that it was run on and nothing was chosen by; their errors are the last ones.
+  std::vector<std::size_t> confirmed_on{};
   std::size_t looked_at = 0;  ///< loads that they are the worst of, as far as a coarse look tells
 
+  bool is_confirmed() const { return !confirmed_on.empty(); }
   double cost() const;
   /// The largest of error + own_error, and what the step leaves of the motion on top: no more than this is
   /// certain.

@@ -70,7 +70,7 @@ TEST_F(FitChoice, AConfirmedPointIsHeldByWhatOtherLoadsAreEstimatedToReach) {
   EXPECT_NEAR(point.estimated_error(), 0.038 + (std::sqrt(10.0) - 1.0) * range, 1e-15);
   require_.at_most = 0.072;
   EXPECT_EQ(why_not(point, require_), "");
-  point.is_confirmed = true;
+  point.confirmed_on = {4, 5};
   EXPECT_THAT(why_not(point, require_),
               HasSubstr("estimated to reach 7.26% on loads like these (up to 3.8% seen)"));
   require_.at_most = 0.073;
@@ -94,7 +94,7 @@ TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
     made.cost_s = {1.0};
     made.error = errors;
     made.own_error.assign(errors.size(), 0.0);
-    made.is_confirmed = errors.size() > 4;
+    if (errors.size() > 4) made.confirmed_on = {4, 5};
     return made;
   };
   const std::vector<FitPoint> checked = {
