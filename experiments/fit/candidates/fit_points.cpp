@@ -17,6 +17,8 @@ namespace {
 using nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
+/// Further loads may add so much less to the errors on meshes by another simplifier.
+constexpr double kOtherMeshes = 1.05;
 
 std::optional<double> number_at(const json& record, const std::string& pointer) {
   const json::json_pointer at(pointer);
@@ -82,6 +84,11 @@ double worst_of_first(const FitPoint& point, std::size_t count) {
   double worst = 0.0;
   for (std::size_t k = 0; k < count; ++k) worst = std::max(worst, point.error[k] + point.own_error[k]);
   return worst;
+}
+
+/// Whether both are shares of one simplifier; the mesh as it is belongs to each.
+bool has_same_meshes(const FitCandidate& a, const FitCandidate& b) {
+  return a.simplifier == b.simplifier || !a.ratio || !b.ratio;
 }
 
 }  // namespace
@@ -198,8 +205,12 @@ const FitPoint* find_better_refused(const FitPoint& point, const std::vector<Fit
   for (const FitPoint& other : checked) {
     if (!other.is_confirmed() || other.candidate.model.label != point.candidate.model.label) continue;
     const std::size_t both = std::min(point.error.size(), other.error.size());
-    if (worst_of_first(other, both) <= worst_of_first(point, both) && !why_not(other, require).empty())
-      return &other;
+    const double own = worst_of_first(point, both);
+    const double better = worst_of_first(other, both);
+    if (own < better || why_not(other, require).empty()) continue;
+    const double most =
+        require.at_most * (has_same_meshes(point.candidate, other.candidate) ? 1.0 : kOtherMeshes);
+    if (other.known_error() * own > most * better) return &other;
   }
   return nullptr;
 }

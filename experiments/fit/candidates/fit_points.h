@@ -66,7 +66,9 @@ std::string why_not_chosen(const FitPoint& point, const std::vector<FitPoint>& c
                            const SceneRequirement& require);
 
 /// One that was refused on further loads, of the same model as a point that was not run on them, and no worse
-/// on those that both were run on; null: none.
+/// on those that both were run on, if the point is over the tolerance too once further loads add to its error
+/// what they added to that one's; on meshes by another simplifier by a twentieth, since they may add less
+/// there. Null: none.
 const FitPoint* find_better_refused(const FitPoint& point, const std::vector<FitPoint>& checked,
                                     const SceneRequirement& require);
 

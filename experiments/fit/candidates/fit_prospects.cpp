@@ -22,6 +22,7 @@ bool is_same(const FitCandidate& a, const FitCandidate& b) {
 /// A share of one model and simplifier, as far as it is known.
 struct KnownShare {
   const FitPoint* point;
+  bool is_checked;
   bool meets;      ///< on all loads where it was checked, on the scene itself else
   bool is_likely;  ///< it meets all on other loads too, as far as its model is known
   double cost_s;
@@ -85,6 +86,51 @@ std::optional<FitProspect> prospect_above(const KnownShare* below, const KnownSh
   return found;
 }
 
+/// By model, all that is known of it, the fewest tetrahedra removed first: a check says more than the search.
+std::map<std::string, std::vector<KnownShare>> known_shares(const std::vector<FitPoint>& searched,
+                                                            const std::vector<FitPoint>& checked,
+                                                            const SceneRequirement& require) {
+  std::map<std::string, std::vector<KnownShare>> known;
+  for (const FitPoint& point : checked) {
+    const FitPoint* refused = find_better_refused(point, checked, require);
+    const bool meets = refused == nullptr && why_not(point, require).empty();
+    const double expected =
+        refused == nullptr ? point.known_error() : std::max(point.worst_error(), refused->known_error());
+    known[point.candidate.model.label].push_back({&point, true, meets, true, point.cost(), expected});
+  }
+  for (const FitPoint& point : searched) {
+    if (find_point(checked, point.candidate) != nullptr) continue;
+    const std::string& model = point.candidate.model.label;
+    const bool meets = why_not(point, require).empty();
+    const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
+    const bool is_likely = meets && expected <= require.at_most;
+    known[model].push_back({&point, false, meets, is_likely, point.cost(), expected});
+  }
+  for (auto& [model, shares] : known) {
+    std::stable_sort(shares.begin(), shares.end(), [](const KnownShare& a, const KnownShare& b) {
+      return a.point->candidate.removed() < b.point->candidate.removed();
+    });
+  }
+  return known;
+}
+
+/// Adds what lies between one model's shares by one simplifier, and lowers what `found` has of them.
+void add_between(const std::vector<KnownShare>& shares, const std::string& simplifier, double at_most,
+                 std::vector<FitProspect>& found) {
+  std::vector<KnownShare> own;
+  std::copy_if(shares.begin(), shares.end(), std::back_inserter(own), [&](const KnownShare& share) {
+    const FitCandidate& candidate = share.point->candidate;
+    return !candidate.ratio || candidate.simplifier == simplifier;
+  });
+  lower_costs(own, found);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const KnownShare* below = k > 0 ? &own[k - 1] : nullptr;
+    const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
+    if (!is_worth_halving(own[k], next, at_most)) continue;
+    if (const auto middle = prospect_above(below, own[k], next, simplifier)) found.push_back(*middle);
+  }
+}
+
 /// Of what costs the same within noise, from the cheapest on: the most accurate and the cheapest by turns.
 void alternate(std::vector<FitProspect>::iterator from, std::vector<FitProspect>::iterator to) {
   std::vector<FitProspect> cheap(from, to);
@@ -143,43 +189,13 @@ std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
                                         const std::vector<FitPoint>& checked, const FitCandidates& candidates,
                                         const SceneRequirement& require, double most_cost_s) {
   std::vector<FitProspect> found;
-  // By model, all that is known of it: a check says more than the search.
-  std::map<std::string, std::vector<KnownShare>> known;
-  for (const FitPoint& point : checked) {
-    const FitPoint* refused = find_better_refused(point, checked, require);
-    const bool meets = refused == nullptr && why_not(point, require).empty();
-    const double expected =
-        refused == nullptr ? point.known_error() : std::max(point.worst_error(), refused->known_error());
-    known[point.candidate.model.label].push_back({&point, meets, true, point.cost(), expected});
-  }
-  for (const FitPoint& point : searched) {
-    if (find_point(checked, point.candidate) != nullptr) continue;
-    const std::string& model = point.candidate.model.label;
-    const bool meets = why_not(point, require).empty();
-    const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
-    const bool is_likely = meets && expected <= require.at_most;
-    known[model].push_back({&point, meets, is_likely, point.cost(), expected});
-    if (meets) found.push_back({point.candidate, point.cost(), expected, is_likely, false});
-  }
-  for (auto& [model, shares] : known) {
-    std::stable_sort(shares.begin(), shares.end(), [](const KnownShare& a, const KnownShare& b) {
-      return a.point->candidate.removed() < b.point->candidate.removed();
-    });
+  for (auto& [model, shares] : known_shares(searched, checked, require)) {
+    for (const KnownShare& share : shares) {
+      if (!share.is_checked && share.meets)
+        found.push_back({share.point->candidate, share.cost_s, share.expected, share.is_likely, false});
+    }
     for (const FitSimplifier& simplifier : candidates.simplifiers) {
-      if (simplifier.grade) continue;
-      std::vector<KnownShare> own;
-      std::copy_if(shares.begin(), shares.end(), std::back_inserter(own), [&](const KnownShare& share) {
-        const FitCandidate& candidate = share.point->candidate;
-        return !candidate.ratio || candidate.simplifier == simplifier.label;
-      });
-      lower_costs(own, found);
-      for (std::size_t k = 0; k < own.size(); ++k) {
-        const KnownShare* below = k > 0 ? &own[k - 1] : nullptr;
-        const KnownShare* next = k + 1 < own.size() ? &own[k + 1] : nullptr;
-        if (!is_worth_halving(own[k], next, require.at_most)) continue;
-        if (const auto middle = prospect_above(below, own[k], next, simplifier.label))
-          found.push_back(*middle);
-      }
+      if (!simplifier.grade) add_between(shares, simplifier.label, require.at_most, found);
     }
   }
   const auto is_out = [&](const FitProspect& each) {

@@ -112,6 +112,32 @@ TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
       << "the other one is no better, though it was run on fewer";
 }
 
+/// Further loads add more to the errors on one simplifier's meshes than on another's, but not much more.
+TEST_F(FitChoice, ARefusedOneSpeaksForOtherSimplifiersWhereTheyAreClearlyOver) {
+  const auto point = [](const std::string& simplifier, double ratio, const std::vector<double>& errors) {
+    FitPoint made;
+    made.candidate = candidate_of("a");
+    made.candidate.simplifier = simplifier;
+    made.candidate.ratio = ratio;
+    made.cost_s = {1.0};
+    made.error = errors;
+    made.own_error.assign(errors.size(), 0.0);
+    if (errors.size() > 4) {
+      made.confirmed_on = {4, 5};
+      made.looked_at = 100'000;  // the estimate is the largest seen
+    }
+    return made;
+  };
+  const std::vector<FitPoint> checked = {point("refined", 0.5, {0.046, 0.04, 0.04, 0.04, 0.04, 0.0505}),
+                                         point("refined", 0.4, {0.0462, 0.04, 0.04, 0.04}),
+                                         point("surface", 0.5, {0.0462, 0.04, 0.04, 0.04}),
+                                         point("surface", 0.6, {0.049, 0.04, 0.04, 0.04})};
+  const auto why = [&](std::size_t k) { return why_not_chosen(checked[k], checked, require_); };
+  EXPECT_THAT(why(1), HasSubstr("no better than")) << "another share of the same simplifier";
+  EXPECT_EQ(why(2), "") << "5.07% expected of 5%";
+  EXPECT_THAT(why(3), HasSubstr("no better than a, refined -50%")) << "5.38% expected of 5%";
+}
+
 /// Records stand in the order in which they were run, errors in that of the scenes.
 TEST_F(FitChoice, ErrorsStandInTheOrderOfTheScenes) {
   plan_.scenes.resize(3);
