@@ -17,6 +17,7 @@ Exit code: 0 if every promise held and no cost is over 1.3 times the finer sweep
 import argparse
 import csv
 import json
+import os
 import pathlib
 import shutil
 import statistics
@@ -36,7 +37,7 @@ REPEATS = 9  # of the timed comparison
 FIT_S = 300  # what a user gives it, without asking for more
 FINER_S = 600  # of the sweep
 HEADER = ["scene", "body", "held_out", "load", "tolerance", "poisson_ratio", "work", "choice", "promised_error", "worst_fresh_error", "reference_error",
-          "kept", "cost_s", "finer_choice", "finer_cost_s", "ratio", "fit_s", "note"]
+          "kept", "cost_s", "finer_choice", "finer_cost_s", "ratio", "fit_s", "confirming_loads", "processors", "note"]
 
 
 def scenes():
@@ -184,7 +185,7 @@ def try_scene(program, folder, each, vertices):
     row = dict(each) | {"note": why}
     if found is None:
         return row
-    row["fit_s"] = found["wall_s"]
+    row |= {"fit_s": found["wall_s"], "confirming_loads": found["confirming_loads"], "processors": len(os.sched_getaffinity(0))}
     finer, why = fit(program, home / "scene.yaml", home / "finer", home / "finer.yaml", FINER_S)
     choice, other = found["choice"], finer and finer["choice"]
     if choice is None or other is None:
