@@ -45,13 +45,23 @@ class ThirtyScenes(unittest.TestCase):
     def test_promises(self):
         over = [float(row["worst_fresh_error"]) / float(row["promised_error"]) - 1 for row in self.judged]
         more = [each for each in over if each > 0]
-        self.holds(f"{len(more)} of them leave more there than `fit.json` promised, by up to {three_digits(100 * max(more, default=0))}%")
+        self.holds(f"{len(more)} of them {'leaves' if len(more) == 1 else 'leave'} more there than `fit.json` promised, by up to {three_digits(100 * max(more, default=0))}%")
 
     def test_costs(self):
         ratios = [float(row["ratio"]) for row in self.judged]
         self.holds(f"median {statistics.median(ratios):.2f}, {min(ratios):.2f} to {max(ratios):.2f}")
         unseen = [float(row["ratio"]) for row in self.judged if row["held_out"] == "True"]
-        self.holds(f"bodies that nothing was chosen on: median {statistics.median(unseen):.2f}, at most {max(unseen):.2f} ({len(unseen)} scenes)")
+        self.holds(f"bodies that no model was chosen on: median {statistics.median(unseen):.2f}, at most {max(unseen):.2f} ({len(unseen)} scenes)")
+
+    def test_processors(self):
+        alone = [row for row in self.rows if row["processors"] == "1"]
+        others = ", ".join(row["scene"] for row in self.rows if row["processors"] != "1")
+        self.holds(f"{len(alone)} of them had a processor each")
+        self.holds(f"{len(self.rows) - len(alone)} had both ({others})")
+
+    def test_confirmations(self):
+        confirmed = [row for row in self.judged if int(row["confirming_loads"]) > 0]
+        self.holds(f"{len(confirmed)} of the {len(self.judged)} choices are confirmed")
 
     def test_scenes_without_a_model(self):
         others = [row for row in self.rows if not row["kept"]]

@@ -10,7 +10,8 @@ PROGRAM is build/release/bin/palpate. Each scene is a body, a load, a tolerance,
   3. both choices side by side: nine times on the scene, for their costs, and once on five loads that neither fit has seen (seeds 101 to 105).
 
 A line a scene in FOLDER/fits.csv as it is done, and a summary. Scenes that are there already are left out. The first 15 scenes are of
-bodies that other methods were looked at on (kidney, liver, bean), the others of bodies on which nothing was chosen.
+bodies that other methods were looked at on (kidney, liver, bean), the others of bodies on which no model was chosen; the search itself
+was mended on some of the thirty. Scenes 30 to 39 (--first 30 --scenes 10) are of bodies that none before them is of.
 Exit code: 0 if every promise held and no cost is over 1.3 times the finer sweep's, else 1.
 """
 
@@ -26,7 +27,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 BODIES = ["kidney", "liver", "bean", "gallbladder", "spleen", "lobes"]
-HELD_OUT = BODIES[3:]
+LATER = ["bear", "fist", "stomach", "ring"]  # no scene that the search was mended on is of them
+HELD_OUT = BODIES[3:] + LATER
 LOADS = ["gravity", "force", "displace"]
 TOLERANCES = [0.1, 0.06, 0.04]
 RATIOS = [0.3, 0.45, 0.49]
@@ -42,10 +44,10 @@ HEADER = ["scene", "body", "held_out", "load", "tolerance", "poisson_ratio", "wo
 
 def scenes():
     """Thirty scenes, no two alike: each body with five, loads, tolerances, ratios and works by the digits of a number to the base of three and their sums,
-    so that none goes with one other alone."""
-    for number in range(30):
+    so that none goes with one other alone; and ten more, of the later bodies in turns."""
+    for number in range(40):
         first, second, third = number % 3, number // 3 % 3, number // 9 % 3
-        body = BODIES[number // 5]
+        body = BODIES[number // 5] if number < 30 else LATER[(number - 30) % len(LATER)]
         yield {"scene": number, "body": body, "held_out": body in HELD_OUT, "load": LOADS[first], "tolerance": TOLERANCES[second],
                "poisson_ratio": RATIOS[(first + second + third) % 3], "work": WORKS[(first + 2 * second + 2 * third) % 3]}
 
