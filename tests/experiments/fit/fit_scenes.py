@@ -111,7 +111,10 @@ def compare(program, folder, each, choices):
     base = json.loads((folder.parent / "fit/search/scene_0.yaml").read_text(encoding="utf-8"))
     (folder / "own.yaml").write_text(json.dumps(base), encoding="utf-8")
     for seed in FRESH_SEEDS:
-        (folder / f"fresh_{seed}.yaml").write_text(json.dumps(perturbed(base, seed)), encoding="utf-8")
+        fresh = folder / f"fresh_{seed}.yaml"
+        fresh.write_text(json.dumps(perturbed(base, seed)), encoding="utf-8")
+        if run(program, "check", str(fresh)).returncode != 0:  # nothing lies in that direction: the place stays, as in a fit
+            fresh.write_text(json.dumps(perturbed(base, seed, moves_places=False)), encoding="utf-8")
     searched = json.loads((folder.parent / "fit/search/plan.yaml").read_text(encoding="utf-8"))["simplify"]  # graded meshes with their sizes
     own = run_choices(program, folder / "own", ["own"], REPEATS, each, choices, searched)
     records = own + run_choices(program, folder / "fresh", [f"fresh_{seed}" for seed in FRESH_SEEDS], 1, each, choices, searched)
@@ -147,7 +150,7 @@ def run_choices(program, run, scenes, repeats, each, choices, searched):
     return [json.loads(line) for line in (run / "records.jsonl").read_text(encoding="utf-8").splitlines()]
 
 
-def perturbed(scene, seed):
+def perturbed(scene, seed, moves_places=True):
     """Other loads than the program's own perturbations: turned by up to 30 degrees, 0.7 to 1.3 times the size, moved by up to 15 degrees."""
     import math
     import random
@@ -171,7 +174,7 @@ def perturbed(scene, seed):
             where = load if key is None else load[kind]
             name = kind if key is None else key
             where[name] = [grown * x for x in turned(where[name], math.pi / 6)]
-            if key is not None:
+            if key is not None and moves_places:
                 point = where["sphere"]["surface_point"]
                 point["direction"] = turned(point["direction"], math.pi / 12)
     return made
@@ -212,7 +215,7 @@ def main():
     done = {int(row["scene"]) for row in rows}
     with table.open("a", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, HEADER)
-        if not rows:
+        if stream.tell() == 0:
             writer.writeheader()
         for each in list(scenes())[given.first:given.first + given.scenes]:
             if each["scene"] in done:
