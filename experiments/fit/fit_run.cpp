@@ -141,8 +141,9 @@ class Fit {
   void check_at_rest(const FitPlan& search) {
     while (left_s() > 0.0 && !result_.is_interrupted) {
       const FitPoint* best = find_verified();
-      const double most_cost =
-          best == nullptr ? std::numeric_limits<double>::infinity() : kWorthChecking * best->cost();
+      const double most_cost = best == nullptr
+                                   ? std::numeric_limits<double>::infinity()
+                                   : kWorthChecking * lowered_cost(*best, result_.searched, result_.checked);
       const auto prospects =
           list_prospects(result_.searched, result_.checked, candidates_, require(), most_cost);
       const bool may_look = best == nullptr || watch_.seconds() < kLookingShare * options_.time_limit_s;

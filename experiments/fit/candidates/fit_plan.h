@@ -24,6 +24,9 @@ struct FitCandidate {
 
   /// The share of tetrahedra that is removed; 0 for the mesh as it is.
   double removed() const { return ratio.value_or(0.0); }
+
+  /// Whether it is a share by that simplifier; the mesh as it is belongs to each.
+  bool is_share_of(const std::string& label) const { return !ratio || simplifier == label; }
 };
 
 /// All of a list that can do what the scene needs; `dropped` gets the others' labels with the reason.

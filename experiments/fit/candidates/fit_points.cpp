@@ -86,11 +86,6 @@ double worst_of_first(const FitPoint& point, std::size_t count) {
   return worst;
 }
 
-/// Whether both are shares of one simplifier; the mesh as it is belongs to each.
-bool has_same_meshes(const FitCandidate& a, const FitCandidate& b) {
-  return a.simplifier == b.simplifier || !a.ratio || !b.ratio;
-}
-
 }  // namespace
 
 double FitPoint::cost() const {
@@ -208,8 +203,9 @@ const FitPoint* find_better_refused(const FitPoint& point, const std::vector<Fit
     const double own = worst_of_first(point, both);
     const double better = worst_of_first(other, both);
     if (own < better || why_not(other, require).empty()) continue;
-    const double most =
-        require.at_most * (has_same_meshes(point.candidate, other.candidate) ? 1.0 : kOtherMeshes);
+    const bool has_same_meshes =
+        !other.candidate.ratio || point.candidate.is_share_of(other.candidate.simplifier);
+    const double most = require.at_most * (has_same_meshes ? 1.0 : kOtherMeshes);
     if (other.known_error() * own > most * better) return &other;
   }
   return nullptr;

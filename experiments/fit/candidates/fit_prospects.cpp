@@ -118,10 +118,8 @@ std::map<std::string, std::vector<KnownShare>> known_shares(const std::vector<Fi
 void add_between(const std::vector<KnownShare>& shares, const std::string& simplifier, double at_most,
                  std::vector<FitProspect>& found) {
   std::vector<KnownShare> own;
-  std::copy_if(shares.begin(), shares.end(), std::back_inserter(own), [&](const KnownShare& share) {
-    const FitCandidate& candidate = share.point->candidate;
-    return !candidate.ratio || candidate.simplifier == simplifier;
-  });
+  std::copy_if(shares.begin(), shares.end(), std::back_inserter(own),
+               [&](const KnownShare& share) { return share.point->candidate.is_share_of(simplifier); });
   lower_costs(own, found);
   for (std::size_t k = 0; k < own.size(); ++k) {
     const KnownShare* below = k > 0 ? &own[k - 1] : nullptr;
@@ -183,6 +181,23 @@ double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<
       growth = std::max(growth, point.known_error() / alone);
   }
   return growth;
+}
+
+double lowered_cost(const FitPoint& point, const std::vector<FitPoint>& searched,
+                    const std::vector<FitPoint>& checked) {
+  const FitCandidate& own = point.candidate;
+  double least = point.cost();
+  const auto lower = [&](const FitPoint& other) {
+    const FitCandidate& candidate = other.candidate;
+    const bool is_finer = candidate.model.label == own.model.label && candidate.is_share_of(own.simplifier) &&
+                          candidate.removed() <= own.removed();
+    if (is_finer) least = std::min(least, other.cost());
+  };
+  std::for_each(checked.begin(), checked.end(), lower);
+  for (const FitPoint& other : searched) {
+    if (find_point(checked, other.candidate) == nullptr) lower(other);
+  }
+  return least;
 }
 
 std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,

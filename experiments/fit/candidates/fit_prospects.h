@@ -24,6 +24,11 @@ struct FitProspect {
 double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
                        const std::string& model);
 
+/// What a point costs, lowered as prospects are: no more than what was checked or searched of its model and
+/// simplifier with no more removed. Seconds.
+double lowered_cost(const FitPoint& point, const std::vector<FitPoint>& searched,
+                    const std::vector<FitPoint>& checked);
+
 /// What is worth a check on all loads, the likely ones first, the cheapest of each first, and those that
 /// cost the same within noise (1.25 times the cheapest of them at most) the most accurate and the cheapest by
 /// turns: points of the search that meet all on the scene itself, and, where one share of a simplifier meets

@@ -41,6 +41,18 @@ json reference_of(const std::string& scene, const json& own) {
           {"judge", {{"reference_error_deformation", own}}}};
 }
 
+/// A point of model `label` with the worst errors on the scene and on other loads; of more than four loads
+/// the last two confirm it.
+FitPoint point_of(const std::string& label, const std::vector<double>& errors) {
+  FitPoint made;
+  made.candidate = candidate_of(label);
+  made.cost_s = {1.0};
+  made.error = errors;
+  made.own_error.assign(errors.size(), 0.0);
+  if (errors.size() > 4) made.confirmed_on = {4, 5};
+  return made;
+}
+
 class FitChoice : public testing::Test {
  protected:
   FitChoice() {
@@ -88,19 +100,10 @@ TEST_F(FitChoice, AConfirmedPointIsHeldByWhatOtherLoadsAreEstimatedToReach) {
 /// What further loads refused of one model they are spared to say again of those that are no better on the
 /// first.
 TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
-  const auto point = [](const std::string& label, const std::vector<double>& errors) {
-    FitPoint made;
-    made.candidate = candidate_of(label);
-    made.cost_s = {1.0};
-    made.error = errors;
-    made.own_error.assign(errors.size(), 0.0);
-    if (errors.size() > 4) made.confirmed_on = {4, 5};
-    return made;
-  };
   const std::vector<FitPoint> checked = {
-      point("a", {0.03, 0.04, 0.03, 0.03, 0.03, 0.06}), point("a", {0.04, 0.03, 0.02, 0.04}),
-      point("a", {0.03, 0.039, 0.03, 0.03}), point("b", {0.04, 0.04, 0.04, 0.04}),
-      point("a", {0.04, 0.041, 0.041, 0.04, 0.04, 0.04})};
+      point_of("a", {0.03, 0.04, 0.03, 0.03, 0.03, 0.06}), point_of("a", {0.04, 0.03, 0.02, 0.04}),
+      point_of("a", {0.03, 0.039, 0.03, 0.03}), point_of("b", {0.04, 0.04, 0.04, 0.04}),
+      point_of("a", {0.04, 0.041, 0.041, 0.04, 0.04, 0.04})};
   const auto why = [&](std::size_t k) { return why_not_chosen(checked[k], checked, require_); };
   EXPECT_THAT(why(0), HasSubstr("error up to 6%"));
   EXPECT_EQ(why(1), "no better than a, the mesh as it is, which further loads refused");
@@ -114,24 +117,17 @@ TEST_F(FitChoice, NoBetterThanARefusedOneOfItsModelIsNotChosen) {
 
 /// Further loads add more to the errors on one simplifier's meshes than on another's, but not much more.
 TEST_F(FitChoice, ARefusedOneSpeaksForOtherSimplifiersWhereTheyAreClearlyOver) {
-  const auto point = [](const std::string& simplifier, double ratio, const std::vector<double>& errors) {
-    FitPoint made;
-    made.candidate = candidate_of("a");
+  const auto share = [](const std::string& simplifier, double ratio, const std::vector<double>& errors) {
+    FitPoint made = point_of("a", errors);
     made.candidate.simplifier = simplifier;
     made.candidate.ratio = ratio;
-    made.cost_s = {1.0};
-    made.error = errors;
-    made.own_error.assign(errors.size(), 0.0);
-    if (errors.size() > 4) {
-      made.confirmed_on = {4, 5};
-      made.looked_at = 100'000;  // the estimate is the largest seen
-    }
+    if (made.is_confirmed()) made.looked_at = 100'000;  // the estimate is the largest seen
     return made;
   };
-  const std::vector<FitPoint> checked = {point("refined", 0.5, {0.046, 0.04, 0.04, 0.04, 0.04, 0.0505}),
-                                         point("refined", 0.4, {0.0462, 0.04, 0.04, 0.04}),
-                                         point("surface", 0.5, {0.0462, 0.04, 0.04, 0.04}),
-                                         point("surface", 0.6, {0.049, 0.04, 0.04, 0.04})};
+  const std::vector<FitPoint> checked = {share("refined", 0.5, {0.046, 0.04, 0.04, 0.04, 0.04, 0.0505}),
+                                         share("refined", 0.4, {0.0462, 0.04, 0.04, 0.04}),
+                                         share("surface", 0.5, {0.0462, 0.04, 0.04, 0.04}),
+                                         share("surface", 0.6, {0.049, 0.04, 0.04, 0.04})};
   const auto why = [&](std::size_t k) { return why_not_chosen(checked[k], checked, require_); };
   EXPECT_THAT(why(1), HasSubstr("no better than")) << "another share of the same simplifier";
   EXPECT_EQ(why(2), "") << "5.07% expected of 5%";

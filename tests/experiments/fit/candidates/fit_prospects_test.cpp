@@ -74,6 +74,20 @@ TEST_F(FitProspects, NoShareIsExpectedToCostMoreThanOneWithMoreTetrahedra) {
   EXPECT_EQ(prospects(kAnyCost), (Shares{{0.7, 4.0}, {0.3, 6.0}, {0.5, 6.0}, {0.0, 10.0}}));
 }
 
+/// What is verified is lowered as they are: else all shares of a table that costs the same on whatever mesh
+/// seem worth a check, since the least of their noisy times is below nine tenths of its own.
+TEST_F(FitProspects, WhatIsVerifiedIsComparedByTheSameLowering) {
+  searched_ = {point(0.0, {0.01}, 40.0), point(0.3, {0.02}, 47.0), point(0.5, {0.03}, 50.0),
+               point(0.9, {0.049}, 44.0)};
+  checked_ = {point(0.5, {0.03, 0.03}, 50.0)};
+  EXPECT_FALSE(prospects(0.9 * 50.0).empty());
+  EXPECT_EQ(lowered_cost(checked_[0], searched_, checked_), 40.0);
+  EXPECT_TRUE(prospects(0.9 * 40.0).empty());
+  checked_.push_back(point(0.0, {0.01, 0.01}, 48.0));
+  EXPECT_EQ(lowered_cost(checked_[0], searched_, checked_), 47.0) << "a check says more than the search";
+  EXPECT_EQ(lowered_cost(checked_[1], searched_, checked_), 48.0) << "fewer tetrahedra lower nothing";
+}
+
 /// What costs the same on whatever mesh stands by its error too: else coarse ones are refused one by one,
 /// until the time is up. By its error alone one that is cheaper than its one noisy time says would be left
 /// out.
