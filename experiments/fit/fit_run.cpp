@@ -38,6 +38,7 @@ constexpr int kTimingRepeats = 5;
 constexpr double kStillShare = 0.1;     ///< of the time limit: no still part is looked for with less
 constexpr double kLookingShare = 0.85;  ///< of the time limit: then no cheaper one is looked for any more
 constexpr double kFurtherShare = 0.3;   ///< of what is left: then no further loads are looked at any more
+constexpr double kTimingShare = 0.3;    ///< of what is left: then nothing is timed again any more
 constexpr double kWorthChecking = 0.9;  ///< of the cost of what is verified: a smaller gain is within noise
 
 class Fit {
@@ -118,6 +119,13 @@ class Fit {
     }
   }
 
+  /// A stage that may come to its end early: the fit is no less complete for it.
+  void run_short_stage(const FitPlan& fit_plan, double seconds) {
+    const bool was_complete = result_.is_complete;
+    run_stage(fit_plan, seconds);
+    if (!result_.is_interrupted) result_.is_complete = was_complete;
+  }
+
   std::vector<FitPoint> read_stage(const FitPlan& plan) const {
     const fs::path records = plan.folder / "run" / "records.jsonl";
     if (!fs::exists(records)) return read_fit_points({}, plan, require());
@@ -146,10 +154,10 @@ class Fit {
                                    : kWorthChecking * lowered_cost(*best, result_.searched, result_.checked);
       const auto prospects =
           list_prospects(result_.searched, result_.checked, candidates_, require(), most_cost);
-      const bool may_look = best == nullptr || watch_.seconds() < kLookingShare * options_.time_limit_s;
-      if (!prospects.empty() && may_look) {
+      const double looking_s = best == nullptr ? left_s() : left_s(kLookingShare);
+      if (!prospects.empty() && looking_s > 0.0) {
         if (result_.checked.empty()) prepare_references(search, {"scene_2", "scene_3"});
-        check(search, take_prospects(prospects, kFinalists, best != nullptr));
+        check(search, take_prospects(prospects, kFinalists, best != nullptr), looking_s);
         continue;
       }
       if (!prospects.empty()) result_.is_complete = false;
@@ -175,18 +183,18 @@ class Fit {
 
   /// Runs candidates on the scene and on the other loads. One that the time was not enough for is not
   /// looked at again.
-  void check(const FitPlan& search, std::vector<FitCandidate> candidates) {
+  void check(const FitPlan& search, std::vector<FitCandidate> candidates, double seconds) {
     FitPlan plan = plan_check(search, kOtherLoads);
     plan.candidates = std::move(candidates);
-    const std::vector<FitPoint> points = run_check(plan);
+    const std::vector<FitPoint> points = run_check(plan, seconds);
     for (const FitPoint& point : points) runs_[plan_label(point.candidate)] = plan.folder / "run";
     result_.checked.insert(result_.checked.end(), points.begin(), points.end());
   }
 
   /// Runs a check; costs are medians where there is time for them.
-  std::vector<FitPoint> run_check(const FitPlan& plan) {
+  std::vector<FitPoint> run_check(const FitPlan& plan, double seconds) {
     progress_.show_long("checks " + names_of(plan.candidates));
-    run_stage(plan, left_s());
+    run_stage(plan, seconds);
     std::vector<FitPoint> points = read_stage(plan);
     time_again(plan, points);
     return points;
@@ -211,9 +219,7 @@ class Fit {
     plan.candidates = {candidate};
     plan.scenes.assign(others_.begin() + kOtherLoads, others_.end());
     progress_.show_long("looks for the loads on which " + candidate.name() + " is the farthest off");
-    const bool was_complete = result_.is_complete;
-    run_stage(plan, kFurtherShare * left_s());
-    if (!result_.is_interrupted) result_.is_complete = was_complete;  // fewer loads are no fault
+    run_short_stage(plan, kFurtherShare * left_s());  // fewer loads are no fault
     const fs::path records = plan.folder / "run" / "records.jsonl";
     std::vector<std::optional<double>> errors(kFurtherLoads);
     if (fs::exists(records)) errors = read_errors(read_records(records), plan, require(), candidate);
@@ -291,7 +297,7 @@ class Fit {
         good.erase(std::find(good.begin(), good.end(), finalist));
       }
       if (modal != nullptr) plan.candidates.push_back(modal->candidate);
-      std::vector<FitPoint> points = run_check(plan);
+      std::vector<FitPoint> points = run_check(plan, left_s());
       if (!step_motions(motion_search(), plan, registry_, progress_, points)) result_.is_complete = false;
       if (const FitPoint* best = confirm_cheapest(search, points)) {
         result_.choice = *best;
@@ -374,7 +380,7 @@ class Fit {
     for (const FitPoint* point : choose_cheapest(points, require()))
       plan.candidates.push_back(point->candidate);
     if (plan.candidates.empty() || left_s() <= 0.0) return;
-    run_stage(plan, left_s());
+    run_short_stage(plan, kTimingShare * left_s());  // nor are fewer times: a choice is to be confirmed yet
     for (const FitPoint& timed : read_stage(plan)) {
       const FitCandidate& own = timed.candidate;
       for (FitPoint& point : points) {
@@ -384,7 +390,8 @@ class Fit {
     }
   }
 
-  double left_s() const { return options_.time_limit_s - watch_.seconds(); }
+  /// Until a share of the time limit is over.
+  double left_s(double share = 1.0) const { return share * options_.time_limit_s - watch_.seconds(); }
 
   const FitOptions& options_;
   const Registry& registry_;
