@@ -38,7 +38,7 @@ constexpr int kTimingRepeats = 5;
 constexpr double kStillShare = 0.1;     ///< of the time limit: no still part is looked for with less
 constexpr double kLookingShare = 0.85;  ///< of the time limit: then no cheaper one is looked for any more
 constexpr double kFurtherShare = 0.3;   ///< of what is left: then no further loads are looked at any more
-constexpr double kTimingShare = 0.3;    ///< of what is left: then nothing is timed again any more
+constexpr double kTimingShare = 0.15;   ///< of what is left: then nothing is timed again any more
 constexpr double kWorthChecking = 0.9;  ///< of the cost of what is verified: a smaller gain is within noise
 
 class Fit {
@@ -164,6 +164,7 @@ class Fit {
       if (best == nullptr || confirm(search, result_.checked[index_of(*best, result_.checked)])) break;
     }
     if (const FitPoint* best = find_verified()) {
+      if (!best->is_confirmed()) best = find_safest(*best, result_.checked, require());
       result_.choice = *best;
       result_.run = runs_.at(plan_label(best->candidate));
     } else if (const FitPoint* nearest = find_nearest(result_.checked, require())) {

@@ -222,6 +222,17 @@ std::vector<const FitPoint*> choose_cheapest(const std::vector<FitPoint>& points
   return good;
 }
 
+const FitPoint* find_safest(const FitPoint& point, const std::vector<FitPoint>& checked,
+                            const SceneRequirement& require) {
+  const FitPoint* safest = &point;
+  for (const FitPoint* other : choose_cheapest(checked, require)) {
+    if (other->cost() > kSameCost * point.cost()) break;
+    const bool is_safer = other->worst_error() < safest->worst_error();
+    if (is_safer && why_not_chosen(*other, checked, require).empty()) safest = other;
+  }
+  return safest;
+}
+
 std::vector<const FitPoint*> take_finalists(std::vector<const FitPoint*>& good, std::size_t count) {
   if (good.empty() || count == 0) return {};
   const auto answer = [](const FitPoint* point) { return point->answer_s.value_or(kNone); };

@@ -13,7 +13,6 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kNearMiss = 1.05;  // of the tolerance
-constexpr double kSameCost = 1.25;  // times: a table of compliances was timed at 40 to 54 us again and again
 
 bool is_same(const FitCandidate& a, const FitCandidate& b) {
   return plan_label(a) == plan_label(b);

@@ -30,13 +30,13 @@ double lowered_cost(const FitPoint& point, const std::vector<FitPoint>& searched
                     const std::vector<FitPoint>& checked);
 
 /// What is worth a check on all loads, the likely ones first, the cheapest of each first, and those that
-/// cost the same within noise (1.25 times the cheapest of them at most) the most accurate and the cheapest by
-/// turns: points of the search that meet all on the scene itself, and, where one share of a simplifier meets
-/// it and the next one up does not, or both miss the tolerance and one of them by less than a twentieth of
-/// it, the share in the middle (down to steps of kLeastShareStep; above the greatest share, half of what is
-/// left). Costs in the middle are read off the line between both, and fewer tetrahedra are expected to cost
-/// no more. Left out: what was checked, graded meshes (their sizes are for one share), and what is expected
-/// to cost `most_cost_s` or more.
+/// cost the same within noise (kSameCost times the cheapest of them at most) the most accurate and the
+/// cheapest by turns: points of the search that meet all on the scene itself, and, where one share of a
+/// simplifier meets it and the next one up does not, or both miss the tolerance and one of them by less than
+/// a twentieth of it, the share in the middle (down to steps of kLeastShareStep; above the greatest share,
+/// half of what is left). Costs in the middle are read off the line between both, and fewer tetrahedra are
+/// expected to cost no more. Left out: what was checked, graded meshes (their sizes are for one share), and
+/// what is expected to cost `most_cost_s` or more.
 std::vector<FitProspect> list_prospects(const std::vector<FitPoint>& searched,
                                         const std::vector<FitPoint>& checked, const FitCandidates& candidates,
                                         const SceneRequirement& require, double most_cost_s);

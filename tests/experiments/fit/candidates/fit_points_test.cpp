@@ -134,6 +134,18 @@ TEST_F(FitChoice, ARefusedOneSpeaksForOtherSimplifiersWhereTheyAreClearlyOver) {
   EXPECT_THAT(why(3), HasSubstr("no better than a, refined -50%")) << "5.38% expected of 5%";
 }
 
+/// Where no time is left to confirm, times that differ by noise do not decide.
+TEST_F(FitChoice, OfWhatCostsTheSameTheLeastOffIsTheSafest) {
+  std::vector<FitPoint> checked = {point_of("a", {0.048, 0.04}), point_of("b", {0.02, 0.03}),
+                                   point_of("b", {0.01, 0.01}), point_of("c", {0.02, 0.06})};
+  checked[1].cost_s = {1.2};
+  checked[2].cost_s = {1.3};
+  EXPECT_EQ(find_safest(checked[0], checked, require_), &checked[1]) << "at 1.3 times the cost it is dearer";
+  EXPECT_EQ(find_safest(checked[2], checked, require_), &checked[2]);
+  checked[1].failure = "crashed";
+  EXPECT_EQ(find_safest(checked[0], checked, require_), &checked[0]);
+}
+
 /// Records stand in the order in which they were run, errors in that of the scenes.
 TEST_F(FitChoice, ErrorsStandInTheOrderOfTheScenes) {
   plan_.scenes.resize(3);
