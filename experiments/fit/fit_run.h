@@ -2,25 +2,17 @@
 // verified.
 #pragma once
 
-#include <csignal>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "experiments/fit/candidates/fit_points.h"
+#include "experiments/fit/fit_options.h"
 #include "experiments/text/terminal.h"
 #include "experiments/trials/frozen_choice.h"
 
 namespace palpate::experiments {
-
-struct FitOptions {
-  std::filesystem::path scene;
-  std::filesystem::path out;         ///< a folder that is made, or empty
-  std::filesystem::path candidates;  ///< empty: candidates_path()
-  double time_limit_s = 300.0;       ///< three fifths of it for the search
-  const volatile std::sig_atomic_t* stop_flag = nullptr;
-};
 
 /// What a fit found.
 struct FitResult {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "experiments/fit/fit_run.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/record_file.h"

@@ -9,12 +9,11 @@
 
 #include "core/base/stopwatch.h"
 #include "experiments/fit/candidates/fit_points.h"
+#include "experiments/fit/fit_options.h"
 #include "experiments/fit/fit_search.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
-
-struct FitOptions;
 
 /// Runs what a fit asks for and reads what came of it. Its clock starts when it is made.
 class FitStages {
