@@ -5,11 +5,11 @@
 
 #include <cmath>
 #include <iterator>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "reference/cgal/surface_cgal.h"
 #include "reference/cgal/surface_tools.h"
@@ -76,6 +76,16 @@ bool is_sound(const Mesh& mesh) {
   return CGAL::is_closed(mesh) && !has_folded_edge(mesh) && !pmp::does_self_intersect(mesh);
 }
 
+/// Twice the volume over the surface: of a thin wall the distance between its sides.
+double mean_thickness(const SurfaceMesh& surface) {
+  double area = 0.0;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3& p = surface.points[t[0]];
+    area += 0.5 * length(cross(surface.points[t[1]] - p, surface.points[t[2]] - p));
+  }
+  return 2.0 * enclosed_volume(surface) / area;
+}
+
 }  // namespace
 
 Intersections find_self_intersections(const SurfaceMesh& surface) {
@@ -111,8 +121,12 @@ RemeshedSurface remesh_surface(const SurfaceMesh& surface, double edge_length) {
       if (mesh.number_of_faces() > 3 && is_sound(mesh)) return {from_cgal(mesh), length};
     }
   }
-  throw std::runtime_error("remeshing the surface to edges of " + std::to_string(edge_length) +
-                           " left flipped or intersecting triangles");
+  throw InputError(
+      "skin", 0, "a body with room for edges of " + short_number(edge_length),
+      "one that is " + short_number(mean_thickness(surface)) +
+          " thick on average (twice its volume over its surface), where such edges, and those of "
+          "half the length, fold or cut each other. palpate mesh without --vertices keeps the "
+          "skin as it is (with --repair, mended), and palpate scene takes that mesh");
 }
 
 }  // namespace palpate::reference

@@ -72,7 +72,7 @@ struct RemeshedSurface {
 /// Isotropic remeshing to edges of about `edge_length`, projected onto the input.
 /// Takes the first result that neither intersects itself nor has a folded edge, and tries shorter edges, down
 /// to half the wanted, where thin parts cannot have the wanted ones.
-/// Throws: std::runtime_error if none is sound.
+/// Throws: InputError if none is sound, with how thick the body is.
 RemeshedSurface remesh_surface(const SurfaceMesh& surface, double edge_length);
 
 }  // namespace palpate::reference

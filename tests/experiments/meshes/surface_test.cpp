@@ -96,6 +96,21 @@ TEST(Surface, AVertexCountAdaptsTheInteriorAndTheSkinOnlyIfItMust) {
   EXPECT_NE(coarse.notes[0].find("remeshed"), std::string::npos);
 }
 
+/// A skin that cannot be remade says why, and how it is kept.
+TEST(Surface, AWallThatIsThinnerThanItsEdgesIsSaid) {
+  const SurfaceMesh ball = build_geodesic_sphere(16);
+  const SurfaceMesh shell = united(moved(ball, 50.0, {}), turned(moved(ball, 49.9, {})));
+  std::string message;
+  try {
+    remesh_surface(shell, 20.0);
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message.find("skin: expected a body with room for edges of 20, found one that is 0.0"), 0U)
+      << message;
+  EXPECT_NE(message.find("palpate mesh without --vertices keeps the skin"), std::string::npos) << message;
+}
+
 TEST(Surface, SeparatePiecesAreFilled) {
   const SurfaceMesh ball = build_geodesic_sphere(2);
   EXPECT_EQ(refusal_of(united(ball, moved(ball, 1.0, {3, 0, 0}))), "");
