@@ -141,8 +141,8 @@ GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
       if (!changes.empty()) result = hold_against(rows, plan, accepted);
     }
   } else {
-    problems.push_back("nothing to compare: there are no accepted figures at " + accepted.string() +
-                       "; palpate gate RUN --update writes them");
+    const std::string next = problems.empty() ? "; palpate gate RUN --update writes them" : "";
+    problems.push_back("nothing to compare: there are no accepted figures at " + accepted.string() + next);
   }
   result.problems.insert(result.problems.begin(), problems.begin(), problems.end());
   result.run = folder.string();

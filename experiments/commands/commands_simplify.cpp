@@ -294,7 +294,8 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
-      "Without a stop, the method runs to its limit. The judge looks at what was written: an invalid mesh is "
+      "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one. The "
+      "judge looks at what was written: an invalid mesh is "
       "said, and\n"
       "the exit code is 1. So is a count that was not reached: what held it, and the bound with which\n"
       "palpate.surface reaches it.\n\n"

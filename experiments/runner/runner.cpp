@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <memory>
 #include <set>
+#include <utility>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "core/base/plain_file.h"
-#include "experiments/contestants/contestant_run.h"
-#include "experiments/contestants/option_spec.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
@@ -24,7 +21,7 @@
 #include "experiments/rounds/rest_time.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
-#include "experiments/runner/repeat_end.h"
+#include "experiments/runner/repeat_run.h"
 #include "experiments/runner/side_by_side.h"
 #include "experiments/runner/taken_parts.h"
 #include "experiments/spring_training/trained_springs.h"
@@ -317,7 +314,7 @@ class Runner {
       if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
       if (result_.interrupted) return;
       progress_.show(cases_[index].id);
-      auto record = run_repeat(index, repeat);
+      auto record = run_due(index, repeat);
       if (!record) return;
       (*record)["position"] = position[index];
       records.append(*record);
@@ -337,69 +334,21 @@ class Runner {
   }
 
   /// Runs one repeat. Nothing comes back if it was interrupted.
-  std::optional<json> run_repeat(std::size_t index, int repeat) {
+  std::optional<json> run_due(std::size_t index, int repeat) {
     const Case& c = cases_[index];
-    const PlanContestant& contestant = contestant_of(c);
-    const auto stop = resolve_stop(c);
-    ContestantTask task;
-    ContestantAnswer answer;
-    MachineLoad load;
-    answer.outcome = "error";
-    if (!stop) {
-      answer.message = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
-    } else {
-      task.options = c.options;
-      answer.message = contest_->fill_task(c, task);
-    }
-    if (answer.message.empty()) {
-      task.method = *registry_.find(contestant.method);
-      task.scratch = fs::absolute(folder_.fresh_scratch());
-      task.stop = *stop;
-      task.keep = contestant.keep;
-      task.tuned = states_[index].tuned;
-      task.threads = threads_;
-      task.timeout_s = plan_.run.timeout_s;
-      task.memory_mib = plan_.run.memory_mib;
-      task.stop_flag = options_.stop_flag;
-      const LoadMeter meter;
-      answer = run_contestant(task);
-      load = meter.read();
-    }
-    if (answer.outcome == "interrupted") {
+    RepeatTask task{c, repeat, states_[index], resolve_stop(c), ""};
+    if (!task.stop) task.not_run = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
+    auto record =
+        run_repeat({plan_, registry_, folder_, *contest_, threads_, options_.stop_flag}, std::move(task));
+    if (!record) {
       result_.interrupted = true;
-      return std::nullopt;
+      return record;
     }
-    RepeatFacts facts{plan_, c, contestant, stop.value_or(c.stop), repeat, repeat < plan_.run.warmup};
-    const MethodSpec& method = *registry_.find(contestant.method)->method;
-    facts.deterministic = method.deterministic && count_ranks(method.options, task.options) == 1;
-    facts.judge_bounds = judge_bounds(plan_, options_.stop_flag);
-    json record = contest_->build_record(facts, answer, states_[index].earlier_answers());
-    if (record.at("outcome") == "interrupted") {
-      result_.interrupted = true;
-      return std::nullopt;
-    }
-    throw_if_no_room(task.scratch, record);
-    record["sitting"] = sitting_;
-    add_load(load, answer, record);
-    if (!timed_[index]) drop_times(record, "the plan says that it is not timed");
+    (*record)["sitting"] = sitting_;
+    if (!timed_[index]) drop_times(*record, "the plan says that it is not timed");
     if (node_kind(provenance_) != node_)
-      drop_times(record, "timed on another kind of node than the repeats that were taken from elsewhere");
-    add_file_hashes(*registry_.find(contestant.method)->method, c, record);
-    keep_output(c, repeat, answer, record);
+      drop_times(*record, "timed on another kind of node than the repeats that were taken from elsewhere");
     return record;
-  }
-
-  void keep_output(const Case& c, int repeat, const ContestantAnswer& answer, json& record) {
-    const fs::path kept = contest_->kept_output(c);
-    if (repeat == 0 && record.at("output_hash").is_string()) {
-      std::error_code error;
-      fs::create_directories(kept.parent_path(), error);
-      fs::rename(answer.output, kept, error);
-      if (error) throw InputError(kept.string(), 0, "a file that can be written", error.message());
-      keep_beside(answer.output, kept, reference::contest_files(plan_.contest).beside_file);
-      sync_to_disk(kept);  // before the record that names it
-    }
-    record["mesh_file"] = fs::exists(kept) ? json(kept.lexically_relative(options_.folder).string()) : json();
   }
 
   void summarise() {

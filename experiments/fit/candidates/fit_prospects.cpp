@@ -25,17 +25,15 @@ struct KnownShare {
   bool meets;      ///< on all loads where it was checked, on the scene itself else
   bool is_likely;  ///< it meets all on other loads too, as far as its model is known
   double cost_s;
-  double expected;  ///< the worst error on all loads: as it was checked, else that on the scene times its
-                    ///< model's growth
+  double lowered_s;  ///< what others of its model and simplifier make of that
+  double expected;   ///< the worst error on all loads: as it was checked, else that on the scene times its
+                     ///< model's growth
 };
 
-/// A model on fewer tetrahedra is expected to cost no more than on more: one time of the search alone may be
-/// that of a busy machine, and would leave out what is cheap.
+/// Gives shares of one model and simplifier, and what `found` has of them, the costs as they are lowered.
 void lower_costs(std::vector<KnownShare>& shares, std::vector<FitProspect>& found) {
-  double least = kUnknown;
   for (KnownShare& share : shares) {
-    least = std::min(least, share.cost_s);
-    if (std::isfinite(share.cost_s)) share.cost_s = least;
+    if (std::isfinite(share.cost_s)) share.cost_s = share.lowered_s;
     for (FitProspect& each : found) {
       if (is_same(each.candidate, share.point->candidate)) each.cost_s = share.cost_s;
     }
@@ -95,7 +93,9 @@ std::map<std::string, std::vector<KnownShare>> known_shares(const std::vector<Fi
     const bool meets = refused == nullptr && why_not(point, require).empty();
     const double expected =
         refused == nullptr ? point.known_error() : std::max(point.worst_error(), refused->known_error());
-    known[point.candidate.model.label].push_back({&point, true, meets, true, point.cost(), expected});
+    const double lowered = lowered_cost(point, searched, checked);
+    known[point.candidate.model.label].push_back(
+        {&point, true, meets, true, point.cost(), lowered, expected});
   }
   for (const FitPoint& point : searched) {
     if (find_point(checked, point.candidate) != nullptr) continue;
@@ -103,7 +103,8 @@ std::map<std::string, std::vector<KnownShare>> known_shares(const std::vector<Fi
     const bool meets = why_not(point, require).empty();
     const double expected = point.worst_error() * growth_on_loads(searched, checked, model);
     const bool is_likely = meets && expected <= require.at_most;
-    known[model].push_back({&point, false, meets, is_likely, point.cost(), expected});
+    const double lowered = lowered_cost(point, searched, checked);
+    known[model].push_back({&point, false, meets, is_likely, point.cost(), lowered, expected});
   }
   for (auto& [model, shares] : known) {
     std::stable_sort(shares.begin(), shares.end(), [](const KnownShare& a, const KnownShare& b) {

@@ -24,8 +24,9 @@ struct FitProspect {
 double growth_on_loads(const std::vector<FitPoint>& searched, const std::vector<FitPoint>& checked,
                        const std::string& model);
 
-/// What a point costs, lowered as prospects are: no more than what was checked or searched of its model and
-/// simplifier with no more removed. Seconds.
+/// What a point costs: no more than what was checked or searched of its model and simplifier with no more
+/// removed. A model on fewer tetrahedra is expected to cost no more than on more: one time of the search
+/// alone may be that of a busy machine, and would leave out what is cheap. Seconds.
 double lowered_cost(const FitPoint& point, const std::vector<FitPoint>& searched,
                     const std::vector<FitPoint>& checked);
 

@@ -24,6 +24,7 @@ namespace {
 using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 /// A run of two repeats of two cases, the second of which does as it is told and decides nothing.
 class GateRun : public testing::Test {
@@ -152,7 +153,8 @@ TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
   const test::ProgramResult nothing = test::run_program(gate);
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_THAT(nothing.out,
-              HasSubstr("FAILS: nothing to compare: there are no accepted figures at " + accepted));
+              HasSubstr("FAILS: nothing to compare: there are no accepted figures at " + accepted +
+                        "; palpate gate RUN --update writes them"));
   std::vector<std::string> update = gate;
   update.emplace_back("--update");
   const test::ProgramResult first = test::run_program(update);
@@ -167,6 +169,8 @@ TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
   EXPECT_EQ(torn.exit_code, 1) << torn.error;
   EXPECT_THAT(torn.out, HasSubstr("cube/a: 1 of its 2 repeats are missing"));
   EXPECT_EQ(test::bytes_of(accepted), before) << "what is not whole accepts nothing";
+  update[3] += ".none";
+  EXPECT_THAT(test::run_program(update).out, Not(HasSubstr("--update writes them"))) << "it has just refused";
 }
 
 TEST_F(GateRun, TheCommandSaysWhatFellShortFirstAndWritesBothSummaries) {
