@@ -294,11 +294,9 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
-      "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one. The "
-      "judge looks at what was written: an invalid mesh is "
-      "said, and\n"
-      "the exit code is 1. So is a count that was not reached: what held it, and the bound with which\n"
-      "palpate.surface reaches it.\n\n"
+      "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one.\n"
+      "The judge looks at what was written: an invalid mesh is said, and the exit code is 1. So is a count\n"
+      "that was not reached: what held it, and the bound with which palpate.surface reaches it.\n\n"
       "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
       "make\n"
       "writes: kidney and liver mm, bean cm):\n"
