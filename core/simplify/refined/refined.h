@@ -16,9 +16,9 @@ namespace palpate::simplify {
 /// The highest effort.
 inline constexpr int kMostEffort = 5;
 
-/// What tets are scored by for an objective.
+/// What palpate.refined scores tets by for an objective.
 constexpr ScoreForm form_of(Objective objective) {
-  return objective == Objective::kShape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle;
+  return objective == Objective::kQuality ? ScoreForm::kSolidAngle : ScoreForm::kMeanRatio;
 }
 
 /// How far the mesh is coarsened, and by which means.

@@ -16,7 +16,7 @@ namespace palpate::simplify {
 enum class Objective : std::uint8_t {
   kShape,      ///< scores by the mean ratio: all measures of shape, and the error of linear elements
   kQuality,    ///< scores by solid angles: the thesis's quality
-  kStableStep  ///< those of kQuality first, then the longest stable step of explicit schemes
+  kStableStep  ///< the method's default first, then the longest stable step of explicit schemes
 };
 
 /// Rounds of StepLengthener::run at the end of a run with kStableStep; most end before.
@@ -55,10 +55,10 @@ VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
 /// another, by moves of free vertices around them and by flips.
 ///
 /// A change is made if the greatest rate among the vertices that it touches falls by half a percent at least,
-/// no tet is left with a score below both the worst that was there and a guard (0.08: q 0.43, 23.6 degrees),
-/// and every tet stays positive, exactly. So the greatest rate of the mesh never rises. Boundary vertices and
-/// faces, and kept tets, stay as they are. Time: a star's gradients a trial; on organs up to 30 times that of
-/// simplify_refined.
+/// no tet is left with a score below both the worst that was there and a guard (0.08; by solid angles q 0.43,
+/// 23.6 degrees), and every tet stays positive, exactly. So the greatest rate of the mesh never rises.
+/// Boundary vertices and faces, and kept tets, stay as they are. Time: a star's gradients a trial; on organs
+/// up to 30 times that of simplify_refined.
 class StepLengthener {
  public:
   /// Holds references to the mesh and the score rule.

@@ -85,7 +85,8 @@ struct Run {
   }
 
   ScoreScale scale_of(double ideal_volume) const {
-    return scale_of_ideal_volume(ideal_volume, form_of(options.objective));
+    const bool by_shape = options.objective == Objective::kShape;
+    return scale_of_ideal_volume(ideal_volume, by_shape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle);
   }
 
   /// Thresholds of scores by solid angles, in the scale's own.
