@@ -97,7 +97,7 @@ class Published(unittest.TestCase):
         for entry in self.entries:
             page = plain((ROOT / entry["page"]).read_text(encoding="utf-8"))
             with self.subTest(page=entry["page"], says=entry["says"]):
-                self.assertIn(plain(entry["says"]), page)
+                self.assertTrue(plain(entry["says"]) in page, "the page does not say so")
                 for figure in entry["figures"]:
                     self.assertLessEqual(set(figure), KEYS)
                     self.assertRegex(entry["says"], rf"(?<![\d.]){re.escape(figure['text'])}(?![\d]|\.\d)")
