@@ -152,9 +152,8 @@ TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
   const std::vector<std::string> gate{"gate", folder().string(), "--accepted", accepted};
   const test::ProgramResult nothing = test::run_program(gate);
   EXPECT_EQ(nothing.exit_code, 1);
-  EXPECT_THAT(nothing.out,
-              HasSubstr("FAILS: nothing to compare: there are no accepted figures at " + accepted +
-                        "; palpate gate RUN --update writes them"));
+  EXPECT_THAT(nothing.out, HasSubstr("FAILS: nothing to compare: there are no accepted figures at " +
+                                     accepted + "; palpate gate RUN --update writes them"));
   std::vector<std::string> update = gate;
   update.emplace_back("--update");
   const test::ProgramResult first = test::run_program(update);
