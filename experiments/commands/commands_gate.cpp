@@ -149,7 +149,17 @@ GateResult hold_run(const GateArguments& arguments, const fs::path& folder,
   return result;
 }
 
+/// A summary may replace an earlier one, and nothing that a run or a gate is read from.
+void require_replaceable(const std::string& summary) {
+  if (summary.empty() || !fs::is_regular_file(summary)) return;
+  const std::string text = read_bytes(summary).value_or("");
+  if (text.starts_with("{") || text.starts_with("schema:"))
+    throw InputError(summary, 0, "a new file or an earlier summary", "a file of data");
+}
+
 int gate(const GateArguments& arguments) {
+  require_replaceable(arguments.junit);
+  require_replaceable(arguments.markdown);
   const fs::path folder = find_run(arguments.run);
   std::vector<AcceptedChange> changes;
   const GateResult result = hold_run(arguments, folder, changes);

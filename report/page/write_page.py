@@ -9,9 +9,11 @@ from page.chart_html import MOST_POINTS, chart_html, drawn_html
 from page.markup import Markup, join, json_block, script_text, tag, void
 from page.table_html import rows_within, table_html
 from shared.page_parts import Chart, Column, Note, Section, Table
+from shared.records import BadRun
 from shared.tables import first_reason, write_atomically
 
 HERE = pathlib.Path(__file__).resolve().parent
+DOCTYPE = b"<!doctype html"
 MOST_CELLS = 24_000  # of all tables together
 MOST_ROWS = 12_000  # of all charts together
 FEWEST_ROWS = 50  # of a chart where the page is full
@@ -196,7 +198,17 @@ def document(kind, question, chapters, warning, scripts, command, shown_cases=()
 
 def write_page(run, parts, path, scripts_folder=None, failed=()):
     """Writes the page."""
-    write_atomically(path, page_html(run, parts, Scripts(scripts_folder), failed))
+    write_new_page(path, page_html(run, parts, Scripts(scripts_folder), failed))
+
+
+def write_new_page(path, text):
+    """In the place of nothing or of an earlier page: records or a plan that a name stands for by mistake stay what they are."""
+    if path.is_file():
+        with path.open("rb") as file:
+            start = file.read(len(DOCTYPE))
+        if start and start != DOCTYPE:
+            raise BadRun(f"{path}: expected a new file or an earlier page, found a file that is no page")
+    write_atomically(path, text)
 
 
 def write_parts(parts, question, path, scripts_folder=None):
@@ -206,4 +218,4 @@ def write_parts(parts, question, path, scripts_folder=None):
     verdict = tag("div", tag("p", parts.verdict), class_=f"verdict {parts.state}")
     chapters = [("verdict", "Verdict", verdict), ("charts", "Charts", writer.charts_html()), ("tables", "Tables", writer.tables_html())]
     warning = tag("p", scripts.missing, class_="warning") if scripts.missing else ""
-    write_atomically(path, document("runs compared", question, chapters, warning, scripts, f"{facts.PROGRAM} run PLAN"))
+    write_new_page(path, document("runs compared", question, chapters, warning, scripts, f"{facts.PROGRAM} run PLAN"))

@@ -5,7 +5,9 @@ import contextlib
 import html.parser
 import io
 import json
+import pathlib
 import re
+import tempfile
 import unittest
 import unittest.mock
 import zlib
@@ -15,9 +17,10 @@ import numpy as np
 from support import ReportTest
 import compare_page
 import synthetic
-from page import bodies_json, chart_html, facts, markup, table_html
+from page import bodies_json, chart_html, facts, markup, table_html, write_page
 from shared.mesh_file import Mesh
 from shared.page_parts import Axis, Body, Chart, Column, Field, Table
+from shared.records import BadRun
 
 EVIL = "</script><script>alert(1)</script><!-- <b a='\"&\">"
 SCRIPT = "window.a = '</script>' + '<!--';"
@@ -74,6 +77,17 @@ class Content(PageTest):
         self.assertEqual((page.open, page.is_broken), ([], False))
         self.assertEqual(re.findall(r'<section id="([\w-]+)"', self.text), ["verdict", "not-accepted", "charts", "tables", "organs", "provenance"])
         self.assertIn("Which order keeps more well-shaped tetrahedra?", self.text)
+
+    def test_a_page_takes_the_place_of_a_page_and_of_nothing_else(self):
+        with tempfile.TemporaryDirectory() as folder:
+            page, records = pathlib.Path(folder) / "a.html", pathlib.Path(folder) / "records.jsonl"
+            write_page.write_new_page(page, "<!doctype html>one")
+            write_page.write_new_page(page, "<!doctype html>two")
+            self.assertEqual(page.read_text(encoding="utf-8"), "<!doctype html>two")
+            records.write_text("{}\n", encoding="utf-8")
+            with self.assertRaisesRegex(BadRun, "expected a new file or an earlier page"):
+                write_page.write_new_page(records, "<!doctype html>")
+            self.assertEqual(records.read_text(encoding="utf-8"), "{}\n")
 
     def test_the_verdict_is_one_sentence_with_its_figures(self):
         synthetic.write_run(self.folder, synthetic.thesis_records())

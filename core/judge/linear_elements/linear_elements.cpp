@@ -279,7 +279,7 @@ LinearElementFigures measure_linear_elements(const TetMesh& mesh, double poisson
   LinearElementFigures figures;
   figures.reason = reason_against(mesh);
   if (!figures.reason.empty()) return figures;
-  figures.reason = "a tet of almost no volume: rounding hides the answer";
+  figures.reason = "a tet of almost no volume, or too few tets: rounding hides the answer";
   const std::optional<Body> body = build_body(mesh);
   if (!body) return figures;
   const QuadraticFields fields = build_fields(poisson_ratio);

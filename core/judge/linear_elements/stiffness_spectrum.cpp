@@ -56,7 +56,7 @@ class LeastOf {
   }
 
   /// Turns the fields into the best approximations of eigenvectors in their span, B-orthonormal, least first,
-  /// and keeps the first `most`; returns their values.
+  /// and keeps the first `most`; returns their values, none where nothing but rigid motions is left.
   Eigen::VectorXd rotate(FieldBlock& x, std::size_t most) {
     FieldBlock product(stiffness_.size(), x.width);
     multiply(stiffness_, x, product);
@@ -67,6 +67,7 @@ class LeastOf {
     const double floor = 1e-10 * span.eigenvalues().maxCoeff();
     const Eigen::Index dropped = (span.eigenvalues().array() <= floor).count();
     const Eigen::Index rank = span.eigenvalues().size() - dropped;
+    if (rank == 0) return {};
     const Rows basis = span.eigenvectors().rightCols(rank) *
                        span.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
     const Eigen::SelfAdjointEigenSolver<Rows> ritz(Rows(basis.transpose() * energy * basis));
@@ -149,10 +150,12 @@ std::optional<double> least_elastic_eigenvalue(const BlockRows& stiffness,
   FieldBlock x = std::move(start);
   least.project(x);
   Eigen::VectorXd values = least.rotate(x, kKept);
+  if (values.size() == 0) return std::nullopt;
   for (int round = 0; round < kRounds; ++round) {
     if (!least.invert(x, values, inverse_diagonal)) return std::nullopt;
     least.project(x);
     const Eigen::VectorXd next = least.rotate(x, kKept);
+    if (next.size() == 0) return std::nullopt;
     const bool is_done = std::fabs(values[0] - next[0]) <= kChange * next[0];
     values = next;
     if (!(values[0] > 0.0)) return std::nullopt;

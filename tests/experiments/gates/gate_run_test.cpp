@@ -168,6 +168,14 @@ TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
   EXPECT_EQ(torn.exit_code, 1) << torn.error;
   EXPECT_THAT(torn.out, HasSubstr("cube/a: 1 of its 2 repeats are missing"));
   EXPECT_EQ(test::bytes_of(accepted), before) << "what is not whole accepts nothing";
+  for (const std::string name : {"--markdown", "--junit"}) {
+    std::vector<std::string> onto = gate;
+    onto.insert(onto.end(), {name, accepted});
+    const test::ProgramResult refused = test::run_program(onto);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.error, HasSubstr("expected a new file or an earlier summary, found a file of data"));
+    EXPECT_EQ(test::bytes_of(accepted), before);
+  }
   update[3] += ".none";
   EXPECT_THAT(test::run_program(update).out, Not(HasSubstr("--update writes them"))) << "it has just refused";
 }

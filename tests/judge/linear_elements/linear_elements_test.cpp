@@ -233,6 +233,14 @@ TEST(LinearElements, TheErrorFallsWithTheSizeOfTheElements) {
   EXPECT_GT(order_before, 0.8);
 }
 
+/// All that a single right-angled tet can do but move as a whole is the same to its mass: nothing is left to
+/// tell stiffnesses apart by.
+TEST(LinearElements, OneTetHasAReason) {
+  const LinearElementFigures figures = measure_linear_elements(make_kuhn_block(1, 1, 1));
+  EXPECT_EQ(figures.reason, "");
+  EXPECT_NE(measure_linear_elements(make_corner_tet()).reason, "");
+}
+
 TEST(LinearElements, RigidMotionsAndAffineFieldsAreExact) {
   const TetMesh mesh = shaken(3, 0.2);
   const BlockRows stiffness = build_stiffness(mesh, kLambda, kMu);
