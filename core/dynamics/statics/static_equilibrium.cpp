@@ -291,6 +291,9 @@ StaticSolution Search::linearise() {
   report_.outcome = is_good ? StaticOutcome::kConverged
                             : (is_in_bounds(*step) ? StaticOutcome::kNotConverged : StaticOutcome::kDiverged);
   if (report_.outcome == StaticOutcome::kDiverged) solution.displacement_m.assign(n, Vec3{});
+  const VolumeCount volumes = count_inverted(mesh_, solution.displacement_m);
+  report_.inverted_tets = volumes.inverted;
+  report_.least_volume_ratio = volumes.least_ratio;
   solution.report = report_;
   return solution;
 }

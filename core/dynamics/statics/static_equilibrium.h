@@ -44,7 +44,7 @@ struct StaticReport {
   double elastic_energy_j = 0.0;
   double potential_j = 0.0;  ///< elastic energy + energy of the supports - work of the dead loads
   std::size_t inverted_tets = 0;
-  double least_volume_ratio = 1.0;  ///< smallest deformed / rest volume of a tet; not of a linearised solve
+  double least_volume_ratio = 1.0;  ///< smallest deformed / rest volume of a tet
   std::vector<double> residuals;    ///< residual_relative at each iterate of the last load step
 };
 
