@@ -65,7 +65,7 @@ def main(arguments=None):
         print(f"no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
         return 3
     except OSError as error:
-        print(f"cannot write {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"cannot write {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
         return 3
     except Exception:
         traceback.print_exc()

@@ -15,7 +15,7 @@ def guarded(work, name="", fault="cannot write "):
         print(f"{name}{error}", file=sys.stderr)
         return 2
     except OSError as error:
-        print(f"{name}{fault}{error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"{name}{fault}{error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
         return 3
     except Exception:  # Python would leave with 1, which stands for something else
         traceback.print_exc()
