@@ -233,8 +233,7 @@ TEST(LinearElements, TheErrorFallsWithTheSizeOfTheElements) {
   EXPECT_GT(order_before, 0.8);
 }
 
-/// All that a single right-angled tet can do but move as a whole is the same to its mass: nothing is left to
-/// tell stiffnesses apart by.
+/// The search for the least eigenvalue is left with rigid motions alone there: a reason, no figure.
 TEST(LinearElements, OneTetHasAReason) {
   const LinearElementFigures figures = measure_linear_elements(make_kuhn_block(1, 1, 1));
   EXPECT_EQ(figures.reason, "");
