@@ -13,10 +13,10 @@ import json
 import math
 import pathlib
 import sys
-import traceback
 
 from compare import comparison_text, pairs, sides
 from shared import records
+from shared.exit_codes import guarded
 from shared.terminal import say
 
 
@@ -51,14 +51,7 @@ def main(arguments=None):
     parser.add_argument("--json", action="store_true")
     parser.add_argument("--fail-above", type=positive, metavar="R")
     options = parser.parse_args(arguments)
-    try:
-        return compare(options)
-    except records.BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    except Exception:  # Python would leave with 1, which stands for something else
-        traceback.print_exc()
-        return 3
+    return guarded(lambda: compare(options))
 
 
 if __name__ == "__main__":

@@ -11,9 +11,9 @@ import argparse
 import json
 import pathlib
 import sys
-import traceback
 
 from history import history
+from shared.exit_codes import guarded
 from shared.run_file import BadRun, read_json
 from shared.terminal import say
 
@@ -40,7 +40,11 @@ def make_history(options):
     found = history.read_history(options.folders, measures, options.measure)
     if not found.runs:
         raise BadRun(found.notes[0] if found.notes else "expected runs, found none")
-    said = write_all(found, pathlib.Path(options.out)) if options.out else []
+    try:
+        said = write_all(found, pathlib.Path(options.out)) if options.out else []
+    except ImportError as error:
+        print(f"no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
+        return 3
     if options.json:
         print(json.dumps(history.describe(found), indent=2))
     else:
@@ -56,20 +60,7 @@ def main(arguments=None):
     parser.add_argument("--json", action="store_true")
     parser.add_argument("folders", metavar="DIR", nargs="+")
     options = parser.parse_args(arguments)
-    try:
-        return make_history(options)
-    except BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    except ImportError as error:
-        print(f"no charts: {error} (packages.txt: python3-matplotlib)", file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(f"cannot write {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
-        return 3
-    except Exception:
-        traceback.print_exc()
-        return 3
+    return guarded(lambda: make_history(options))
 
 
 if __name__ == "__main__":

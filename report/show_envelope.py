@@ -10,6 +10,7 @@ be read; 3 matplotlib is missing, or a fault of its own.
 import pathlib
 import sys
 
+from shared.exit_codes import guarded
 from shared.run_file import BadRun, read_object
 
 
@@ -23,15 +24,15 @@ def main(arguments):
     except ImportError as error:
         print(f"matplotlib is missing (the package python3-matplotlib has it): {error}", file=sys.stderr)
         return 3
-    try:
+
+    def draw():
         envelope = read_object(folder / "envelope.json")
         if envelope.get("schema") != "palpate/envelope/1" or not envelope.get("axes"):
             raise BadRun(f"{folder}/envelope.json: an envelope with axes was expected")
-    except BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    envelope_chart.draw_envelope(envelope, folder)
-    return 0
+        envelope_chart.draw_envelope(envelope, folder)
+        return 0
+
+    return guarded(draw)
 
 
 if __name__ == "__main__":

@@ -10,8 +10,9 @@ done; 2 a file that cannot be read; 3 matplotlib is missing, or a fault of its o
 import pathlib
 import sys
 
+from shared.exit_codes import guarded
 from shared.mesh_file import read_mesh
-from shared.run_file import BadRun, read_object
+from shared.run_file import read_object
 
 
 def main(arguments):
@@ -24,14 +25,14 @@ def main(arguments):
     except ImportError as error:
         print(f"matplotlib is missing (the package python3-matplotlib has it): {error}", file=sys.stderr)
         return 3
-    try:
+
+    def draw():
         mesh = read_mesh(folder / "body.mesh")
         problem = read_object(folder / "problem.json")
-    except BadRun as error:
-        print(error, file=sys.stderr)
-        return 2
-    scene_picture.draw_scene(mesh, problem, pathlib.Path(arguments[1]), arguments[2])
-    return 0
+        scene_picture.draw_scene(mesh, problem, pathlib.Path(arguments[1]), arguments[2])
+        return 0
+
+    return guarded(draw)
 
 
 if __name__ == "__main__":

@@ -57,6 +57,7 @@ void add_commands(CLI::App& app, int& exit_code) {
   add_train_command(app, exit_code);
   add_test_command(app, exit_code);
   name_command_groups(app);
+  refuse_empty_values(app);
 }
 
 /// True if standard output is a pipe that nobody reads any more.

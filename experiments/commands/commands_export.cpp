@@ -12,7 +12,6 @@
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "core/springs/identification/identify_options.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
@@ -148,9 +147,7 @@ int export_table(const ExportArguments& arguments, const Registry& registry) {
 void check_model_arguments(const ExportArguments& arguments) {
   if (!arguments.young_modulus_pa) throw InputError("--young-pa", 0, "a number of Pa", "none");
   if (!arguments.density_kg_m3) throw InputError("--density", 0, "a number of kg/m^3", "none");
-  springs::check_material({*arguments.young_modulus_pa, arguments.poisson_ratio, *arguments.density_kg_m3},
-                          "--");
-  if (!(*arguments.density_kg_m3 > 0.0)) throw InputError("--density", 0, "a finite number above 0", "0");
+  check_material_options(*arguments.young_modulus_pa, arguments.poisson_ratio, arguments.density_kg_m3);
   check_output(arguments.out, ".json");
 }
 

@@ -160,6 +160,10 @@ void require_replaceable(const std::string& summary) {
 int gate(const GateArguments& arguments) {
   require_replaceable(arguments.junit);
   require_replaceable(arguments.markdown);
+  const auto place = [](const std::string& file) { return fs::weakly_canonical(fs::absolute(file)); };
+  if (!arguments.junit.empty() && !arguments.markdown.empty() &&
+      place(arguments.junit) == place(arguments.markdown))
+    throw InputError("--markdown", 0, "another file than that of --junit", arguments.markdown);
   const fs::path folder = find_run(arguments.run);
   std::vector<AcceptedChange> changes;
   const GateResult result = hold_run(arguments, folder, changes);

@@ -29,6 +29,8 @@ namespace {
 
 using nlohmann::json;
 
+/// A remesher searches for the edge length with the wanted count, and may miss it by little: the count jumps.
+constexpr double kFarAbove = 1.02;
 constexpr std::int64_t kMostRemoved = std::int64_t{1} << 40;
 
 struct SimplifyArguments {
@@ -68,6 +70,16 @@ std::vector<std::string> keep_of(const SimplifyArguments& arguments, const Metho
   return keep;
 }
 
+/// Throws: InputError for a region that no tetrahedron of the input meets.
+void check_regions_meet(const std::vector<std::string>& keep, const TetMesh& in) {
+  for (const std::string& region : keep) {
+    const std::vector<std::string> alone{region};
+    if (judge::compare_in_regions(in, in, judge_regions(alone)).input_tets == 0)
+      throw InputError("--keep", 0, "a region in the mesh's own coordinates that meets it",
+                       "\"" + region + "\", which no tetrahedron meets");
+  }
+}
+
 /// Says which tets had to stay. Returns whether they did.
 bool report_kept(const std::vector<std::string>& keep, const TetMesh& in, const TetMesh& out, json& report) {
   if (keep.empty()) return true;
@@ -75,8 +87,6 @@ bool report_kept(const std::vector<std::string>& keep, const TetMesh& in, const 
   report["keep"] = keep;
   report["kept_tets"] = kept.input_tets;
   report["kept_tets_changed"] = kept.changed_tets;
-  if (kept.input_tets == 0)
-    print_note("no tetrahedron meets a region to keep (regions are in the mesh's own coordinates)");
   if (kept.changed_tets > 0)
     print_note(std::to_string(kept.changed_tets) + " tetrahedra that were to be kept are not in the output");
   return kept.changed_tets == 0;
@@ -212,6 +222,7 @@ int simplify(const SimplifyArguments& arguments) {
   task.keep = keep_of(arguments, *method.method, registry);
   check_output_file(arguments.out);
   const TetMesh in = read_valid_mesh(arguments.mesh);
+  check_regions_meet(task.keep, in);
   const ScratchFolder scratch;
   task.scratch = scratch.path();
   task.mesh_in = scratch.file("in.mesh");
@@ -234,8 +245,10 @@ int simplify(const SimplifyArguments& arguments) {
   json report = full_report(answer, arguments.method, in, out);
   const bool is_valid = report_validity(out, report);
   const bool kept = report_kept(task.keep, in, out, report);
-  const bool is_short = task.stop.kind != StopKind::kLimit && report.value("stop", "") == "limit";
   const std::optional<double> wanted = wanted_tets(in, task.stop);
+  const bool is_at_limit = report.value("stop", "") == "limit";
+  const bool is_far = wanted && static_cast<double>(out.tets.size()) > kFarAbove * *wanted;
+  const bool is_short = task.stop.kind != StopKind::kLimit && (is_at_limit || is_far);
   if (is_short && wanted && *wanted < static_cast<double>(out.tets.size())) {
     json shortfall = describe_shortfall(in, out, *wanted, report);
     find_way_out(task, in, registry, shortfall);

@@ -42,6 +42,23 @@ struct SimulateArguments {
   bool as_json = false;
 };
 
+/// Throws: InputError if what an earlier run left in the folder, and goes, is not of such a run, or is what
+/// the scene reads: its mesh, or a file of its model.
+void require_replaceable_results(const Scene& scene, const fs::path& folder) {
+  std::vector<fs::path> inputs{scene.mesh.file};
+  if (scene.model) {
+    for (const auto& [name, given] : scene.model->set) inputs.emplace_back(given.text);
+  }
+  for (const fs::path& result : reference::earlier_results(folder)) {
+    for (const fs::path& input : inputs) {
+      std::error_code none;  // most of a model's options are no files
+      if (!input.empty() && fs::equivalent(result, input, none))
+        throw InputError("--output", 0, "another folder than that of what the scene reads",
+                         result.string() + ", where a result goes");
+    }
+  }
+}
+
 /// The folder for what is written, made before any work is done for it. If nothing is written, what was made
 /// for it is taken away again.
 class ResultFolder {
@@ -108,7 +125,7 @@ void print_result(const json& report) {
   table.add({"outcome", report.at("outcome").get<std::string>()});
   table.add({"vertices", report.at("vertices").dump()});
   table.add({"tetrahedra", report.at("tets").dump()});
-  table.add({"time of the method", duration_text(report.at("kernel_s").get<double>())});
+  table.add({"time of the method", time_text(report.at("kernel_s").get<double>())});
   if (report.at("max_displacement_m").is_number())
     table.add({"largest displacement",
                short_number(1000.0 * report.at("max_displacement_m").get<double>()) + " mm"});
@@ -142,7 +159,7 @@ void print_motion(const json& report) {
   table.add({"longest stable step at rest", number("stable_step_s", " s")});
   table.add({"steps", report.at("steps").dump()});
   table.add({"simulated time", number("simulated_s", " s")});
-  table.add({"time of the steps", duration_text(report.at("kernel_s").get<double>())});
+  table.add({"time of the steps", time_text(report.at("kernel_s").get<double>())});
   table.add({"largest displacement", number("max_displacement_m", " m")});
   table.add({"displacement at the end", number("end_displacement_m", " m")});
   table.add({"peak speed", number("peak_speed_m_s", " m/s")});
@@ -219,6 +236,7 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   const Registry registry = load_registry();
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
+  check_moving_scene(place_scene(scene, made.mesh), made.mesh);
   const ScratchFolder scratch;
   const auto run = [&](const Scene& which, const char* name) {
     const reference::MovingBody body = build_moving_body(place_scene(which, made.mesh), made.mesh, registry);
@@ -258,6 +276,7 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
 
 int simulate(const SimulateArguments& arguments) {
   const Scene scene = read_scene(arguments.scene);
+  require_replaceable_results(scene, arguments.out);
   for (const std::string& line : leaves_envelope(scene)) print_note("outside of what was fitted: " + line);
   if (scene.is_dynamic) return simulate_dynamic(scene, arguments);
   const Registry registry = load_registry();
@@ -331,7 +350,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
       "the exit "
       "code is 1 if it diverged, ends with inverted tetrahedra or has steps without a solution, 3 after the "
       "time-out and 130 after Ctrl-C: what was computed until then is written. Results of an earlier run in "
-      "DIR are removed.");
+      "DIR are removed; where a file of their names is none of them, nothing is done.");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = simulate(*arguments); });
 }

@@ -79,15 +79,9 @@ void parse_spring_options(const std::vector<std::string>& settings, SpringWish& 
 }
 
 /// A number from an option that has to be above 0.
-void check_above_zero(double value, const char* flag) {
-  if (!(value > 0.0)) throw InputError(flag, 0, "a finite number above 0", short_number(value));
-}
-
 Material material_of(const SpringsArguments& arguments) {
-  check_above_zero(arguments.young_pa, "--young-pa");
-  if (!(arguments.poisson > -1.0 && arguments.poisson < 0.5))
-    throw InputError("--poisson", 0, "a number above -1 and below 0.5", short_number(arguments.poisson));
-  if (arguments.has_density) check_above_zero(arguments.density, "--density");
+  check_material_options(arguments.young_pa, arguments.poisson,
+                         arguments.has_density ? std::optional(arguments.density) : std::nullopt);
   if (!arguments.masses.empty() && !arguments.has_density)
     throw InputError("--masses: masses need --density");
   return {arguments.young_pa, arguments.poisson, arguments.density};
@@ -161,7 +155,8 @@ int identify(const SpringsArguments& arguments) {
   wish.method = find_spring_method(arguments.method);
   parse_spring_options(arguments.set, wish);
   wish.material = material_of(arguments);
-  check_above_zero(arguments.unit_m, "--unit-m");
+  if (!(arguments.unit_m > 0.0))
+    throw InputError("--unit-m", 0, "a finite number above 0", short_number(arguments.unit_m));
   check_output_csv(arguments.out);
   if (!arguments.masses.empty()) check_output_csv(arguments.masses);
   if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");

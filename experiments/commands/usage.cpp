@@ -121,6 +121,28 @@ CLI::Validator whole_number_from(std::int64_t least, std::int64_t most) {
       ""));
 }
 
+void check_material_options(double young_pa, double poisson, std::optional<double> density) {
+  const auto check_above_zero = [](double value, const char* flag) {
+    if (!(value > 0.0) || !std::isfinite(value))
+      throw InputError(flag, 0, "a finite number above 0", short_number(value));
+  };
+  check_above_zero(young_pa, "--young-pa");
+  if (!(poisson > -1.0 && poisson < 0.5))
+    throw InputError("--poisson", 0, "a number above -1 and below 0.5", short_number(poisson));
+  if (density) check_above_zero(*density, "--density");
+}
+
+void refuse_empty_values(CLI::App& app) {
+  const CLI::Validator refuse = check_with(CLI::Validator(
+      [](const std::string& text) { return text.empty() ? "expected a value, found \"\"" : ""; }, ""));
+  for (CLI::App* command : commands_of(app)) {
+    for (CLI::Option* option : command->get_options()) {
+      if (option->nonpositional() && option->get_type_size() > 0) option->check(refuse);
+    }
+    refuse_empty_values(*command);
+  }
+}
+
 void check_command_names(const CLI::App& app, int argc, char** argv) {
   const CLI::App* command = &app;
   for (int i = 1; !command_names(*command).empty(); ++i) {

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace palpate::experiments {
@@ -20,6 +21,12 @@ CLI::Validator number_from(double least, double most);
 
 /// A check that an option is a whole number from `least` to `most`, in digits.
 CLI::Validator whole_number_from(std::int64_t least, std::int64_t most);
+
+/// Throws: InputError that names --young-pa, --poisson or --density unless they are those of a material.
+void check_material_options(double young_pa, double poisson, std::optional<double> density);
+
+/// Has every option that takes a value refuse an empty one, as a script gives that leaves a variable unset.
+void refuse_empty_values(CLI::App& app);
 
 /// Checks the first words against the names of the commands, and of their commands.
 /// Throws: InputError with the nearest name if a word is no command, or if one is missing.

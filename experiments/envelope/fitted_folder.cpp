@@ -48,8 +48,9 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
   out.fit = reference::read_json_file(fit_file, {kLargestFile, kDepth});
   const fs::path plan_file = folder / "search" / "plan.yaml";
   try {
-    if (out.fit.at("schema") != "palpate/fit/1")
-      throw InputError(fit_file.string() + ": schema", 0, "palpate/fit/1", out.fit.at("schema").dump());
+    const json schema = out.fit.is_object() ? out.fit.value("schema", json()) : json();
+    if (schema != "palpate/fit/1")
+      throw InputError(fit_file.string() + ": schema", 0, "palpate/fit/1", schema.dump());
     const json& choice = out.fit.at("choice");
     if (choice.is_null())
       throw InputError(fit_file.string() +

@@ -6,7 +6,8 @@
 
 namespace palpate::experiments {
 
-/// A private folder below the system's temporary one; removed at the end.
+/// A private folder below the system's temporary one; removed at the end, or, if the program was stopped
+/// before its end, by a later one of the same user.
 class ScratchFolder {
  public:
   /// Throws: UnavailableError if it cannot be made.
@@ -20,6 +21,7 @@ class ScratchFolder {
 
  private:
   std::filesystem::path path_;
+  int lock_ = -1;  ///< held on the folder as long as it is in use
 };
 
 }  // namespace palpate::experiments

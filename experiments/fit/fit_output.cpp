@@ -256,12 +256,37 @@ void add_choice(const FitResult& result, const json& fit, std::ostringstream& te
          << " |\n";
 }
 
-void add_tried(const json& tried, std::ostringstream& text) {
-  text << "\n| tried | tetrahedra | error | time | not taken, since |\n|---|---|---|---|---|\n";
-  for (const json& point : tried)
+/// `error` is the key of the error that is shown of each.
+void add_points(const json& points, const std::string& heading, const char* error, std::ostringstream& text) {
+  if (points.empty()) return;
+  text << "\n| " << heading << " | time | not taken, since |\n|---|---|---|---|---|\n";
+  for (const json& point : points) {
+    const json& shown = point.at(error);
     text << "| " << point.at("name").get<std::string>() << " | " << point.at("tets") << " | "
-         << (point.at("error").empty() ? "-" : percent_of(point.at("error").front())) << " | "
-         << seconds_of(point.at("cost_s")) << " | " << point.at("why_not").get<std::string>() << " |\n";
+         << (shown.empty()      ? "-"
+             : shown.is_array() ? percent_of(shown.front())
+                                : percent_of(shown))
+         << " | " << seconds_of(point.at("cost_s")) << " | " << point.at("not_taken").get<std::string>()
+         << " |\n";
+  }
+}
+
+/// Why a point is not the choice: for what it leaves on the scene, for what it (or one like it) leaves on
+/// other loads, or for its time. "taken": it is.
+std::string why_not_the_choice(const FitPoint& point, const FitResult& result) {
+  const SceneRequirement& require = *result.scene.require;
+  const std::string name = point.candidate.name();
+  if (result.choice && result.choice->candidate.name() == name) return "taken";
+  const std::string here = why_not_chosen(point, result.searched, require);
+  if (!here.empty()) return here;
+  for (const FitPoint& looked : result.checked) {
+    if (looked.candidate.name() != name) continue;
+    const std::string there = why_not_chosen(looked, result.checked, require);
+    if (!there.empty()) return "on other loads: " + there;
+  }
+  if (result.choice && point.cost() >= result.choice->cost()) return "it is no cheaper";
+  const std::string like = why_not_chosen(point, result.checked, require);
+  return like.empty() ? "it was not looked at on other loads" : like;
 }
 
 /// Why what comes closest is no choice.
@@ -302,6 +327,7 @@ json describe_fit(const FitResult& result) {
     for (const FitPoint& point : *points) {
       json described = describe_point(point);
       described["why_not"] = why_not_chosen(point, *points, require);
+      described["not_taken"] = why_not_the_choice(point, result);
       fit[key].push_back(described);
     }
   }
@@ -346,7 +372,9 @@ std::string fit_text(const FitResult& result, const json& fit) {
     text << "\nNot tried:\n\n";
     for (const std::string& line : result.dropped) text << "- " << line << '\n';
   }
-  add_tried(fit.at("tried"), text);
+  add_points(fit.at("checked"), "looked at on other loads, too | tetrahedra | worst error", "worst_error",
+             text);
+  add_points(fit.at("tried"), "tried | tetrahedra | error on the scene", "error", text);
   return text.str();
 }
 

@@ -46,7 +46,7 @@ Found draft(const LiveWish& wish, std::vector<std::string>& notes) {
   draft_wish.scene = scratch.file("scene.yaml");
   draft_wish.unit_m = wish.unit_m;
   draft_wish.vertices = wish.vertices;
-  draft_wish.material = wish.material;
+  draft_wish.material = wish.material.value_or(kUsualMaterial);
   const SceneDraft made = draft_scene(draft_wish);
   print_note(wish.source.string() + ": its unit is the " + unit_name(made.unit_m) + ", " + made.unit_reason);
   notes.insert(notes.end(), made.notes.begin(), made.notes.end());
@@ -73,6 +73,9 @@ Found find_source(const LiveWish& wish, std::vector<std::string>& notes) {
     throw InputError(wish.source.string(), 0, "a mesh, a surface, a scene or the folder of a fit", "nothing");
   if (is_scene && (wish.unit_m || wish.vertices))
     throw InputError("--unit-m, --vertices", 0, "a mesh or a surface", "a scene, which has its own");
+  if (is_scene && wish.material)
+    throw InputError("--young-pa, --poisson, --density", 0, "a mesh or a surface",
+                     "a scene, whose material is in it");
   if (!is_folder) return is_scene ? read_given(wish.source, "scene", notes) : draft(wish, notes);
   if (!fs::exists(wish.source / "fit.json", error))
     throw InputError(wish.source.string(), 0, "the folder of a fit, with fit.json", "none there");

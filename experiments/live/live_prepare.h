@@ -10,12 +10,15 @@
 
 namespace palpate::experiments {
 
-/// What is asked for; of a scene or a fit, `material`, unit and vertices are its own.
+inline constexpr Material kUsualMaterial{10000.0, 0.45, 1050.0};
+
+/// What is asked for. A scene and a fit have a unit, a count of vertices and a material of their own: none
+/// may be asked for with them.
 struct LiveWish {
   std::filesystem::path source;  ///< a mesh, a surface, a scene (.yaml), or the folder of a fit
   std::optional<double> unit_m;
   std::optional<std::uint64_t> vertices;
-  Material material{10000.0, 0.45, 1050.0};
+  std::optional<Material> material;  ///< none: kUsualMaterial
   bool with_table = true;
 };
 

@@ -200,7 +200,8 @@ FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertic
       if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
     }
   }
-  made.notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too fine for a mesh of " +
+  made.notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too " +
+                       (skin_count < vertices ? "coarse" : "fine") + " for a mesh of " +
                        std::to_string(vertices) + ": it was remeshed");
   const auto skin = [&](double interior) { return remesh_surface(surface, kSkinToInterior * interior); };
   return fill_with_skin(skin, vertices, estimate_interior_size(volume, 0.8 * static_cast<double>(vertices)),

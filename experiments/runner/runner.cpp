@@ -397,6 +397,7 @@ class Runner {
 RunResult run_plan(const Plan& plan, const Registry& registry, const RunOptions& options,
                    Progress& progress) {
   require_available(plan, registry);
+  for (const fs::path& given : options.take) check_parts(given);  // before a folder is made
   Runner runner(plan, registry, options, progress);
   return runner.run();
 }

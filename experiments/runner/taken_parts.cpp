@@ -84,6 +84,10 @@ std::vector<fs::path> find_parts(const fs::path& folder) {
   return below.empty() ? std::vector<fs::path>{folder} : below;
 }
 
+void check_parts(const fs::path& folder) {
+  for (const fs::path& part : find_parts(folder)) read_part(part);
+}
+
 PartTaker::PartTaker(const RunPaths& paths, std::map<std::string, fs::path> kept, std::string beside_file,
                      json& provenance, std::function<void()> save)
     : paths_(paths),

@@ -27,6 +27,9 @@ nlohmann::json moved_here(nlohmann::json then, const nlohmann::json& now);
 /// none.
 std::vector<std::filesystem::path> find_parts(const std::filesystem::path& folder);
 
+/// Throws: InputError unless find_parts(folder) are runs.
+void check_parts(const std::filesystem::path& folder);
+
 /// The runs below `folder`, by name; none if there is no such folder.
 std::vector<std::filesystem::path> list_parts(const std::filesystem::path& folder);
 

@@ -186,7 +186,9 @@ std::vector<SceneProbe> name_probes(const YamlFields& fields, Scene& scene) {
 }  // namespace
 
 void check_poisson_ratio(const YamlValue& at, double ratio) {
-  if (!(ratio > -1.0 && ratio < 0.5)) at.fail_expected("a Poisson ratio above -1 and below 0.5");
+  constexpr double kLeast = 1e-7;  // nearer to either end, rounding is as large as the answer
+  if (!(ratio > -1.0 + kLeast && ratio < 0.5 - kLeast))
+    at.fail_expected("a Poisson ratio above -1 and below 0.5, by more than 1e-7");
 }
 
 SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {

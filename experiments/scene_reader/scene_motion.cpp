@@ -1,7 +1,11 @@
 #include "experiments/scene_reader/scene_motion.h"
 
+#include <algorithm>
+
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/topology.h"
 #include "experiments/scene_reader/scene_problem.h"
 
 namespace palpate::experiments {
@@ -100,6 +104,28 @@ reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh
   for (const Vec3& probe : placed.dynamic.probes_m)
     problem.probes.push_back(nearest_point(mesh.points, probe));
   return problem;
+}
+
+void check_moving_scene(const Scene& placed, const TetMesh& mesh) {
+  const SceneDynamic& dynamic = placed.dynamic;
+  const std::string duration = short_number(dynamic.duration_s) + " s";
+  if (dynamic.time_step_s && *dynamic.time_step_s > dynamic.duration_s)
+    throw InputError(placed.analysis_where + ": time_step_s", 0, "at most the duration of " + duration,
+                     short_number(*dynamic.time_step_s) + " s");
+  for (const SceneLoad& load : placed.loads) {
+    if (load.from_s >= dynamic.duration_s)
+      throw InputError(load.where + ": from_s", 0, "a time before the end, " + duration,
+                       short_number(load.from_s) + " s");
+  }
+  double longest = 0.0;
+  for (const Edge& edge : build_edges(mesh))
+    longest = std::max(longest, length(mesh.points[edge[1]] - mesh.points[edge[0]]));
+  for (const Vec3& probe : dynamic.probes_m) {
+    const double away = length(mesh.points[nearest_point(mesh.points, probe)] - probe);
+    if (away > longest)
+      throw InputError(placed.analysis_where + ": probes_m", 0, "points of the body",
+                       "one whose nearest vertex is " + short_number(1000.0 * away) + " mm away");
+  }
 }
 
 reference::MovingBody build_moving_body(const Scene& placed, const TetMesh& mesh, const Registry& registry) {

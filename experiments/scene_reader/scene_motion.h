@@ -20,6 +20,10 @@ inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tole
 /// are not in it. Throws: InputError as resolve_problem does.
 reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh);
 
+/// What a motion would pass over in silence. Throws: InputError for a step longer than the motion, a load
+/// that begins after its end, or a probe that is outside of the body by more than its longest edge.
+void check_moving_scene(const Scene& placed, const TetMesh& mesh);
+
 /// The same with the scene's model and how it is stepped. What a preset stands for is written out. Throws:
 /// InputError also for a scene without a model, with one that does not move, or with options of a static
 /// analysis.

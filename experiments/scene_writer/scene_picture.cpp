@@ -22,8 +22,10 @@ std::vector<std::filesystem::path> draw_scene(const std::filesystem::path& scene
   write_file_atomically(scratch.file("problem.json"), reference::problem_to_json(problem).dump() + "\n");
   const std::filesystem::path folder = std::filesystem::absolute(scene).parent_path();
   const std::string stem = scene.stem().string();
-  run_script(report_script("show_scene.py", {scratch.path().string(), folder.string(), stem}), scratch,
-             "the picture");
+  const ScriptAnswer answer =
+      run_script(report_script("show_scene.py", {scratch.path().string(), folder.string(), stem}), scratch,
+                 "the picture");
+  if (answer.exit_code != 0) throw UnavailableError("interrupted before there was a picture");
   return pictures_of(scene);
 }
 

@@ -77,7 +77,9 @@ Vec3 mean_normal(const FacePatch& patch, const TetMesh& mesh) {
   for (std::size_t i = 0; i < patch.faces.size(); ++i)
     sum = sum + patch.weight[i] * area_vector_of(mesh, patch.faces[i]);
   const double size = length(sum);
-  require(size > 0.0, "mean_normal: a closed patch");
+  if (!(size > 1e-9 * area_of(patch, mesh)))
+    throw InputError("the pad on top", 0, "a part of the skin that has a front",
+                     "the whole of it: its faces are as long as the body; finer ones have room for a pad");
   return (1.0 / size) * sum;
 }
 

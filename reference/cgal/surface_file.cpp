@@ -2,6 +2,7 @@
 #include <CGAL/IO/polygon_soup_io.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -9,11 +10,13 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "reference/cgal/file_claims.h"
 #include "reference/cgal/surface_tools.h"
 
@@ -23,6 +26,7 @@ namespace {
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 using Polygons = std::vector<std::vector<std::size_t>>;
 
+constexpr double kMostCoordinate = 1e90;  // whose volumes are finite
 constexpr std::size_t kStlHeader = 80;
 constexpr std::size_t kStlTriangle = 50;
 
@@ -54,10 +58,20 @@ void check_stl_is_whole(const std::string& where) {
   }
 }
 
+void refuse_byte_order_mark(const std::string& where) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  std::ifstream file(where, std::ios::binary);
+  std::string head(kMark.size(), '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (head == kMark)
+    throw InputError(where, 1, "a file without a byte-order mark", "one in front of its text");
+}
+
 /// What CGAL 5.5 takes as it is claimed is looked at before. The ending is the one that CGAL goes by.
 OffExtras check_whole(const std::string& where) {
   const std::string ending = CGAL::IO::internal::get_file_extension(where);
   if (ending == "stl") check_stl_is_whole(where);
+  if (ending != "stl") refuse_byte_order_mark(where);
   if (ending == "ply") check_ply_file(where);
   return ending == "off" ? check_off_file(where) : OffExtras{};
 }
@@ -86,7 +100,8 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   std::vector<Point> points;
   Polygons polygons;
   if (!read_soup(where, extras, points, polygons)) {
-    throw InputError(where, 0, "a whole " + path.extension().string() + " file", "a broken or truncated one");
+    throw InputError(where, 0, "a whole " + path.extension().string() + " file",
+                     "one that is broken, truncated or has a number that is none");
   }
   if (polygons.empty()) throw InputError(where, 0, "triangles", "none");
   SurfaceMesh surface;
@@ -104,6 +119,11 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
       const Point& p = points[polygon[k]];
       const Vec3 v{p.x(), p.y(), p.z()};
       if (!is_finite(v)) throw InputError(where, 0, "finite coordinates", "NaN or infinity");
+      for (const double x : {v.x, v.y, v.z}) {
+        if (std::fabs(x) > kMostCoordinate)
+          throw InputError(where, 0, "coordinates of at most " + short_number(kMostCoordinate),
+                           short_number(x));
+      }
       const auto [entry, is_new] =
           known.try_emplace({v.x, v.y, v.z}, static_cast<Index>(surface.points.size()));
       if (is_new) surface.points.push_back(v);

@@ -1,7 +1,7 @@
 #include "reference/door/result_folder.h"
 
+#include <fstream>
 #include <string_view>
-#include <vector>
 
 #include "core/base/error.h"
 
@@ -17,6 +17,26 @@ bool is_frame_name(const std::string& name) {
   return digits.size() >= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
 }
 
+/// What stands near the beginning of a result of this name, or an empty string: simulate writes no such file.
+std::string mark_of(const std::string& name) {
+  if (name == "history.csv") return "time_s,";
+  if (name == "displacement.csv") return "vertex,ux_m,uy_m,uz_m";
+  if (name == "frames.pvd") return "file=\"frame_";
+  if (name == "summary.json") return "palpate/motion/1";
+  return name == "displacement.vtu" || is_frame_name(name) ? "Name=\"displacement_m\"" : "";
+}
+
+/// Whether a regular file says so near its beginning.
+bool begins_with_mark(const fs::path& file, const std::string& mark) {
+  constexpr std::size_t kLooked = std::size_t{1} << 16U;
+  if (fs::is_symlink(file) || !fs::is_regular_file(file)) return false;
+  std::ifstream in(file, std::ios::binary);
+  std::string head(kLooked, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  return head.find(mark) != std::string::npos;
+}
+
 }  // namespace
 
 std::string frame_name(std::size_t number) {
@@ -25,16 +45,23 @@ std::string frame_name(std::size_t number) {
   return "frame_" + digits + ".vtu";
 }
 
-void remove_earlier_results(const fs::path& folder) {
+std::vector<fs::path> earlier_results(const fs::path& folder) {
   std::vector<fs::path> found;
-  for (const char* name :
-       {"history.csv", "frames.pvd", "summary.json", "displacement.csv", "displacement.vtu"})
-    found.push_back(folder / name);
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (is_frame_name(entry.path().filename().string())) found.push_back(entry.path());
+    const std::string mark = mark_of(entry.path().filename().string());
+    if (mark.empty()) continue;
+    if (!begins_with_mark(entry.path(), mark))
+      throw InputError(entry.path().string(), 0, "what an earlier simulate has written, which may go",
+                       "another file of that name");
+    found.push_back(entry.path());
   }
-  for (const fs::path& file : found) {
+  return found;
+}
+
+void remove_earlier_results(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::path& file : earlier_results(folder)) {
     fs::remove(file, error);
     if (error) throw InputError(file.string(), 0, "a file that can be removed", error.message());
   }

@@ -4,6 +4,7 @@ archive.json, schema palpate/archive/1: {"schema", "plan" (its name), "records" 
 is made from is in there, bodies and fields are not: a page of an archive has no 3D.
 """
 
+import contextlib
 import hashlib
 import json
 import lzma
@@ -11,6 +12,7 @@ import pathlib
 import shutil
 
 from shared.run_file import BadRun, read_object
+from shared.whole_file import replacing
 
 ARCHIVE = "palpate/archive/1"  # docs/schemas.md
 NOTE, RECORDS, PACKED = "archive.json", "records.jsonl", "records.jsonl.xz"
@@ -39,19 +41,36 @@ def pack(run, folder):
     plan = read_object(run / "provenance.json").get("plan")
     if not isinstance(plan, str):
         raise BadRun(f"{run / 'provenance.json'}: expected the plan's name, found {plan!r}")
-    for name in COPIED:
-        shutil.copyfile(run / name, folder / name)
+    with emptied_on_failure(folder):
+        for name in COPIED:
+            shutil.copyfile(run / name, folder / name)
+        note = {"schema": ARCHIVE, "plan": plan, **pack_records(run / RECORDS, folder / PACKED)}
+        (folder / NOTE).write_text(json.dumps(note, indent=2) + "\n")
+    return note
+
+
+def pack_records(records, place):
+    """Packs the records; returns how many there are, their bytes and their sum. Raises: BadRun if the last one is cut."""
     digest, lines, size, last = hashlib.sha256(), 0, 0, b"\n"
-    with open(run / RECORDS, "rb") as source, lzma.open(folder / PACKED, "wb", preset=9) as packed:
+    with open(records, "rb") as source, lzma.open(place, "wb", preset=9) as packed:
         for block in blocks_of(source):
             digest.update(block)
             lines, size, last = lines + block.count(b"\n"), size + len(block), block[-1:]
             packed.write(block)
     if last != b"\n":
-        raise BadRun(f"{run / RECORDS}: its last record is cut; --resume mends that")
-    note = {"schema": ARCHIVE, "plan": plan, "records": lines, "bytes": size, "sha256": digest.hexdigest()}
-    (folder / NOTE).write_text(json.dumps(note, indent=2) + "\n")
-    return note
+        raise BadRun(f"{records}: its last record is cut; --resume mends that")
+    return {"records": lines, "bytes": size, "sha256": digest.hexdigest()}
+
+
+@contextlib.contextmanager
+def emptied_on_failure(folder):
+    """Of a folder that was empty: if anything fails, it is empty again, and takes the next try."""
+    try:
+        yield
+    except BaseException:
+        for path in folder.iterdir():
+            path.unlink()
+        raise
 
 
 def require_empty(folder):
@@ -81,15 +100,10 @@ def unpack(archive, folder):
         if not (archive / name).is_file():
             raise BadRun(f"{archive / name}: expected a file of an archive, found none")
     require_empty(folder)
-    whole = folder / (RECORDS + ".part")
-    try:
+    with emptied_on_failure(folder), replacing(folder / RECORDS) as whole:
         unpack_records(archive / PACKED, note, whole)
         for name in COPIED:
             shutil.copyfile(archive / name, folder / name)
-    except BaseException:
-        whole.unlink(missing_ok=True)
-        raise
-    whole.rename(folder / RECORDS)
 
 
 def unpack_records(packed, note, place):

@@ -1,7 +1,6 @@
 """What all charts share: colours, type, and how a figure is written. The same figure gives the same bytes."""
 
 import math
-import os
 import re
 
 import matplotlib
@@ -9,6 +8,8 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FuncFormatter, LogFormatter, LogLocator, NullFormatter, NullLocator
+
+from shared.whole_file import replacing
 
 # Colours that stay apart for colour-blind eyes (Okabe and Ito), and apart in grey print.
 BETTER, THAN, SPREAD, OTHERS = "#0072B2", "#D55E00", "#CC79A7", "#009E73"
@@ -32,9 +33,8 @@ def save(fig, folder, name):
     write_powers_plainly(fig)
     fit_titles(fig)
     for ending, metadata in (("svg", {"Date": None, "Creator": "palpate"}), ("png", {"Software": None})):
-        beside = folder / f"{name}.part.{ending}"
-        fig.savefig(beside, metadata=metadata, facecolor="white")
-        os.replace(beside, folder / f"{name}.{ending}")
+        with replacing(folder / f"{name}.{ending}", folder / f"{name}.part.{ending}") as beside:
+            fig.savefig(beside, metadata=metadata, facecolor="white")
     plt.close(fig)
     return [f"{name}.svg", f"{name}.png"]
 

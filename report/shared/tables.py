@@ -11,6 +11,7 @@ import os
 from shared import load
 from shared.intervals import median_interval, percent
 from shared.records import BUCKETS, figure, figures_of, histogram, json_mark, median, present, quantile
+from shared.whole_file import replacing
 
 QUALITY_FIGURES = [
     "percent_above_0_5", "percent_above_0_6", "mean_quality", "min_quality", "min_dihedral_deg", "p1_dihedral_deg",
@@ -24,13 +25,10 @@ VALIDITY_FIGURES = [
 
 
 def write_atomically(path, text):
-    """Writes beside the file, then renames: a reader sees the old text or the new one."""
-    beside = path.with_name(path.name + ".part")
-    with open(beside, "w", encoding="utf-8", newline="") as stream:
+    with replacing(path) as beside, open(beside, "w", encoding="utf-8", newline="") as stream:
         stream.write(text)
         stream.flush()
         os.fsync(stream.fileno())
-    os.replace(beside, path)
 
 
 def write_csv(path, header, rows):

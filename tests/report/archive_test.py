@@ -73,6 +73,18 @@ class Archives(ReportTest):
         self.assertIn("cut", err)
         self.assertFalse((self.archive / "archive.json").exists())
 
+    def test_a_folder_is_empty_after_a_failure_and_takes_the_next_try(self):
+        (self.folder / "provenance.json").write_text('{"plan": "p"}')
+        whole = (self.folder / "records.jsonl").read_bytes()
+        (self.folder / "records.jsonl").write_bytes(whole[:-1])
+        self.assertEqual(self.call(self.folder, self.archive)[0], 2)
+        self.assertEqual(list(self.archive.iterdir()), [])
+        (self.folder / "records.jsonl").write_bytes(whole)
+        self.pack()
+        (self.archive / "records.jsonl.xz").write_bytes(b"none")
+        self.assertEqual(self.call("--unpack", self.archive, self.again)[0], 2)
+        self.assertEqual(list(self.again.iterdir()), [])
+
     def test_a_folder_with_something_in_it_is_left_alone(self):
         self.pack()
         self.assertIn("empty folder", self.call(self.folder, self.archive)[1])

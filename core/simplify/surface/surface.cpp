@@ -84,10 +84,17 @@ struct Run {
     return flat / (size * size);
   }
 
-  ScoreScale scale_of(double ideal_volume) const {
-    const bool by_shape = options.objective == Objective::kShape;
-    return scale_of_ideal_volume(ideal_volume, by_shape ? ScoreForm::kMeanRatio : ScoreForm::kSolidAngle);
+  /// What tets are scored for: a longer step is made in the end, of what scores by q have left.
+  Objective scored_for() const {
+    return options.objective == Objective::kStableStep ? Objective::kQuality : options.objective;
   }
+
+  ScoreScale scale_of(double ideal_volume) const {
+    return scale_of_ideal_volume(ideal_volume, form_of(scored_for()));
+  }
+
+  /// By solid angles repairs may leave a tet worse than what they found.
+  RepairTools tools() const { return {.never_worse = scored_for() == Objective::kShape}; }
 
   /// Thresholds of scores by solid angles, in the scale's own.
   double flips_below(double score) const { return scores.far().flip_share * score; }
@@ -122,11 +129,6 @@ struct Run {
 };
 
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
-
-/// By solid angles repairs may leave a tet worse than what they found.
-RepairTools tools_for(Objective objective) {
-  return {.never_worse = objective == Objective::kShape};
-}
 
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
@@ -253,7 +255,7 @@ void polish(Run& run, std::uint64_t target) {
   const FlipRule rule = window_of(run, target);
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
-  Repairer repairer(run.mesh, run.scores, rule, tools_for(run.options.objective));
+  Repairer repairer(run.mesh, run.scores, rule, run.tools());
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
     if (run.options.boundary_smoothing)
@@ -299,8 +301,8 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   // Refined may end 0.5% below; some collapses from a little above get closer.
   const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
-  inside.objective = options.objective == Objective::kShape ? Objective::kShape : Objective::kQuality;
-  inside.tools = tools_for(options.objective);
+  inside.objective = run.scored_for();
+  inside.tools = run.tools();
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();

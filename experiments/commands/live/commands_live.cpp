@@ -5,7 +5,6 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/springs/identification/identify_options.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/live/live_page.h"
@@ -23,7 +22,9 @@ struct LiveArguments {
   std::uint64_t port = 0;
   double unit_m = 0.0;  ///< 0: guessed
   std::uint64_t vertices = 0;
-  Material material{10000.0, 0.45, 1050.0};
+  Material material = kUsualMaterial;
+  bool has_material = false;  ///< that was given
+  bool has_port = false;
   bool no_table = false;
 };
 
@@ -48,12 +49,13 @@ void describe(const LiveBodyData& body) {
 
 int live(const LiveArguments& arguments) {
   if (!arguments.out.empty()) check_page_output(arguments.out);
-  springs::check_material(arguments.material, "--");
+  if (!arguments.out.empty() && arguments.has_port)
+    throw InputError("--port", 0, "a page that is served", "--output, which writes it to a file");
   LiveWish wish;
   wish.source = arguments.source;
   if (arguments.unit_m > 0.0) wish.unit_m = arguments.unit_m;
   if (arguments.vertices > 0) wish.vertices = arguments.vertices;
-  wish.material = arguments.material;
+  if (arguments.has_material) wish.material = arguments.material;
   wish.with_table = !arguments.no_table;
   check_live_parts();
   const LiveBodyData body = prepare_live(wish, load_registry());
@@ -107,7 +109,12 @@ void add_live_command(CLI::App& app, int& exit_code) {
       "the engine itself, compiled to WebAssembly, and asks for nothing else: with -o it opens offline "
       "anywhere.\n"
       "docs/live.md says what can be done in it.");
-  command->callback([arguments, &exit_code] { exit_code = live(*arguments); });
+  command->callback([arguments, command, &exit_code] {
+    for (const char* name : {"--young-pa", "--poisson", "--density"})
+      arguments->has_material = arguments->has_material || command->count(name) > 0;
+    arguments->has_port = command->count("--port") > 0;
+    exit_code = live(*arguments);
+  });
 }
 
 }  // namespace palpate::experiments

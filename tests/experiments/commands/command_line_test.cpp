@@ -253,8 +253,10 @@ TEST(CommandLine, SimplifyKeepsRegions) {
   EXPECT_EQ(report.at("keep"), json({"half_space 0 0 -1 -0.9", "sphere 0.5 0.5 0.1 1e-3"}));
   EXPECT_GT(report.at("kept_tets"), 96);
   EXPECT_EQ(report.at("kept_tets_changed"), 0);
-  EXPECT_THAT(run("palpate.hierarchical", {"--keep", "sphere 9 9 9 1"}).error,
-              HasSubstr("no tetrahedron meets a region to keep"));
+  EXPECT_THAT(
+      run("palpate.hierarchical", {"--keep", "sphere 9 9 9 1"}).error,
+      HasSubstr(
+          "--keep: expected a region in the mesh's own coordinates that meets it, found \"sphere 9 9 9 1\""));
   const ProgramResult broken =
       run("test.keep", {"--set", "behave=drop_tet", "--keep", "half_space 0 0 -1 -0.9"});
   EXPECT_EQ(broken.exit_code, 1);
@@ -264,10 +266,10 @@ TEST(CommandLine, SimplifyKeepsRegions) {
            {"test.copy", "sphere 0 0 0 1", "--keep: method test.copy keeps no regions; those that do are"},
            {"tetfusion.sequential", "sphere 0 0 0 1", "keeps no regions"},
            {"test.keep", "spher 0 0 0 1", "unknown region \"spher\"; did you mean \"sphere\"?"},
-           {"test.keep", "", "unknown region \"\""},
+           {"test.keep", "", "--keep: expected a value, found \"\""},
            {"test.keep", "sphere 0 0 0 1 2", "--keep: expected \"sphere x y z r\", found 5 numbers"},
            {"test.keep", "sphere 0 0 0 nan", "a finite number in \"sphere x y z r\", found \"nan\""},
-           {"palpate.hierarchical", "patch 5 5 5 1 0.1", "a vertex of the boundary within the radius 1"}}) {
+           {"palpate.hierarchical", "patch 5 5 5 1 0.1", "meets it, found \"patch 5 5 5 1 0.1\""}}) {
     expect_refusal(run(method, {"--keep", region}), 2, part);
     EXPECT_FALSE(std::filesystem::exists(out)) << region;
   }

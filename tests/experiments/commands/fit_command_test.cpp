@@ -74,7 +74,10 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
     if (point.at("why_not") == "") {
       EXPECT_LE(point.at("error").front(), 0.3);
     }
+    EXPECT_NE(point.at("not_taken"), "") << "who reads the table asks why of each";
+    EXPECT_EQ(point.at("not_taken") == "taken", point.at("name") == choice.at("name"));
   }
+  EXPECT_THAT(test::bytes_of(folder() / "fit" / "fit.md"), HasSubstr("| looked at on other loads, too |"));
   const test::ProgramResult solved =
       run_program({"simulate", path("fit/scene.yaml"), "-o", path("solved"), "--json"});
   ASSERT_EQ(solved.exit_code, 0) << solved.error;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 
 #include "experiments/contestants/contestant.h"
@@ -37,6 +38,8 @@ class FitStop : public testing::Test {
     const auto entry = registry.find("fem.p2");
     has_reference_ = entry && entry->contestant->unavailable().empty();
   }
+
+  ~FitStop() override { ::unsetenv("PALPATE_CACHE"); }
 
   const test::ScratchFolder& folder() const { return fixture_.folder(); }
   std::string path(const std::string& name) const { return (folder() / name).string(); }
@@ -84,6 +87,7 @@ class FitStop : public testing::Test {
 /// The least limit there is: a second, of which the references alone take longer.
 TEST_F(FitStop, AtTheTimeLimitItSaysWhatItKnows) {
   ASSERT_TRUE(has_reference_) << "fem.p2 is not built";
+  ::setenv("PALPATE_CACHE", path("cache").c_str(), 1);  // references of an earlier run would be there at once
   const test::ProgramResult result =
       run_program({"fit", path("scene.yaml"), "-o", path("fit"), "--candidates", path("candidates.yaml"),
                    "--time-limit", "1"});

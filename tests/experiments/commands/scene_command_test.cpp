@@ -225,6 +225,10 @@ TEST_F(SceneCommand, WhatMakesNoSenseIsRefused) {
   refused({huge, "-o", out, "--up", "-w"}, "--up");
   refused({huge, "-o", out, "--up"}, "--up");
   refused({huge, "-o", out, "--unit-m", "0"}, "--unit-m: expected a number from");
+  refused({huge, "-o", out, "--unit-m", "1e9"},
+          "--unit-m: expected a unit in which the body is 1 nm to 1000 km");
+  write_medit(folder_ / "one.mesh", TetMesh{{{0, 0, 0}, {90, 0, 0}, {0, 90, 0}, {0, 0, 90}}, {{0, 1, 2, 3}}});
+  refused({path("one.mesh"), "-o", out}, "the pad on top: expected a part of the skin that has a front");
   refused({path("none.stl"), "-o", out}, "none.stl");
   refused({huge, "-o", path("no/such/folder/mine.yaml")}, "no/such/folder");
 }
@@ -236,6 +240,13 @@ TEST_F(SceneCommand, ThePictureLiesBesideTheScene) {
   EXPECT_THAT(write(path("block.mesh"), {"--show"}).out, AllOf(HasSubstr("mine.png"), HasSubstr("mine.svg")));
   EXPECT_EQ(test::bytes_of(folder_ / "mine.png").substr(1, 3), "PNG");
   EXPECT_THAT(test::bytes_of(folder_ / "mine.svg"), HasSubstr("<svg"));
+  std::filesystem::remove(folder_ / "mine.png");
+  std::filesystem::create_directory(folder_ / "mine.part.png");
+  const ProgramResult undrawn =
+      run_program({"scene", path("block.mesh"), "-o", path("mine.yaml"), "--force", "--show"});
+  EXPECT_EQ(undrawn.exit_code, 3);
+  EXPECT_THAT(undrawn.error, HasSubstr("the picture failed"));
+  EXPECT_THAT(undrawn.out, Not(HasSubstr("mine.png")));
 }
 
 /// palpate mesh and palpate simplify say what stands in the way.

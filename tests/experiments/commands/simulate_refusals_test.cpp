@@ -148,6 +148,27 @@ TEST_F(SimulateRefusals, LoadsWithTimesAreChecked) {
   EXPECT_THAT(error_of(text), HasSubstr("a model that has an energy for prefactored"));
 }
 
+TEST_F(SimulateRefusals, WhatAMotionWouldPassOverInSilence) {
+  const auto refused = [&](const SceneText& text, const std::string& part) {
+    EXPECT_THAT(error_of(text), HasSubstr(part));
+    const auto checked = run_program({"check", scene(text)});
+    EXPECT_EQ(checked.exit_code, 2);
+    EXPECT_THAT(checked.error, HasSubstr(part));
+  };
+  refused(pressed("integrator: bdf2, time_step_s: 0.2, duration_s: 0.1"),
+          "scene.yaml:6: time_step_s: expected at most the duration of 0.1 s, found 0.2 s");
+  refused(
+      pressed(kGood + ", probes_m: [[0, 0, 0.05], [0, 0, 1]]"),
+      "scene.yaml:6: probes_m: expected points of the body, found one whose nearest vertex is 900 mm away");
+  refused(pressed(kGood + ", solver: {iterations: 5}"),
+          "solver belongs to integrators that iterate within a step, not to symplectic_euler");
+  refused(pressed("integrator: bdf2, time_step_s: 0.001, duration_s: 0.01, solver: {substeps: 2}"),
+          "substeps belong to xpbd and vbd, not to bdf2");
+  SceneText late = pressed(kGood);
+  late.load = "[{gravity_m_s2: [0, 0, -1], from_s: 100}]";
+  refused(late, "scene.yaml:5: from_s: expected a time before the end");
+}
+
 TEST_F(SimulateRefusals, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {
   SceneText text =
       pressed("integrator: symplectic_euler, time_step_s: 1.0e-6, duration_s: 10, frames: 10000000");

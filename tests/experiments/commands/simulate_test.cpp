@@ -57,6 +57,40 @@ TEST_F(Simulate, AStaticSceneLeavesItsDisplacement) {
   EXPECT_NEAR(most, 0.0005 * std::sqrt(1.0 + 2.0 / 16.0), 1e-10);
 }
 
+TEST_F(Simulate, FilesOfOthersStayWhateverTheirName) {
+  SceneText text;
+  text.rest = "model: {finite_elements: p1}\n";
+  const auto out = fixture_.folder() / "out";
+  const std::vector<std::string> words{"simulate", scene(text), "-o", out.string()};
+  ASSERT_EQ(run_program(words).exit_code, 0);
+  EXPECT_EQ(run_program(words).exit_code, 0) << "results of an earlier run go";
+  for (const std::string name : {"history.csv", "frames.pvd", "summary.json", "frame_00007.vtu"}) {
+    fixture_.folder().add("out/" + name, "day,value\n");
+    const auto refused = run_program(words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_THAT(refused.error, HasSubstr(name + ": expected what an earlier simulate has written"));
+    EXPECT_EQ(test::bytes_of(out / name), "day,value\n");
+    EXPECT_TRUE(std::filesystem::exists(out / "displacement.csv"));
+    std::filesystem::remove(out / name);
+  }
+}
+
+TEST_F(Simulate, TheScenesOwnMeshStays) {
+  const auto out = fixture_.folder() / "out";
+  const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
+  std::filesystem::create_directories(out);
+  write_displacement_vtu(out / "displacement.vtu", mesh, std::vector<Vec3>(mesh.points.size()));
+  const std::string before = test::bytes_of(out / "displacement.vtu");
+  SceneText text;
+  text.mesh = "{file: out/displacement.vtu, length_m: 0.1}";
+  text.rest = "model: {finite_elements: p1}\n";
+  const auto refused = run_program({"simulate", scene(text), "-o", out.string()});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.error,
+              HasSubstr("--output: expected another folder than that of what the scene reads"));
+  EXPECT_EQ(test::bytes_of(out / "displacement.vtu"), before);
+}
+
 TEST_F(Simulate, ParaViewsFileHoldsTheMesh) {
   const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
   const std::vector<Vec3> field(mesh.points.size(), Vec3{0.5, 0.25, -0.125});

@@ -176,6 +176,10 @@ TEST_F(GateRun, TheCommandFailsOnAnUnsoundRunAndMakesTheFirstFile) {
     EXPECT_THAT(refused.error, HasSubstr("expected a new file or an earlier summary, found a file of data"));
     EXPECT_EQ(test::bytes_of(accepted), before);
   }
+  std::vector<std::string> both = gate;
+  both.insert(both.end(), {"--junit", "gate.txt", "--markdown", "./gate.txt"});
+  EXPECT_THAT(test::run_program(both).error,
+              HasSubstr("--markdown: expected another file than that of --junit"));
   update[3] += ".none";
   EXPECT_THAT(test::run_program(update).out, Not(HasSubstr("--update writes them"))) << "it has just refused";
 }

@@ -141,6 +141,7 @@ TEST_F(PartsRunTest, APartOfAnotherPlanInputOrOutputIsRefused) {
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_THAT(other.error, HasSubstr("this part cannot be taken; the plan changed"));
   EXPECT_THAT(run(plan, "d", {"--take", folder("nothing")}).error, HasSubstr("expected the folder of a run"));
+  EXPECT_FALSE(std::filesystem::exists(folder("d"))) << "nothing was begun";
 }
 
 TEST_F(PartsRunTest, AnOutputIsHeldAgainstItsHashWhateverTheOrderOfTheRecords) {
