@@ -152,7 +152,7 @@ TetMesh read_valid_mesh(const std::string& path) {
 }
 
 /// Names of the report's figures for people, in the order in which they are printed.
-constexpr std::array<std::pair<const char*, const char*>, 16> kReportNames{{
+constexpr std::array<std::pair<const char*, const char*>, 23> kReportNames{{
     {"vertices_in", "vertices before"},
     {"vertices_out", "vertices after"},
     {"tets_in", "tetrahedra before"},
@@ -169,6 +169,13 @@ constexpr std::array<std::pair<const char*, const char*>, 16> kReportNames{{
     {"flip", "not fused: a neighbour would turn over"},
     {"touched", "not fused: moved by an earlier fusion"},
     {"kept", "not fused: in or next to a region to keep"},
+    {"link", "not collapsed: inside, the topology would change"},
+    {"shape", "not collapsed: inside, a tetrahedron would be too poor"},
+    {"boundary_link", "not collapsed: in the skin, the topology would change"},
+    {"boundary_shape", "not collapsed: in the skin, a tetrahedron would be too poor"},
+    {"distance", "not collapsed: the skin would stray beyond the bound"},
+    {"contact", "not collapsed: the skin would meet itself"},
+    {"feature", "not collapsed: a sharp edge would be lost"},
 }};
 
 std::string name_of(const std::string& key) {
@@ -182,6 +189,7 @@ void print_report(const json& report) {
   for (const auto& [key, name] : kReportNames) {
     if (!report.contains(key)) continue;
     const json& value = report.at(key);
+    if (std::string(key) == "fusions" && value == 0) continue;  // of what collapses edges
     std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (value.is_number()) text = short_number(value.get<double>());
     if (std::string(key) == "kernel_s") text = time_text(value.get<double>());

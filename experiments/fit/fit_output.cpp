@@ -277,7 +277,7 @@ std::string why_not_the_choice(const FitPoint& point, const FitResult& result) {
   const SceneRequirement& require = *result.scene.require;
   const std::string name = point.candidate.name();
   if (result.choice && result.choice->candidate.name() == name) return "taken";
-  const std::string here = why_not_chosen(point, result.searched, require);
+  std::string here = why_not_chosen(point, result.searched, require);
   if (!here.empty()) return here;
   for (const FitPoint& looked : result.checked) {
     if (looked.candidate.name() != name) continue;
@@ -285,7 +285,7 @@ std::string why_not_the_choice(const FitPoint& point, const FitResult& result) {
     if (!there.empty()) return "on other loads: " + there;
   }
   if (result.choice && point.cost() >= result.choice->cost()) return "it is no cheaper";
-  const std::string like = why_not_chosen(point, result.checked, require);
+  std::string like = why_not_chosen(point, result.checked, require);
   return like.empty() ? "it was not looked at on other loads" : like;
 }
 

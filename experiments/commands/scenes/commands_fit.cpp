@@ -42,8 +42,7 @@ void print_steps(const json& tried, const std::string& folder) {
     if (error >= least) continue;
     least = error;
     table.add({point.at("name").get<std::string>(), point.at("tets").dump(), three_digits(100.0 * error),
-               time_text(point.at("cost_s").get<double>()),
-               point.at("not_taken").get<std::string>()});
+               time_text(point.at("cost_s").get<double>()), point.at("not_taken").get<std::string>()});
   }
   std::cout << table.text() << "What more time buys; all " << tried.size() << " that were tried are in "
             << folder << "/fit.md\n";
