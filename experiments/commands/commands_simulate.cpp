@@ -236,7 +236,8 @@ int simulate_dynamic(const Scene& scene, const SimulateArguments& arguments) {
   const Registry registry = load_registry();
   const MadeMesh made = build_scene_mesh(scene.mesh);
   for (const std::string& note : made.notes) print_note(note);
-  check_moving_scene(place_scene(scene, made.mesh), made.mesh);
+  for (const std::string& useless : check_moving_scene(place_scene(scene, made.mesh), made.mesh))
+    print_note(useless);
   const ScratchFolder scratch;
   const auto run = [&](const Scene& which, const char* name) {
     const reference::MovingBody body = build_moving_body(place_scene(which, made.mesh), made.mesh, registry);

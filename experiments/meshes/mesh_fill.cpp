@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/io/off.h"
@@ -60,6 +61,25 @@ void check_filled(const SurfaceMesh& skin, const TetMesh& mesh) {
       static_cast<std::int64_t>(skin.points.size()) - static_cast<std::int64_t>(skin.triangles.size() / 2);
   if (2 * euler != skin_euler) throw UnavailableError("gmsh left holes inside the surface");
 }
+
+/// Says now and then how far a search is that takes long.
+class SearchNote {
+ public:
+  explicit SearchNote(std::uint64_t vertices) : vertices_(vertices) {}
+
+  void look(const FilledSurface& best) {
+    if (watch_.seconds() < next_s_) return;
+    print_note("still looking for a filling with " + std::to_string(vertices_) +
+               " vertices: the nearest so far has " + std::to_string(best.mesh.points.size()));
+    next_s_ = watch_.seconds() + kEveryS;
+  }
+
+ private:
+  static constexpr double kEveryS = 10.0;
+  std::uint64_t vertices_;
+  Stopwatch watch_;
+  double next_s_ = kEveryS;
+};
 
 }  // namespace
 
@@ -121,12 +141,14 @@ FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, 
   double too_fine = 0.0;
   double too_coarse = 0.0;
   double size = start;
+  SearchNote note(vertices);
   for (int i = 0; i < kInteriorTries; ++i) {
     FilledSurface filled = fill_surface(skin, size);
     const double error = relative_error(filled, vertices);
     const double inner = std::max(1.0, static_cast<double>(filled.mesh.points.size()) - skin_count);
     if (is_better(filled, best, vertices)) best = std::move(filled);
     if (std::fabs(error) <= aimed_error(vertices)) break;
+    note.look(best);
     (error > 0.0 ? too_fine : too_coarse) = size;
     double next = size * std::clamp(std::cbrt(inner / wanted), 0.5, 2.0);
     const bool has_bracket = too_fine > 0.0 && too_coarse > 0.0;
@@ -143,11 +165,13 @@ FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices,
                              const std::string& name) {
   FilledSurface best;
   double size = start;
+  SearchNote note(vertices);
   for (int i = 0; i < kSkinTries; ++i) {
     FilledSurface filled = fill_surface(make_skin(size), size);
     const double error = relative_error(filled, vertices);
     if (is_better(filled, best, vertices)) best = std::move(filled);
     if (std::fabs(error) <= kSkinError) break;
+    note.look(best);
     size *= std::clamp(std::cbrt(1.0 + error), 0.3, 3.0);
   }
   if (std::fabs(relative_error(best, vertices)) > aimed_error(vertices) &&

@@ -78,14 +78,7 @@ void read_solver(const YamlValue& value, SceneDynamic& out) {
   if (const auto tolerance = fields.find("tolerance")) out.solver.tolerance = tolerance->number(0.0, 1.0);
   if (const auto substeps = fields.find("substeps"))
     out.substeps = static_cast<std::size_t>(substeps->integer(1, kMostSubsteps));
-  using Kind = dynamics::IntegratorKind;
-  const bool iterates =
-      !out.is_exponential && dynamics::is_implicit(out.integrator) && out.integrator != Kind::kImplicitEuler;
-  const std::string name =
-      out.is_exponential ? reference::kExponential : dynamics::integrator_name(out.integrator);
-  if (!iterates) value.fail("solver belongs to integrators that iterate within a step, not to " + name);
-  if (out.substeps > 1 && out.integrator != Kind::kXpbd && out.integrator != Kind::kVbd)
-    value.fail("substeps belong to xpbd and vbd, not to " + name);
+  out.has_solver = true;
 }
 
 /// Sets what a preset sets. Only its kind of spring damping may be given beside it.

@@ -21,6 +21,7 @@ struct SceneDynamic : reference::MotionStepping {
   std::uint64_t samples = 1000;  ///< intervals between rows of history.csv, at most
   std::vector<Vec3> probes_m;    ///< the vertices nearest to these points are written to history.csv
   std::string preset;            ///< empty: none
+  bool has_solver = false;       ///< that is given
 };
 
 /// The name of the thesis's parameters, Table 4.1, as a preset.

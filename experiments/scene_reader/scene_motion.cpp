@@ -22,6 +22,19 @@ BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const Sce
   return resolve_problem(part, mesh);
 }
 
+/// Whether a step is solved by iterations: that of all implicit integrators but implicit_euler is.
+bool iterates(const SceneDynamic& dynamic) {
+  return !dynamic.is_exponential && dynamics::is_implicit(dynamic.integrator) &&
+         dynamic.integrator != dynamics::IntegratorKind::kImplicitEuler;
+}
+
+double longest_edge(const TetMesh& mesh) {
+  double longest = 0.0;
+  for (const Edge& edge : build_edges(mesh))
+    longest = std::max(longest, length(mesh.points[edge[1]] - mesh.points[edge[0]]));
+  return longest;
+}
+
 /// Of modes: what neither they nor their exact steps can take.
 void check_modal(const Scene& scene) {
   const SceneDynamic& dynamic = scene.dynamic;
@@ -106,26 +119,32 @@ reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh
   return problem;
 }
 
-void check_moving_scene(const Scene& placed, const TetMesh& mesh) {
+std::vector<std::string> check_moving_scene(const Scene& placed, const TetMesh& mesh) {
   const SceneDynamic& dynamic = placed.dynamic;
   const std::string duration = short_number(dynamic.duration_s) + " s";
   if (dynamic.time_step_s && *dynamic.time_step_s > dynamic.duration_s)
     throw InputError(placed.analysis_where + ": time_step_s", 0, "at most the duration of " + duration,
                      short_number(*dynamic.time_step_s) + " s");
-  for (const SceneLoad& load : placed.loads) {
-    if (load.from_s >= dynamic.duration_s)
-      throw InputError(load.where + ": from_s", 0, "a time before the end, " + duration,
-                       short_number(load.from_s) + " s");
-  }
-  double longest = 0.0;
-  for (const Edge& edge : build_edges(mesh))
-    longest = std::max(longest, length(mesh.points[edge[1]] - mesh.points[edge[0]]));
+  const double longest = longest_edge(mesh);
   for (const Vec3& probe : dynamic.probes_m) {
     const double away = length(mesh.points[nearest_point(mesh.points, probe)] - probe);
     if (away > longest)
       throw InputError(placed.analysis_where + ": probes_m", 0, "points of the body",
                        "one whose nearest vertex is " + short_number(1000.0 * away) + " mm away");
   }
+  std::vector<std::string> useless;
+  for (const SceneLoad& load : placed.loads) {
+    if (load.from_s >= dynamic.duration_s)
+      useless.push_back(load.where + ": this load begins at " + short_number(load.from_s) +
+                        " s, and the motion ends at " + duration);
+  }
+  if (dynamic.has_solver && !iterates(dynamic))
+    useless.push_back(placed.analysis_where + ": solver has no use: the integrator iterates nothing");
+  const bool divides = dynamic.integrator == dynamics::IntegratorKind::kXpbd ||
+                       dynamic.integrator == dynamics::IntegratorKind::kVbd;
+  if (dynamic.substeps > 1 && iterates(dynamic) && !divides)
+    useless.push_back(placed.analysis_where + ": substeps have no use but with xpbd and vbd");
+  return useless;
 }
 
 reference::MovingBody build_moving_body(const Scene& placed, const TetMesh& mesh, const Registry& registry) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <string>
+#include <vector>
 
 #include "core/mesh/tet_mesh.h"
 #include "experiments/contestants/contestant.h"
@@ -20,9 +22,10 @@ inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tole
 /// are not in it. Throws: InputError as resolve_problem does.
 reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh);
 
-/// What a motion would pass over in silence. Throws: InputError for a step longer than the motion, a load
-/// that begins after its end, or a probe that is outside of the body by more than its longest edge.
-void check_moving_scene(const Scene& placed, const TetMesh& mesh);
+/// What has no use in a motion, a line each: a load that begins after its end, a solver of steps that iterate
+/// nothing. Throws: InputError for a step longer than the motion, or a probe that is outside of the body by
+/// more than its longest edge.
+std::vector<std::string> check_moving_scene(const Scene& placed, const TetMesh& mesh);
 
 /// The same with the scene's model and how it is stepped. What a preset stands for is written out. Throws:
 /// InputError also for a scene without a model, with one that does not move, or with options of a static

@@ -46,7 +46,7 @@ SurfaceRequest read_surface_options(const Request& request) {
     throw InputError("unit_m", 0, "metres in a unit of the mesh, above 0", std::to_string(result.unit_m));
   }
   result.options.max_surface_error = result.max_error_m / result.unit_m;
-  result.options.objective = take_objective(left, {"quality", "shape", "stable_step"});
+  result.options.objective = take_objective(left, {"shape", "quality", "stable_step"});
   result.options.effort =
       take_option<int>(left, "effort", &json::is_number_integer, "a whole number", result.options.effort);
   result.options.sparing =

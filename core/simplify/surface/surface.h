@@ -19,7 +19,7 @@ namespace palpate::simplify {
 struct SurfaceOptions {
   StopRule stop;                   ///< tets or ratio; neither: as coarse as the bound permits; no `fusions`
   double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
-  Objective objective = Objective::kQuality;
+  Objective objective = Objective::kShape;
   int effort = 1;                  ///< 0 .. kMostEffort of refined.h: more sweeps, better and slower
   bool sparing = true;             ///< use up the bound in steps, no more of it than needed
   double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
