@@ -349,7 +349,7 @@ TEST_F(FitCommand, AGradedMeshIsTheSameOnOtherLoads) {
                "near_size: 0.3}}\n"
                "  - {label: padded, method: palpate.refined, ratios: [0.4], grade: {near: [pads]}}\n"
                "models: [{label: edge_node, method: smoothed.edge_node, works: {first: [], second: []}}]\n");
-  text_.mesh = "{make: bar, vertices: 600, length_m: 0.1}";
+  text_.mesh = "{make: bar, vertices: 300, length_m: 0.1}";
   const test::ProgramResult result =
       fit("error: {measure: deformation_l2, at_most: 0.6}, time_per_second_s: 1000");
   ASSERT_EQ(result.exit_code, 0) << result.error;

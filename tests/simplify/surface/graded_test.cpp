@@ -67,7 +67,7 @@ double mean_ratio(const TetMesh& mesh) {
   return judge::measure_quality(mesh).mean_ratio.mean;
 }
 
-TetMesh surfaced(const std::shared_ptr<const SizeGrid>& sizes, Objective objective) {
+TetMesh surfaced(const std::shared_ptr<const SizeGrid>& sizes, Objective objective = Objective::kShape) {
   TetMesh mesh = cube();
   SurfaceOptions options;
   options.objective = objective;
