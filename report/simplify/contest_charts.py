@@ -1,5 +1,7 @@
 """Charts of a contest: quality against time, and against the distance that the skin has moved."""
 
+import math
+
 import matplotlib.pyplot as plt
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -149,7 +151,10 @@ def draw_quality_distance(run, sections, families, folder):
                 for family in shown:
                     draw_family(ax, family, distance_places(section, family, measure), stairs=True)
                 most = max((x for family in shown for _, x, _, _ in distance_places(section, family, measure)), default=0.0) or 1.0
-                ax.set_xscale("symlog", linthresh=most / 50)  # skins that stay are at 0, bounds and strays a decade or two apart
+                near = most / 50
+                ax.set_xscale("symlog", linthresh=near)  # skins that stay are at 0, bounds and strays a decade or two apart
+                decades = [10.0**n for n in range(math.ceil(math.log10(1.5 * near)), math.floor(math.log10(2 * most)) + 1)]
+                ax.set_xticks([0.0, *decades], minor=False)
                 ax.set_xlim(-most / 100, 2 * most)
                 ax.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
                 value = figure(run.inputs.get(mesh, {}), "judge", measure)
@@ -160,7 +165,7 @@ def draw_quality_distance(run, sections, families, folder):
                 if row == 0:
                     ax.set_title(short_sweep(section.sweep) or mesh, loc="left", fontweight="bold")
                 if row == len(MEASURES) - 1:
-                    ax.set_xlabel("distance of the skins (upper bound, the mesh's unit)")
+                    ax.set_xlabel("distance of the skins, in the mesh's unit")
                 if column == 0:
                     ax.set_ylabel(title)
         foot = draw_legend(fig, legend_handles(run, shown, own))
