@@ -39,8 +39,9 @@ double left_out_of(const SnapshotBasis& basis, std::span<const Vec3> u);
 void require_basis(const SnapshotBasis& basis, std::span<const std::uint8_t> held,
                    const std::string& where = "basis");
 
-/// B^T u, and B q.
+/// B^T u.
 Eigen::VectorXd coordinates_of(const SnapshotBasis& basis, std::span<const Vec3> u);
+/// B q.
 std::vector<Vec3> displacement_of(const SnapshotBasis& basis, const Eigen::VectorXd& q);
 
 }  // namespace palpate::dynamics

@@ -9,8 +9,8 @@
 
 namespace palpate::dynamics {
 
-/// The vertices of constraints, one behind the other: those of constraint c are vertices[offsets[c]] ..
-/// vertices[offsets[c + 1]].
+/// The vertices of constraints, one behind the other: those of constraint c are from vertices[offsets[c]]
+/// up to, not including, vertices[offsets[c + 1]].
 struct ConstraintVertices {
   std::vector<Index> offsets{0};
   std::vector<Index> vertices;

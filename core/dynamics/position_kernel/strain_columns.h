@@ -11,8 +11,11 @@
 
 namespace palpate::dynamics {
 
+/// Six strains.
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+/// A map of six strains.
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
+/// Three components of a vertex for each of six strains.
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 /// Strains xx, yy, zz, 2 yz, 2 xz, 2 xy of the symmetric part of a matrix.

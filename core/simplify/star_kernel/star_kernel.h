@@ -13,6 +13,7 @@ namespace palpate::simplify {
 /// Triangles of a block. A block has twelve rows of so many floats each: the coordinates ax ay az bx by bz cx
 /// cy cz of the triangles' corners and the lengths of the edges bc, ca, ab.
 inline constexpr std::size_t kBlockTriangles = 8;
+/// Numbers of a block.
 inline constexpr std::size_t kBlockFloats = 12 * kBlockTriangles;
 
 /// Score of a tet whose figures do not fit single precision: nothing is worse.

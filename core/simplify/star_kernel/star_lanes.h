@@ -31,7 +31,9 @@
 
 namespace palpate::simplify {
 
+/// Solid angle at a corner of the regular tet, as the thesis rounds it, sr.
 inline constexpr float kIdealSolidAngleSr = 0.55F;
+/// The mean ratio cubed is so many times the square of six volumes over the cube of the sum of squared edges.
 inline constexpr float kMeanRatioCubed = 432.0F;
 
 /// A vector of each lane.
@@ -68,6 +70,7 @@ PALPATE_STAR_LANES Lanes solid_angle_denominator(const Lanes& a, const Lanes& b,
 /// Where the apex lies: in front of the triangles, behind them, or behind the second half of them only.
 enum class SeenFrom { kFront, kBehind, kBoth };
 
+/// The volumes with the sign that they have from there.
 template <SeenFrom kSide, typename Lanes>
 PALPATE_STAR_LANES Lanes seen_from(const Lanes& volume) {
   if constexpr (kSide == SeenFrom::kFront) {
@@ -169,11 +172,13 @@ PALPATE_STAR_LANES void store_triangles(const LaneVec<Lanes>& a, const LaneVec<L
   sqrt(dot(b - a, b - a)).store(rows + 11 * kRow);
 }
 
+/// Scores of the tets of an apex on the triangles at `rows`, a lane each.
 template <SeenFrom kSide, typename Lanes>
 PALPATE_STAR_LANES Lanes score_lanes(const StarApex& a, const float* rows) {
   return score_at<kSide, Lanes>({Lanes::of(a.x), Lanes::of(a.y), Lanes::of(a.z)}, a, rows);
 }
 
+/// Packs `size` triangles into blocks, relative to `origin` and in `unit`.
 template <typename Lanes>
 PALPATE_STAR_LANES void pack_lanes(const StarTriangle* base, std::size_t size, const Vec3& origin,
                                    double unit, float* blocks) {
@@ -185,6 +190,7 @@ PALPATE_STAR_LANES void pack_lanes(const StarTriangle* base, std::size_t size, c
   }
 }
 
+/// Scores of `size` tets, one behind the other.
 template <SeenFrom kSide, typename Lanes>
 PALPATE_STAR_LANES void score_all_lanes(const float* blocks, std::size_t size, const StarApex& apex,
                                         float* scores) {
@@ -204,6 +210,7 @@ PALPATE_STAR_LANES Lanes six_volume_lanes(const StarApex& a, const float* rows) 
   return dot(u, cross(v, w));
 }
 
+/// Which of `size` triangles have apex a in front and apex b behind: bit i for triangle i.
 template <typename Lanes>
 PALPATE_STAR_LANES std::uint64_t find_positive_lanes(const float* blocks, std::size_t size, const StarApex& a,
                                                      const StarApex& b) {
@@ -229,6 +236,8 @@ PALPATE_STAR_LANES void add_gains(const Four& gain, std::size_t left, Four& lane
   for (std::size_t k = 0; k < left; ++k) rest += double{out[k]};
 }
 
+/// Least score and sum of gains, -1 / (score + gain_offset), of `size` tets, whose scores are written to
+/// `scores`; given up where one is below `bound`.
 template <typename Lanes>
 PALPATE_STAR_LANES StarFigures evaluate_lanes(const float* blocks, std::size_t size, const StarApex& apex,
                                               float gain_offset, float bound, float* scores) {
