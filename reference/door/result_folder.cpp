@@ -1,5 +1,7 @@
 #include "reference/door/result_folder.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <string_view>
 
@@ -17,7 +19,7 @@ bool is_frame_name(const std::string& name) {
   return digits.size() >= 5 && digits.find_first_not_of("0123456789") == std::string::npos;
 }
 
-/// What stands near the beginning of a result of this name, or an empty string: simulate writes no such file.
+/// What stands in a result of this name, or an empty string: simulate writes no such file.
 std::string mark_of(const std::string& name) {
   if (name == "history.csv") return "time_s,";
   if (name == "displacement.csv") return "vertex,ux_m,uy_m,uz_m";
@@ -26,12 +28,16 @@ std::string mark_of(const std::string& name) {
   return name == "displacement.vtu" || is_frame_name(name) ? "Name=\"displacement_m\"" : "";
 }
 
-/// Whether a regular file says so near its beginning.
-bool begins_with_mark(const fs::path& file, const std::string& mark) {
-  constexpr std::size_t kLooked = std::size_t{1} << 16U;
+/// How far into a result its mark may stand: a summary names all frames before its schema.
+std::uintmax_t looked_at(const std::string& name) {
+  return std::uintmax_t{1} << (name == "summary.json" ? 26U : 16U);
+}
+
+/// Whether a regular file has its mark where simulate writes it.
+bool has_mark(const fs::path& file, const std::string& mark) {
   if (fs::is_symlink(file) || !fs::is_regular_file(file)) return false;
   std::ifstream in(file, std::ios::binary);
-  std::string head(kLooked, '\0');
+  std::string head(std::min(fs::file_size(file), looked_at(file.filename().string())), '\0');
   in.read(head.data(), static_cast<std::streamsize>(head.size()));
   head.resize(static_cast<std::size_t>(in.gcount()));
   return head.find(mark) != std::string::npos;
@@ -51,7 +57,7 @@ std::vector<fs::path> earlier_results(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string mark = mark_of(entry.path().filename().string());
     if (mark.empty()) continue;
-    if (!begins_with_mark(entry.path(), mark))
+    if (!has_mark(entry.path(), mark))
       throw InputError(entry.path().string(), 0, "what an earlier simulate has written, which may go",
                        "another file of that name");
     found.push_back(entry.path());

@@ -13,7 +13,7 @@ std::string frame_name(std::size_t number);
 
 /// What simulate has written into a folder: history.csv, frames.pvd, frame_00000.vtu and its like,
 /// summary.json, displacement.csv and displacement.vtu.
-/// Throws: InputError if a file of such a name does not begin as simulate writes it: it is someone else's.
+/// Throws: InputError if a file of such a name does not look as simulate writes it: it is someone else's.
 std::vector<std::filesystem::path> earlier_results(const std::filesystem::path& folder);
 
 /// Removes earlier_results(folder), and nothing else. Throws: as it, and InputError if one cannot be removed.

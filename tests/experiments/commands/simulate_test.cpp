@@ -75,6 +75,19 @@ TEST_F(Simulate, FilesOfOthersStayWhateverTheirName) {
   }
 }
 
+TEST_F(Simulate, ASummaryOfVeryManyFramesIsOneOfItsOwn) {
+  SceneText text;
+  text.rest = "model: {finite_elements: p1}\n";
+  std::filesystem::create_directories(fixture_.folder() / "out");
+  json summary{{"schema", "palpate/motion/1"}, {"files", json::array()}};
+  for (int k = 0; k < 5000; ++k)
+    summary["files"].push_back("out/frame_" + std::to_string(10000 + k) + ".vtu");
+  fixture_.folder().add("out/summary.json", summary.dump(2));
+  const auto result = run_program({"simulate", scene(text), "-o", (fixture_.folder() / "out").string()});
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "out/summary.json"));
+}
+
 TEST_F(Simulate, TheScenesOwnMeshStays) {
   const auto out = fixture_.folder() / "out";
   const TetMesh mesh = read_medit(fixture_.folder() / "cube.mesh").mesh;
