@@ -10,8 +10,6 @@
 
 namespace palpate::experiments {
 
-inline constexpr Material kUsualMaterial{10000.0, 0.45, 1050.0};
-
 /// What is asked for. A scene and a fit have a unit, a count of vertices and a material of their own: none
 /// may be asked for with them.
 struct LiveWish {

@@ -13,6 +13,9 @@
 
 namespace palpate::experiments {
 
+/// Of a body whose material nobody gives: some organ's, nearly incompressible.
+inline constexpr Material kUsualMaterial{10000.0, 0.45, 1050.0};
+
 /// What is asked for; all else is found on the body.
 struct SceneWish {
   std::filesystem::path organ;  ///< a surface or tetrahedra
@@ -20,7 +23,7 @@ struct SceneWish {
   std::optional<double> unit_m;
   std::optional<std::uint64_t> vertices;  ///< of a surface's filling
   bool repair = false;                    ///< of a surface
-  Material material{10000.0, 0.45, 1050.0};
+  Material material = kUsualMaterial;
   bool is_dynamic = false;
   std::optional<std::string> up;  ///< as up_direction takes it; nothing: the axis along which it is shortest
 };

@@ -1,4 +1,5 @@
-"""Every figure that results/published/figures.yaml lists is on its page, and comes out of the archived records again; docs/methods.md does as a whole.
+"""Every figure that results/published/figures.yaml lists is on its page, and comes out of the archived records again; so does every number of the tables
+that tables.yaml lists beside it, and docs/methods.md as a whole.
 
 An entry:
 
@@ -10,6 +11,24 @@ An entry:
 
 A figure is a column of a table that the report writes, over the rows that `where` leaves: `take` is only (one row; the default), least, greatest, median,
 sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by. It has to be `text` to the last digit that `text` has.
+
+In tables.yaml, every number of a table of a page:
+
+    - page: docs/displacement.md
+      after: "Force of the pads"                    # the first table behind these words
+      run: displacement_error
+      of: displacement_sets.csv
+      first: label                                  # the column whose cell a row's first cell is, without its backticks; `label` unless given
+      rows: {"springs, too": opposite}              # or is called there, if it is not; or keys of its figures, {where: {...}, numbers: [...]}.
+                                                    # Where rows begin alike, their first cells with " | " between them
+      columns:                                      # one a column behind the first
+        - {where: {set: bars, poisson_ratio: 0.25}}
+      numbers:                                      # one a number of a cell, in their order
+        - {column: displacement_l2_rms, times: 100}
+        - {column: displacement_l2_worst, times: 100}
+
+A number's figure is put together from the table's keys, its row's, its column's and its `numbers` entry; `where` adds up. A row or a column has `numbers` of its own if it names them; a column is null if nothing of it is
+compared. `unless` lists rows (first cells) that no record is behind. An empty cell and one without a number is nothing.
 """
 
 import contextlib
@@ -32,6 +51,7 @@ import make_report
 from archive import archive
 
 PUBLISHED = ROOT / "results" / "published"
+TABLE_KEYS = {"page", "after", "run", "of", "rows", "first", "columns", "numbers", "unless", "where", "take", "times"}  # of a whole table
 KEYS = {"text", "of", "column", "where", "take", "times", "plus", "over"}
 TAKE = {"least": min, "greatest": max, "median": statistics.median, "sum": math.fsum,
         "rms": lambda values: math.sqrt(statistics.fmean(value * value for value in values))}
@@ -78,10 +98,62 @@ def plain(text):
     return re.sub(r"\s+", " ", text)
 
 
+def table_behind(page, words):
+    """The rows of the first table behind some words, each a list of cells, without its head. Raises: AssertionError if there is none."""
+    assert page.count(words) == 1, f"{page.count(words)} times on its page: {words}"
+    lines = page.partition(words)[2].splitlines()[1:]
+    begin = next((at for at, line in enumerate(lines) if line.startswith("|")), None)
+    assert begin is not None, f"no table behind: {words}"
+    rows = []
+    for line in lines[begin + 2:]:
+        if not line.startswith("|"):
+            break
+        rows.append([cell.strip() for cell in line.strip().strip("|").split("|")])
+    assert rows, f"no rows behind: {words}"
+    return rows
+
+
+def merged(*parts):
+    """Keys of a figure from several places; `where` adds up."""
+    whole = {key: value for part in parts for key, value in part.items() if key in KEYS | {"run"}}
+    whole["where"] = {key: value for part in parts for key, value in part.get("where", {}).items()}
+    return whole
+
+
+def figures_of_table(entry, page):
+    """(what cell, run, figure) for each number of a table entry. Raises: AssertionError where table and entry are not of one form."""
+    assert set(entry) <= TABLE_KEYS, set(entry) - TABLE_KEYS
+    rows, found = table_behind(page, entry["after"]), []
+    meanings = {**entry.get("rows", {}), **dict.fromkeys(entry.get("unless", []))}
+    used = set()
+    for name, *cells in rows:
+        key = max((key for key in meanings if (" | ".join([name, *cells]) + " | ").startswith(f"{key} | ")), key=len, default=None)
+        used.add(key)
+        row = name.replace("`", "") if key is None else meanings[key]
+        if row is None:
+            continue
+        if not isinstance(row, dict):
+            row = {"where": {entry.get("first", "label"): row}}
+        assert len(cells) == len(entry["columns"]), f"{len(cells)} cells: {name}"
+        for column, cell in zip(entry["columns"], cells):
+            texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?", cell)
+            if column is None or not texts:
+                continue
+            numbers = row.get("numbers") or column.get("numbers") or entry.get("numbers", [{}])
+            assert len(texts) == len(numbers), f"{cell!r} of {name}: expected {len(numbers)} numbers"
+            for text, number_keys in zip(texts, numbers):
+                figure = merged(entry, row, column, number_keys, {"text": text})
+                found.append((f"{name}: {cell}", figure.pop("run"), figure))
+    assert not set(meanings) - used, f"no row {set(meanings) - used} behind: {entry['after']}"
+    assert found, f"nothing is held behind: {entry['after']}"
+    return found
+
+
 class Published(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.entries = yaml.safe_load((PUBLISHED / "figures.yaml").read_text(encoding="utf-8"))
+        cls.whole_tables = yaml.safe_load((PUBLISHED / "tables.yaml").read_text(encoding="utf-8"))
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.runs = {}
@@ -104,8 +176,29 @@ class Published(unittest.TestCase):
                     value = value_of(figure, self.runs[entry["run"]] / "tables")
                     self.assertTrue(agrees(figure["text"], value), f"{figure['text']} is {value!r} in the records: {figure}")
 
+    def test_every_number_of_a_whole_table_comes_out_of_its_records(self):
+        for entry in self.whole_tables:
+            for cell, run, figure in figures_of_table(entry, (ROOT / entry["page"]).read_text(encoding="utf-8")):
+                with self.subTest(page=entry["page"], after=entry["after"], cell=cell):
+                    value = value_of(figure, self.runs[run] / "tables")
+                    self.assertTrue(agrees(figure["text"], value), f"{figure['text']} is {value!r} in the records: {figure}")
+
+    def test_a_table_that_says_another_number_is_found(self):
+        page = "Behind this:\n\n| label | A | B |\n|---|---|---|\n| `one` | 1.5 / 20~ | - |\n| two | **3** to 4% | 7 |\n| other | 9 | 9 |\n"
+        entry = {"page": "x", "after": "Behind this", "run": "r", "of": "t.csv", "unless": ["other"], "rows": {"two": {"where": {"label": "second", "set": "s"}}},
+                 "columns": [{"where": {"nu": 1}, "numbers": [{"column": "rms"}, {"column": "worst", "times": 100}]}, {"column": "b"}]}
+        self.assertEqual([(run, figure) for _, run, figure in figures_of_table(entry, page)], [
+            ("r", {"of": "t.csv", "column": "rms", "where": {"label": "one", "nu": 1}, "text": "1.5"}),
+            ("r", {"of": "t.csv", "column": "worst", "times": 100, "where": {"label": "one", "nu": 1}, "text": "20"}),
+            ("r", {"of": "t.csv", "column": "rms", "where": {"label": "second", "set": "s", "nu": 1}, "text": "3"}),
+            ("r", {"of": "t.csv", "column": "worst", "times": 100, "where": {"label": "second", "set": "s", "nu": 1}, "text": "4"}),
+            ("r", {"of": "t.csv", "column": "b", "where": {"label": "second", "set": "s"}, "text": "7"})])
+        for wrong in ({**entry, "unless": ["nobody"]}, {**entry, "columns": entry["columns"][:1]}, {**entry, "after": "No such words"}, {**entry, "colums": []},
+                      {**entry, "columns": [{"column": "rms"}, {"column": "b"}]}):
+            self.assertRaises(AssertionError, figures_of_table, wrong, page)
+
     def test_every_archive_is_behind_a_figure_or_a_table(self):
-        used = {entry["run"] for entry in self.entries} | set(make_methods.PLANS)
+        used = {entry["run"] for entry in self.entries} | {part["run"] for entry in self.whole_tables for part in (entry, *filter(None, entry["columns"])) if "run" in part} | set(make_methods.PLANS)
         self.assertEqual(set(self.runs) - used, set())
 
     def test_the_page_of_methods_is_what_its_archives_make_of_it(self):

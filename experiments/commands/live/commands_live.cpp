@@ -11,6 +11,7 @@
 #include "experiments/live/live_prepare.h"
 #include "experiments/live/live_server.h"
 #include "experiments/processes/stop_signals.h"
+#include "experiments/scene_writer/scene_wish.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {

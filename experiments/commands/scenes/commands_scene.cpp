@@ -30,7 +30,7 @@ struct SceneArguments {
   std::string motion = "static";
   std::string up;  ///< empty: found
   bool force = false;
-  Material material{10000.0, 0.45, 1050.0};
+  Material material = kUsualMaterial;
   bool repair = false;
   bool show = false;
   bool as_json = false;
