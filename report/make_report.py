@@ -114,7 +114,7 @@ def report_displacements(run):
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     curves = counts.read_curves(run, sections)
-    names |= counts.write_counts(curves, folder) if curves else set()
+    names |= counts.write_counts(curves, folder) | counts.write_gradings(curves, folder) if curves else set()
     names |= targets.write_targets(outcomes, folder) if outcomes else set()
     remove_old(folder, names)
     if run.plan_data.get("question"):

@@ -7,10 +7,13 @@ import json
 from dataclasses import dataclass
 
 from deform.deform import ERRORS, MAIN, NO_SIMPLIFIER
+from shared.equal_count import is_equal
 from shared.tables import write_csv
 
 DEFORMATION = "displacement_deformation"
+ENERGY = "displacement_energy"
 ONE_SIZE = "one size"
+AS_MANY = 0.005  # counts of tetrahedra that are this near are the same
 
 
 @dataclass(frozen=True)
@@ -94,3 +97,27 @@ def write_counts(curves, folder):
     write_csv(folder / "error_count.csv", ["scene", "poisson_ratio", "vertices", "label", "simplify", "family", "sizes", "tets_removed_ratio", "tets",
                                            *names, "reference_error_deformation"], rows)
     return {"error_count.csv"}
+
+
+def write_gradings(curves, folder):
+    """One line a graded mesh whose simplifier also made one of one size with as many tetrahedra: its errors over that one's."""
+    usual = {(curve.problem, curve.label, curve.simplifier.family, row.ratio): row
+             for curve in curves if curve.simplifier.sizes == ONE_SIZE for row in curve.rows}
+    rows = []
+    for curve in curves:
+        for row in curve.rows if curve.simplifier.sizes != ONE_SIZE else []:
+            problem, simplifier = curve.problem, curve.simplifier
+            other = usual.get((problem, curve.label, simplifier.family, row.ratio))
+            if other is None or not is_equal(row.tets, other.tets, AS_MANY):
+                continue
+            cells = []
+            for name in (DEFORMATION, ENERGY):
+                share = row.values[name] / other.values[name] if row.values.get(name) is not None and other.values.get(name) else None
+                cells += [share, None if share is None else "yes" if share < 1 else "no"]
+            rows.append([problem.scene, problem.poisson_ratio, problem.wanted_vertices, curve.label, simplifier.label, simplifier.family, simplifier.sizes,
+                         row.ratio, row.tets, other.tets, *cells])
+    if not rows:
+        return set()
+    write_csv(folder / "gradings.csv", ["scene", "poisson_ratio", "vertices", "label", "simplify", "family", "sizes", "tets_removed_ratio", "tets",
+                                        "tets_of_one_size", "deformation_over_one_size", "deformation_better", "energy_over_one_size", "energy_better"], rows)
+    return {"gradings.csv"}

@@ -414,6 +414,25 @@ class Charts(DeformTest):
             if sizes == "near loads":
                 self.assertAlmostEqual(error / points[scene, "one size", tets], 0.8)
         self.assertEqual({row["family"] for row in rows}, {"refined"})
+        pairs = self.table("gradings.csv")
+        self.assertEqual([(row["scene"], row["tets_removed_ratio"], row["sizes"]) for row in pairs], [(scene, ratio, "near loads") for scene in ("bar", "rod") for ratio in ("0.3", "0.5", "0.85")])
+        for row in pairs:
+            self.assertAlmostEqual(float(row["deformation_over_one_size"]), 0.8)
+            self.assertEqual((row["deformation_better"], row["energy_better"], row["tets"] == row["tets_of_one_size"]), ("yes", "yes", True))
+
+    def test_a_graded_mesh_with_other_tetrahedra_or_no_better_error_is_no_gain(self):
+        lines = self.graded_lines()
+        for line in lines:
+            sweep = line.get("sweep") or {}
+            if sweep.get("simplify") == "refined_near" and sweep["tets_removed_ratio"] == 0.3:
+                line["solved_on"]["tets"] = round(line["solved_on"]["tets"] * 0.99)
+            if sweep.get("simplify") == "refined_near" and sweep["tets_removed_ratio"] == 0.5:
+                line["judge"]["displacement_deformation"] *= 2
+        self.draw(lines, charts=["error_count"], simplify=self.SIMPLIFY)
+        self.assertEqual([(row["scene"], row["tets_removed_ratio"], row["deformation_better"]) for row in self.table("gradings.csv")],
+                         [("bar", "0.5", "no"), ("bar", "0.85", "yes"), ("rod", "0.5", "no"), ("rod", "0.85", "yes")])
+        self.draw(lines, charts=["error_count"])
+        self.assertFalse((self.folder / "tables" / "gradings.csv").exists())
 
     def test_a_curve_takes_two_counts_and_a_simplifier_in_the_plan_or_not(self):
         lines = [line for line in self.graded_lines() if (line.get("sweep") or {}).get("tets_removed_ratio") in (None, 0.5)]
