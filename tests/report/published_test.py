@@ -28,7 +28,8 @@ In tables.yaml, every number of a table of a page:
         - {column: displacement_l2_worst, times: 100}
 
 A number's figure is put together from the table's keys, its row's, its column's and its `numbers` entry; `where` adds up. A row or a column has `numbers` of its own if it names them; a column is null if nothing of it is
-compared. `unless` lists rows (first cells) that no record is behind. A cell may have the first of its numbers alone, or none.
+compared. `unless` lists rows (first cells) that no record is behind. A cell may have the first of its numbers alone, or none; one of them is null if it is
+not compared.
 """
 
 import contextlib
@@ -142,6 +143,8 @@ def figures_of_table(entry, page):
             numbers = row.get("numbers") or column.get("numbers") or entry.get("numbers", [{}])
             assert len(texts) <= len(numbers), f"{cell!r} of {name}: expected {len(numbers)} numbers at most"
             for text, number_keys in zip(texts, numbers):
+                if number_keys is None:
+                    continue
                 figure = merged(entry, row, column, number_keys, {"text": text})
                 found.append((f"{name}: {cell}", figure.pop("run"), figure))
     assert not set(meanings) - used, f"no row {set(meanings) - used} behind: {entry['after']}"
