@@ -19,7 +19,7 @@ from deform import convergence, cost, counts, deform, deform_page, deform_tables
 from engine import engine, engine_page
 from motion import motion, motion_page, stages
 from page import write_page
-from shared import equal_count, load, records, tables
+from shared import equal_count, load, records, run_file, tables
 from shared.exit_codes import guarded
 from shared.terminal import say
 from simplify import comparisons, contest, scaling, simplify_page, verdict
@@ -65,6 +65,13 @@ def print_summary(whole, claim, found):
             say(variants)
         say()
         say(verdict.verdict_text(claim, found.verdicts))
+
+
+def refuse_links(folder):
+    """Raises: BadRun where a folder that is written to, and emptied, is a link: a run that somebody else packed could name any place."""
+    for name in ("tables", "charts"):
+        if (folder / name).is_symlink():
+            raise run_file.BadRun(f"{folder / name}: expected a folder of the run, found a link")
 
 
 def remove_old(folder, names):
@@ -246,6 +253,7 @@ def read_without_collecting(folder):
 def make_report(options):
     """Does all of it; returns the exit code. What is required and does not hold is said last."""
     run = read_without_collecting(options.run_dir)
+    refuse_links(run.folder)
     contest_report = choose_report(run)
     found, failed = contest_report.tables(run)
     run.notes += load.run_notes(run)

@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
 
@@ -77,6 +78,14 @@ void check_is_text(int argc, char** argv) {
   }
 }
 
+/// Who started this may have closed the standard files: the next file that is opened would be taken for one,
+/// and messages be written into it.
+void open_standard_files() {
+  for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(file, F_GETFD) == -1 && ::open("/dev/null", O_RDWR) < 0) return;
+  }
+}
+
 int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
   try {
     app.parse(argc, argv);
@@ -91,6 +100,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
 }  // namespace
 
 int run_command_line(int argc, char** argv) {
+  open_standard_files();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that left early (palpate ... | head) is no failure
   CLI::App app("Benchmark and validation harness for tetrahedral organ models", "palpate");
   app.set_version_flag("--version", version_text, "Print the version and exit");

@@ -5,7 +5,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "experiments/files/file_bytes.h"
+#include "core/base/plain_file.h"
 #include "experiments/files/file_cache.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/plain_file.h"
@@ -80,8 +80,8 @@ ContestantAnswer keep(const fs::path& folder, const json& key, ContestantAnswer 
   try {
     fs::create_directories(folder);
     const fs::path output = folder / answer.output.filename();
-    if (const auto bytes = read_bytes(answer.output)) {
-      write_file_atomically(output, *bytes);
+    if (fs::is_regular_file(answer.output)) {
+      copy_file_atomically(answer.output, output, [](const fs::path&) {});
       kept["checksum"] = hash_file(output);
       answer.output = output;
     }

@@ -221,6 +221,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   const FolderIdentity scratch(task.scratch);
   const ProcessResult process = run_process(spec);
   answer.wall_s = process.wall_s;
+  answer.stopped_s = process.stopped_s;
   if (process.has_usage) {
     answer.user_s = process.user_s;
     answer.peak_rss_bytes = process.peak_rss_bytes;

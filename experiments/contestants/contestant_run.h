@@ -41,6 +41,7 @@ struct ContestantAnswer {
   std::string message;  ///< one line; empty for "ok"
   std::optional<double> kernel_s;
   std::optional<double> wall_s;
+  double stopped_s = 0.0;  ///< of wall_s the run itself was stopped: its times say nothing
   std::optional<double> user_s;
   std::optional<std::uint64_t> peak_rss_bytes;
   nlohmann::json report;                            ///< null unless "ok"

@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "experiments/files/remove_tree.h"
 
 namespace palpate::experiments {
 
@@ -62,7 +63,8 @@ ScratchFolder::ScratchFolder() {
 
 ScratchFolder::~ScratchFolder() {
   std::error_code ignored;
-  fs::remove_all(path_, ignored);
+  empty_folder(path_);
+  fs::remove(path_, ignored);
   if (lock_ >= 0) ::close(lock_);
 }
 

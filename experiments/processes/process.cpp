@@ -82,11 +82,15 @@ void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
 
 enum class Wait { kEnded, kTimeUp, kStopped };
 
-/// Waits until the child ends, the time is up or the stop flag rises.
+/// Waits until the child ends, the time is up or the stop flag rises. A look that took longer than it was to
+/// has seen this program stopped: so much later is the time up, and `stopped_s` (may be none) grows by it.
 Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
-                  const volatile std::sig_atomic_t* stop_flag, const std::function<void()>& meanwhile) {
+                  const volatile std::sig_atomic_t* stop_flag, const std::function<void()>& meanwhile,
+                  double* stopped_s = nullptr) {
   constexpr std::int64_t kFlagPeriodMs = 100;
+  constexpr auto kMostLate = std::chrono::seconds(2);  // on a busy machine
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  auto last_look = std::chrono::steady_clock::now();
   while (true) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
@@ -94,7 +98,15 @@ Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
     const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, longest));
     pollfd event{handle, POLLIN, 0};
     const int ready = handle >= 0 ? ::poll(&event, 1, milliseconds) : -1;
+    const auto now = std::chrono::steady_clock::now();
+    const auto late = now - last_look - std::chrono::milliseconds(milliseconds);
+    last_look = now;
+    if (late > kMostLate) {
+      deadline += late;
+      if (stopped_s != nullptr) *stopped_s += std::chrono::duration<double>(late).count();
+    }
     if (ready > 0) break;
+    if (late > kMostLate) continue;
     if (handle < 0) {  // no pidfd on this kernel: look every few milliseconds
       siginfo_t info{};
       if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
@@ -255,7 +267,9 @@ ProcessResult run_process(const ProcessSpec& spec) {
   report.close(1);
   orders.close(1);
 
-  Wait wait = wait_for_end(child, start + as_duration(spec.timeout_s), spec.stop_flag, spec.while_waiting);
+  double stopped_s = 0.0;
+  Wait wait = wait_for_end(child, start + as_duration(spec.timeout_s), spec.stop_flag, spec.while_waiting,
+                           &stopped_s);
   if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
     order(orders.ends[0], kInterrupt);
     const auto deadline = std::chrono::steady_clock::now() + as_duration(spec.stop_grace_s);
@@ -268,6 +282,7 @@ ProcessResult run_process(const ProcessSpec& spec) {
   const double wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ProcessResult result = describe(status, read_reports(report.ends[0]), wait, spec);
   result.wall_s = wall_s;
+  result.stopped_s = stopped_s;
   return result;
 }
 

@@ -35,6 +35,7 @@ struct ProcessResult {
   int exit_code = -1;  ///< valid for kExited
   int signal = 0;      ///< valid for kSignalled
   double wall_s = 0.0;
+  double stopped_s = 0.0;  ///< of it this program was stopped itself (Ctrl-Z, a suspended job), to a second
   bool has_usage = false;  ///< whether the three figures below are known: not if it was timed out or stopped
   double user_s = 0.0;
   double system_s = 0.0;

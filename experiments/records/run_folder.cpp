@@ -15,6 +15,7 @@
 #include "core/base/plain_file.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
+#include "experiments/files/remove_tree.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/source_version.h"
 
@@ -27,17 +28,14 @@ bool holds_run(const fs::path& folder) {
   return fs::exists(folder / "records.jsonl", error);
 }
 
-/// Removes what is in a folder, folders that nobody may write included, as far as that can be done.
-void empty_folder(const fs::path& folder) {
+/// Throws: InputError for a link in a run's folder: a run that somebody else packed would have files written
+/// and removed wherever it leads.
+void refuse_links(const fs::path& folder) {
   std::error_code error;
-  fs::remove_all(folder, error);
-  if (!error) return;
-  auto at = fs::recursive_directory_iterator(folder, error);
-  for (; !error && at != fs::end(at); at.increment(error)) {
-    std::error_code own;
-    if (fs::is_directory(at->symlink_status(own))) fs::permissions(at->path(), fs::perms::owner_all, own);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_symlink(error))
+      throw InputError(entry.path().string(), 0, "a run's own file or folder", "a link");
   }
-  fs::remove_all(folder, error);
 }
 
 /// The process that a half-written file is of; nothing for another file.
@@ -76,6 +74,7 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
   // A run that was killed at its very start has left a lock file, and perhaps nothing else.
   const bool ours = fs::exists(folder / ".lock") || fs::is_empty(folder);
   if (!ours) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
+  refuse_links(folder);
   lock_.emplace(folder);
   remove_half_written(paths_);
   std::error_code error;

@@ -4,11 +4,13 @@
 #include <system_error>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/base/plain_file.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/contestants/option_spec.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
+#include "experiments/records/untimed.h"
 #include "experiments/runner/repeat_end.h"
 #include "reference/door/contest_files.h"
 
@@ -73,6 +75,8 @@ std::optional<json> run_repeat(const RepeatSetting& setting, RepeatTask task) {
   throw_if_no_room(request.scratch, record);
   add_load(load, answer, record);
   add_file_hashes(*method.method, c, record);
+  if (answer.stopped_s > 0.0)
+    drop_times(record, "the run was stopped for " + short_number(answer.stopped_s) + " s meanwhile");
   keep_output(setting, task, answer.output, record);
   return record;
 }

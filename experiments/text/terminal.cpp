@@ -151,7 +151,11 @@ void print_json(const nlohmann::json& value) {
 }
 
 void print_note(const std::string& line) {
-  std::cerr << "palpate: " << line << '\n';
+  std::string shown = line;  // a text out of a file could tell the terminal what to do
+  for (char& c : shown) {
+    if ((c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f') c = '?';
+  }
+  std::cerr << "palpate: " << shown << '\n';
 }
 
 }  // namespace palpate::experiments

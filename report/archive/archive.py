@@ -9,9 +9,8 @@ import hashlib
 import json
 import lzma
 import pathlib
-import shutil
 
-from shared.run_file import BadRun, read_object
+from shared.run_file import BadRun, open_file, read_bytes, read_object
 from shared.whole_file import replacing
 
 ARCHIVE = "palpate/archive/1"  # docs/schemas.md
@@ -43,7 +42,7 @@ def pack(run, folder):
         raise BadRun(f"{run / 'provenance.json'}: expected the plan's name, found {plan!r}")
     with emptied_on_failure(folder):
         for name in COPIED:
-            shutil.copyfile(run / name, folder / name)
+            (folder / name).write_bytes(read_bytes(run / name))
         note = {"schema": ARCHIVE, "plan": plan, **pack_records(run / RECORDS, folder / PACKED)}
         (folder / NOTE).write_text(json.dumps(note, indent=2) + "\n")
     return note
@@ -52,7 +51,7 @@ def pack(run, folder):
 def pack_records(records, place):
     """Packs the records; returns how many there are, their bytes and their sum. Raises: BadRun if the last one is cut."""
     digest, lines, size, last = hashlib.sha256(), 0, 0, b"\n"
-    with open(records, "rb") as source, lzma.open(place, "wb", preset=9) as packed:
+    with open_file(records) as source, lzma.open(place, "wb", preset=9) as packed:
         for block in blocks_of(source):
             digest.update(block)
             lines, size, last = lines + block.count(b"\n"), size + len(block), block[-1:]
@@ -103,13 +102,13 @@ def unpack(archive, folder):
     with emptied_on_failure(folder), replacing(folder / RECORDS) as whole:
         unpack_records(archive / PACKED, note, whole)
         for name in COPIED:
-            shutil.copyfile(archive / name, folder / name)
+            (folder / name).write_bytes(read_bytes(archive / name))
 
 
 def unpack_records(packed, note, place):
     digest, lines, size = hashlib.sha256(), 0, 0
     reader = lzma.LZMADecompressor(lzma.FORMAT_XZ, memlimit=MOST_DICTIONARY_BYTES)
-    with open(packed, "rb") as source, open(place, "wb") as target:
+    with open_file(packed) as source, open(place, "wb") as target:
         try:
             while not reader.eof:
                 read = source.read(READ_BYTES) if reader.needs_input else b""

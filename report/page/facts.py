@@ -5,11 +5,13 @@ import shlex
 
 from page.markup import join, tag
 from page.table_html import facts_html
+from shared.run_file import BadRun, read_text
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PLANS = ROOT / "experiments" / "plans"
 PROGRAM = "./palpate" if (ROOT / "palpate").is_file() else "palpate"  # as a reader would type it: in the sources, or installed
 MOST_PLAN_BYTES = 60_000  # of the plan's text
+MOST_PLAN_FILE_BYTES = 2**20  # as plans are read
 
 
 def text_of(value):
@@ -62,8 +64,8 @@ def commit_text(provenance):
 def plan_html(run):
     """The plan as it was run, if its copy is there."""
     try:
-        text = (run.folder / "plan.yaml").read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError):
+        text = read_text(run.folder / "plan.yaml", MOST_PLAN_FILE_BYTES)
+    except BadRun:
         return ""
     cut = text[:MOST_PLAN_BYTES]
     return tag("details", tag("summary", "The plan"), tag("pre", tag("code", cut + ("\n..." if len(text) > len(cut) else ""))))

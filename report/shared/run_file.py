@@ -4,6 +4,7 @@ All of it is refused by a BadRun, which has the path; what that means is the cal
 be read is not drawn, and noted.
 """
 
+import errno
 import io
 import json
 import math
@@ -25,10 +26,12 @@ class BadRun(Exception):
 
 
 def open_file(path):
-    """A file to read bytes from. A pipe is not waited for. Throws BadRun."""
+    """A file to read bytes from. A pipe is not waited for, a link not followed: whoever packed the run could show what it leads to. Throws BadRun."""
     try:
-        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOFOLLOW)
     except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
+        if getattr(error, "errno", None) == errno.ELOOP:
+            raise BadRun(f"{path}: expected a file, found a link") from error
         raise BadRun(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from error
     mode = os.fstat(file).st_mode
     if not stat.S_ISREG(mode):

@@ -34,6 +34,16 @@ class Archives(ReportTest):
         self.assertEqual(err.count("\n"), 1)
         self.assertFalse((self.again / "records.jsonl").exists())
 
+    def test_a_link_in_a_run_is_not_followed(self):
+        secret = self.folder.parent / "secret"
+        secret.write_text("nobody is to see this\n")
+        (self.folder / "plan.yaml").unlink()
+        (self.folder / "plan.yaml").symlink_to(secret)
+        code, err = self.call(self.folder, self.archive)
+        self.assertEqual(code, 2)
+        self.assertIn("plan.yaml: expected a file, found a link", err)
+        self.assertFalse((self.archive / "plan.yaml").exists())
+
     def test_what_comes_back_is_what_went_in(self):
         self.pack()
         self.assertEqual(self.call("--unpack", self.archive, self.again), (0, ""))

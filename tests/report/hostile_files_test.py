@@ -46,7 +46,7 @@ class Reader(unittest.TestCase):
         self.assertIn("found a folder", self.refused())
         self.path.rmdir()
         self.path.symlink_to("/dev/zero")
-        self.assertIn("found a device", self.refused())
+        self.assertIn("found a link", self.refused())
 
     def test_a_huge_file_is_not_read(self):
         self.path.write_text("{}")

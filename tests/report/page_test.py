@@ -5,8 +5,10 @@ import contextlib
 import html.parser
 import io
 import json
+import os
 import pathlib
 import re
+import shutil
 import tempfile
 import unittest
 import unittest.mock
@@ -155,6 +157,31 @@ class Safety(PageTest):
         provenance = json.loads((self.folder / "provenance.json").read_text(encoding="utf-8"))
         (self.folder / "provenance.json").write_text(json.dumps({**provenance, "processor": EVIL, "commit": EVIL}), encoding="utf-8")
         (self.folder / "plan.yaml").write_text(EVIL, encoding="utf-8")
+
+    def test_links_in_a_run_that_others_packed_lead_nowhere(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(seeds=2))
+        elsewhere = self.folder.parent / "elsewhere"
+        elsewhere.mkdir()
+        theirs = elsewhere / "theirs.txt"
+        theirs.write_text("nobody is to see this", encoding="utf-8")
+        (self.folder / "plan.yaml").unlink(missing_ok=True)
+        (self.folder / "plan.yaml").symlink_to(theirs)
+        self.page()
+        self.assertNotIn("nobody is to see this", (self.folder / "report.html").read_text(encoding="utf-8"))
+        for name in ("tables", "charts"):
+            shutil.rmtree(self.folder / name, ignore_errors=True)
+            (self.folder / name).symlink_to(elsewhere)
+            code, _, err = self.report()
+            self.assertEqual((code, err.count("\n")), (2, 1), err)
+            self.assertIn(f"{name}: expected a folder of the run, found a link", err)
+            self.assertEqual([path.name for path in elsewhere.iterdir()], ["theirs.txt"])
+            (self.folder / name).unlink()
+
+    def test_a_plan_that_is_a_pipe_is_not_waited_for(self):
+        synthetic.write_run(self.folder, synthetic.thesis_records(seeds=2))
+        (self.folder / "plan.yaml").unlink(missing_ok=True)
+        os.mkfifo(self.folder / "plan.yaml")
+        self.page()
 
     def test_nothing_of_a_record_becomes_an_element(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(meshes=("plain",), seeds=2))

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <string>
@@ -65,6 +66,18 @@ TEST(Process, TimeOutKillsGrandchildrenToo) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   EXPECT_TRUE(is_dead(grandchild));
+}
+
+TEST(Process, WhatItWasStoppedForIsNoTimeOfTheChild) {
+  const std::string own = std::to_string(::getpid());
+  ProcessSpec spec = shell("kill -STOP " + own + "; sleep 6; kill -CONT " + own + "; exit 3");
+  spec.timeout_s = 4.0;
+  spec.while_waiting = [] {};
+  const ProcessResult result = run_process(spec);
+  EXPECT_EQ(result.end, ProcessEnd::kExited) << result.message;
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_GT(result.stopped_s, 3.0);
+  EXPECT_GE(result.wall_s, result.stopped_s);
 }
 
 TEST(Process, StopFlagEndsIt) {

@@ -295,6 +295,49 @@ answer_well()
   expect_nobody_blamed(writer);
 }
 
+TEST(Faults, AFullFolderOfTemporaryFilesIsNobodysAnswer) {
+  const HostileContestant writer(
+      "import tempfile\nopen(tempfile.gettempdir() + '/large', 'wb').write(b'x' * (8 << "
+      "20))\nanswer_well()\n");
+  writer.plan();
+  const fs::path temporary = writer.folder() / "temporary";
+  fs::create_directory(temporary);
+  const auto done = with_small_disk(temporary, "12m", [&] {
+    ::setenv("TMPDIR", temporary.c_str(), 1);
+    const fs::path ballast = temporary / "ballast";
+    const int file = ::open(ballast.c_str(), O_WRONLY | O_CREAT, 0644);
+    if (::posix_fallocate(file, 0, off_t{10} << 20U) != 0) return 78;
+    ::close(file);
+    const test::ProgramResult full = test::run_program(writer.run_words(true));
+    writer.folder().add("full", std::to_string(full.exit_code) + " " + full.error);
+    fs::remove(ballast);
+    const test::ProgramResult result = test::run_program(writer.run_words(true));
+    writer.folder().add("with_room", std::to_string(result.exit_code) + " " + result.error);
+    return 0;
+  });
+  if (!done) GTEST_SKIP() << "no mounts of its own: user namespaces are not allowed here";
+  ASSERT_EQ(*done, 0);
+  const std::string said = test::bytes_of(writer.folder() / "full");
+  EXPECT_THAT(said, testing::StartsWith("3 "));
+  EXPECT_THAT(said, HasSubstr(temporary.string() + ": expected room on the disk"));
+  EXPECT_THAT(test::bytes_of(writer.folder() / "with_room"), testing::StartsWith("0 "));
+  for (const json& record : writer.records()) EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
+}
+
+TEST(Faults, ALinkInARunsFolderIsRefused) {
+  const HostileContestant works("answer_well()\n");
+  works.plan();
+  ASSERT_EQ(test::run_program(works.run_words()).exit_code, 0);
+  fs::create_directory(works.folder() / "elsewhere");
+  works.folder().add("elsewhere/theirs", "x");
+  fs::remove_all(works.out() / "tables");
+  fs::create_directory_symlink(works.folder() / "elsewhere", works.out() / "tables");
+  const test::ProgramResult result = test::run_program(works.run_words(true));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.error, HasSubstr("tables: expected a run's own file or folder, found a link"));
+  EXPECT_EQ(test::bytes_of(works.folder() / "elsewhere/theirs"), "x");
+}
+
 TEST(Faults, WhoCriesDiskFullWithoutReasonIsToBlame) {
   const HostileContestant crier(
       "answer_with(json.dumps({'schema': 'palpate/response/1', 'status': 'bad_input', 'message': 'No space "
