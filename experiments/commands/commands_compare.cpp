@@ -5,7 +5,7 @@
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/judging/measure.h"
 #include "experiments/plan_reader/plan_report.h"

@@ -15,7 +15,7 @@
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/meshes/metre_mesh.h"
 #include "experiments/scene_reader/scene_motion.h"

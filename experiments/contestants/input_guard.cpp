@@ -5,7 +5,6 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/plain_file.h"
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/plain_file.h"
 

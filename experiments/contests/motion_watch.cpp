@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/number_text.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 
 namespace palpate::experiments {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "experiments/envelope/fitted_difference.h"
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/text/yaml_value.h"
 #include "reference/door/json_file.h"
 

@@ -2,6 +2,9 @@
 
 #include <sys/stat.h>
 
+#include <fstream>
+#include <system_error>
+
 #include "core/base/plain_file.h"
 
 namespace palpate::experiments {
@@ -19,6 +22,18 @@ std::string file_complaint(const std::filesystem::path& path, std::uint64_t most
 bool is_plain_file(const std::filesystem::path& path) {
   struct stat status {};
   return ::lstat(path.c_str(), &status) == 0 && S_ISREG(status.st_mode);
+}
+
+std::optional<std::string> read_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (!file || error) return std::nullopt;
+  std::string bytes(size, '\0');
+  file.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(file.gcount()) != size) return std::nullopt;  // never a part for the whole
+  return bytes;
 }
 
 FolderIdentity::FolderIdentity(const std::filesystem::path& folder) : folder_(folder) {

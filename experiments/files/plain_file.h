@@ -1,8 +1,9 @@
-// Files that somebody else left: what they may be, before anything of them is read.
+// Files that somebody else left: what they may be, and their bytes.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace palpate::experiments {
@@ -18,6 +19,9 @@ std::string file_complaint(const std::filesystem::path& path, std::uint64_t most
 
 /// Whether the path is a regular file, and no link to one.
 bool is_plain_file(const std::filesystem::path& path);
+
+/// The bytes of a regular file, all of them; nothing if there is none or it cannot be read whole.
+std::optional<std::string> read_bytes(const std::filesystem::path& path);
 
 /// A folder as it was, to tell whether it has been replaced by another one or by a link.
 class FolderIdentity {

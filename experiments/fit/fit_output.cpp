@@ -7,7 +7,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/fit/fit_search.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/base/error.h"
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "experiments/files/plain_file.h"
 
 namespace palpate::experiments {
 namespace {

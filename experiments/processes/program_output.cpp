@@ -4,8 +4,8 @@
 #include <mutex>
 #include <sstream>
 
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/processes/process.h"
 

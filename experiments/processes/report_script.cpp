@@ -1,8 +1,8 @@
 #include "experiments/processes/report_script.h"
 
 #include "core/base/error.h"
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/processes/stop_signals.h"
 #include "experiments/text/terminal.h"
 

@@ -8,7 +8,7 @@
 #include "core/base/stopwatch.h"
 #include "core/mesh/io/medit.h"
 #include "experiments/contestants/solution.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/files/problem_folder.h"
 #include "experiments/meshes/mesh_tools.h"
 #include "experiments/scene_reader/scene_problem.h"

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "experiments/files/plain_file.h"
 #include "live/interface/live_interface.h"
 #include "tests/support/live_cases.h"
 #include "tests/support/scratch_folder.h"

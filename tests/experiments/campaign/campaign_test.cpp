@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "experiments/files/file_bytes.h"
+#include "experiments/files/plain_file.h"
 #include "tests/support/experiment_fixture.h"
 
 namespace palpate::experiments {

@@ -2,8 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "experiments/files/file_bytes.h"
 #include "experiments/files/places.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/records/record_file.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/quiet_run.h"
