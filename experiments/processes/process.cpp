@@ -83,14 +83,15 @@ void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
 enum class Wait { kEnded, kTimeUp, kStopped };
 
 /// Waits until the child ends, the time is up or the stop flag rises. A look that took longer than it was to
-/// has seen this program stopped: so much later is the time up, and `stopped_s` (may be none) grows by it.
+/// has seen this program stopped, since `last_look` at first: so much later is the time up, and `stopped_s`
+/// (may be none) grows by it.
 Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
                   const volatile std::sig_atomic_t* stop_flag, const std::function<void()>& meanwhile,
+                  std::chrono::steady_clock::time_point last_look = std::chrono::steady_clock::now(),
                   double* stopped_s = nullptr) {
   constexpr std::int64_t kFlagPeriodMs = 100;
   constexpr auto kMostLate = std::chrono::seconds(2);  // on a busy machine
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
-  auto last_look = std::chrono::steady_clock::now();
   while (true) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
@@ -269,7 +270,7 @@ ProcessResult run_process(const ProcessSpec& spec) {
 
   double stopped_s = 0.0;
   Wait wait = wait_for_end(child, start + as_duration(spec.timeout_s), spec.stop_flag, spec.while_waiting,
-                           &stopped_s);
+                           start, &stopped_s);
   if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
     order(orders.ends[0], kInterrupt);
     const auto deadline = std::chrono::steady_clock::now() + as_duration(spec.stop_grace_s);
