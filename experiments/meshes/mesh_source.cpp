@@ -7,15 +7,16 @@
 #include <cstdio>
 #include <functional>
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/base/plain_file.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/off.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/judging/doubled_points.h"
 #include "experiments/meshes/body_surface.h"
 #include "experiments/meshes/mesh_cache.h"
@@ -390,7 +391,9 @@ void write_mesh(const std::filesystem::path& path, const TetMesh& mesh) {
   // Written aside and copied as a whole, so that a full disk leaves what was there.
   const ToolCall call{"convert", "vtk.write", scratch.file("mesh.mesh"), scratch.file("mesh.vtu"), {}, 600.0};
   run_tool(kVtkTool, call);
-  copy_file_atomically(call.output, path, [](const std::filesystem::path&) {});
+  const auto bytes = read_bytes(call.output);
+  if (!bytes) throw UnavailableError("the tool that writes .vtu left no file that can be read");
+  write_file_atomically(path, *bytes);
 }
 
 }  // namespace palpate::experiments
