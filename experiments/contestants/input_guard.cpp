@@ -22,8 +22,8 @@ void InputGuard::watch(const fs::path& file) {
   watched.size = fs::file_size(watched.file, error);
   if (watched.size <= most_kept_) {
     watched.bytes = read_bytes(watched.file);
-    if (!watched.bytes || watched.bytes->size() != watched.size)
-      throw InputError(file.string(), 0, "a readable file", "none");
+    if (!watched.bytes) throw InputError(file.string(), 0, "a readable file", "none");
+    watched.size = watched.bytes->size();
   } else {
     watched.hash = hash_file(watched.file);
   }

@@ -92,4 +92,9 @@ void empty_folder(const std::filesystem::path& folder) {
   if (top.file() >= 0) Emptying(top).run();
 }
 
+void remove_folder(const std::filesystem::path& folder) {
+  empty_folder(folder);
+  ::rmdir(folder.c_str());
+}
+
 }  // namespace palpate::experiments

@@ -10,4 +10,7 @@ namespace palpate::experiments {
 /// not is no error.
 void empty_folder(const std::filesystem::path& folder);
 
+/// The same, and the folder itself.
+void remove_folder(const std::filesystem::path& folder);
+
 }  // namespace palpate::experiments

@@ -43,7 +43,7 @@ void sweep(const fs::path& base) {
     if (fs::file_time_type::clock::now() - changed < kYoung) continue;
     const int lock = lock_folder(entry.path());
     if (lock < 0) continue;
-    fs::remove_all(entry.path(), ignored);
+    remove_folder(entry.path());
     ::close(lock);
   }
 }
@@ -62,9 +62,7 @@ ScratchFolder::ScratchFolder() {
 }
 
 ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  empty_folder(path_);
-  fs::remove(path_, ignored);
+  remove_folder(path_);
   if (lock_ >= 0) ::close(lock_);
 }
 

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <system_error>
 
 #include "experiments/files/plain_file.h"
@@ -25,13 +26,25 @@ bool says_full(std::string_view said) {
                      [said](std::string_view words) { return said.find(words) != std::string_view::npos; });
 }
 
-/// Whether the system has no room at a place for who has said so: bytes, or numbers of files.
-bool is_full(const fs::path& folder, std::uint64_t least_room) {
+/// What a disk has left.
+struct Room {
+  std::uint64_t bytes = 0;
+  std::optional<std::uint64_t> files;  ///< unless it does not count them
+
+  bool is_short(std::uint64_t least_bytes) const {
+    constexpr std::uint64_t kLeastFiles = 16;
+    return bytes < least_bytes || (files && *files < kLeastFiles);
+  }
+};
+
+/// That of the disk on which a folder is; nothing where the system does not say.
+std::optional<Room> room_at(const fs::path& folder) {
   struct statvfs disk {};
-  if (::statvfs(folder.c_str(), &disk) != 0 || disk.f_blocks == 0) return false;
-  constexpr fsfilcnt_t kLeastFiles = 16;
-  return static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize < least_room ||
-         (disk.f_files > 0 && disk.f_favail < kLeastFiles);
+  if (::statvfs(folder.c_str(), &disk) != 0 || disk.f_blocks == 0) return std::nullopt;
+  Room room;
+  room.bytes = static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
+  if (disk.f_files > 0) room.files = disk.f_favail;
+  return room;
 }
 
 /// Whether a file of kLeastRoom can't be written below the folder: a quota leaves the disk itself room.
@@ -59,24 +72,24 @@ std::uint64_t bytes_below(const fs::path& folder, std::uint64_t most) {
   return bytes;
 }
 
+/// Says so if less than this is left where a folder is, or `said` is true and a quota refuses a file.
+std::string shortage(const fs::path& folder, std::uint64_t least_bytes, bool said) {
+  const auto room = room_at(folder);
+  if (!room || !(room->is_short(least_bytes) || (said && refuses_file(folder)))) return "";
+  return folder.string() + ": expected room on the disk, found " + std::to_string(room->bytes >> 20U) +
+         " MiB left" + (room->files ? " for " + std::to_string(*room->files) + " files" : "");
+}
+
 }  // namespace
 
 std::string room_complaint(const fs::path& folder, std::string_view said) {
-  if (bytes_below(folder, kLargestOutput) > kLargestOutput) return "";
-  const auto complain = [](const fs::path& place) {
-    struct statvfs disk {};
-    ::statvfs(place.c_str(), &disk);
-    const std::uint64_t left = static_cast<std::uint64_t>(disk.f_bavail) * disk.f_frsize;
-    return place.string() + ": expected room on the disk, found " + std::to_string(left >> 20U) +
-           " MiB left" + (disk.f_files > 0 ? " for " + std::to_string(disk.f_favail) + " files" : "");
-  };
-  if (is_full(folder, kLeastRoom)) return complain(folder);
-  if (!says_full(said)) return "";
-  if (is_full(folder, kLargestOutput) || refuses_file(folder)) return complain(folder);
+  const bool is_said = says_full(said);
+  std::string complaint = shortage(folder, is_said ? kLargestOutput : kLeastRoom, is_said);
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
-  if (!error && (is_full(temporary, kLeastRoom) || refuses_file(temporary))) return complain(temporary);
-  return "";
+  if (complaint.empty() && is_said && !error) complaint = shortage(temporary, kLeastRoom, true);
+  if (complaint.empty() || bytes_below(folder, kLargestOutput) > kLargestOutput) return "";
+  return complaint;
 }
 
 }  // namespace palpate::experiments

@@ -87,9 +87,7 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
 }
 
 RunFolder::~RunFolder() {
-  empty_folder(paths_.scratch());
-  std::error_code ignored;
-  fs::remove(paths_.scratch(), ignored);
+  remove_folder(paths_.scratch());
 }
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
