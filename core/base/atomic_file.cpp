@@ -13,7 +13,8 @@ namespace palpate {
 
 void fail_to_write(const std::filesystem::path& path, const std::string& expected, int reason) {
   const std::string found = std::strerror(reason);
-  if (reason == ENOSPC || reason == EDQUOT) throw NoRoomError(path.string(), 0, expected, found);
+  const bool is_full = reason == ENOSPC || reason == EDQUOT || reason == EFBIG;  // EFBIG: `ulimit -f`
+  if (is_full) throw NoRoomError(path.string(), 0, expected, found);
   throw InputError(path.string(), 0, expected, found);
 }
 

@@ -102,6 +102,7 @@ int parse_and_run(CLI::App& app, int argc, char** argv, const int& exit_code) {
 int run_command_line(int argc, char** argv) {
   open_standard_files();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that left early (palpate ... | head) is no failure
+  std::signal(SIGXFSZ, SIG_IGN);  // a bound on the size of files is said, as a full disk is
   CLI::App app("Benchmark and validation harness for tetrahedral organ models", "palpate");
   app.set_version_flag("--version", version_text, "Print the version and exit");
   app.require_subcommand(1);

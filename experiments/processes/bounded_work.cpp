@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -20,13 +19,13 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "experiments/processes/time_bound.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 namespace {
 
 using nlohmann::json;
-using Clock = std::chrono::steady_clock;
 
 /// The child's first byte: what follows is the value (CBOR) or the message of an exception.
 enum Kind : char { kValue = 'v', kInput = 'i', kUnavailable = 'u', kMemory = 'm', kJson = 'j', kOther = 'o' };
@@ -96,22 +95,20 @@ void bound_memory([[maybe_unused]] std::uint64_t bytes) {
 enum class Arrival { kWhole, kLate, kStopped };
 
 /// Reads to the end of the pipe.
-Arrival receive(int file, Clock::time_point deadline, const volatile std::sig_atomic_t* stop_flag,
+Arrival receive(int file, double timeout_s, const volatile std::sig_atomic_t* stop_flag,
                 std::vector<char>& bytes) {
   constexpr std::int64_t kFlagPeriodMs = 100;
   std::array<char, 65536> block{};
-  while (true) {
+  for (TimeBound bound(timeout_s); !bound.is_up(); bound.look()) {
     if (stop_flag != nullptr && *stop_flag != 0) return Arrival::kStopped;
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    if (left <= 0) return Arrival::kLate;
     pollfd item{file, POLLIN, 0};
-    const int ready = ::poll(&item, 1, static_cast<int>(std::min<std::int64_t>(left + 1, kFlagPeriodMs)));
-    if (ready <= 0) continue;
+    if (::poll(&item, 1, bound.wait_ms(kFlagPeriodMs)) <= 0) continue;
     const ssize_t got = ::read(file, block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return Arrival::kWhole;
     bytes.insert(bytes.end(), block.data(), block.data() + got);
   }
+  return Arrival::kLate;
 }
 
 WorkResult ended(WorkEnd end, std::string message) {
@@ -169,10 +166,8 @@ WorkResult run_bounded(const std::function<json()>& work, const WorkBounds& boun
     ::close(ends[0]);
     throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
   }
-  const auto limit = std::chrono::duration<double>(std::min(bounds.timeout_s, 1e8));
   std::vector<char> bytes;
-  const Arrival arrival = receive(ends[0], Clock::now() + std::chrono::duration_cast<Clock::duration>(limit),
-                                  bounds.stop_flag, bytes);
+  const Arrival arrival = receive(ends[0], bounds.timeout_s, bounds.stop_flag, bytes);
   ::close(ends[0]);
   if (arrival != Arrival::kWhole) ::kill(child, SIGKILL);
   int status = 0;

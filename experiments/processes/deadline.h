@@ -2,13 +2,15 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <csignal>
 #include <thread>
 
+#include "experiments/processes/time_bound.h"
+
 namespace palpate::experiments {
 
-/// Turns a flag when the time is up, or when the user's own turns.
+/// Turns a flag when the time is up, or when the user's own turns. What the program was stopped for is no
+/// time.
 class Deadline {
  public:
   /// `user` may be null; it has to live as long as this.
@@ -20,12 +22,10 @@ class Deadline {
   const volatile std::sig_atomic_t* flag() const { return &flag_; }
 
  private:
-  using Clock = std::chrono::steady_clock;
-
   void watch();
 
   const volatile std::sig_atomic_t* user_;
-  Clock::time_point end_;
+  TimeBound bound_;
   volatile std::sig_atomic_t flag_ = 0;
   std::atomic<bool> is_over_ = false;
   std::thread watcher_;

@@ -23,6 +23,7 @@
 #include "experiments/files/places.h"
 #include "experiments/processes/child/process_tree.h"
 #include "experiments/processes/child/report.h"
+#include "experiments/processes/time_bound.h"
 
 namespace palpate::experiments {
 namespace {
@@ -61,7 +62,8 @@ void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
 [[noreturn]] void become(const ProcessSpec& spec, const std::vector<char*>& arguments,
                          const ChildEnds& ends) {
   ::setpgid(0, 0);
-  ::signal(SIGPIPE, SIG_DFL);  // this program ignores it, and exec would hand that on
+  for (const int number : {SIGPIPE, SIGXFSZ})
+    ::signal(number, SIG_DFL);  // ignored here, and exec hands that on
   const int null = ::open("/dev/null", O_RDONLY | O_CLOEXEC);
   if (null >= 0) ::dup2(null, STDIN_FILENO);
   redirect(STDOUT_FILENO, spec.standard_output);
@@ -82,32 +84,19 @@ void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
 
 enum class Wait { kEnded, kTimeUp, kStopped };
 
-/// Waits until the child ends, the time is up or the stop flag rises. A look that took longer than it was to
-/// has seen this program stopped, since `last_look` at first: so much later is the time up, and `stopped_s`
-/// (may be none) grows by it.
-Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
-                  const volatile std::sig_atomic_t* stop_flag, const std::function<void()>& meanwhile,
-                  std::chrono::steady_clock::time_point last_look = std::chrono::steady_clock::now(),
-                  double* stopped_s = nullptr) {
+/// Waits until the child ends, the time is up or the stop flag rises.
+Wait wait_for_end(pid_t child, TimeBound& bound, const volatile std::sig_atomic_t* stop_flag,
+                  const std::function<void()>& meanwhile) {
   constexpr std::int64_t kFlagPeriodMs = 100;
-  constexpr auto kMostLate = std::chrono::seconds(2);  // on a busy machine
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  Wait wait = Wait::kEnded;
   while (true) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - std::chrono::steady_clock::now());
-    const std::int64_t longest = stop_flag != nullptr || meanwhile ? kFlagPeriodMs : 1'000'000;
-    const int milliseconds = static_cast<int>(std::clamp<std::int64_t>(left.count(), 0, longest));
+    const int milliseconds = bound.wait_ms(stop_flag != nullptr || meanwhile ? kFlagPeriodMs : 1'000'000);
     pollfd event{handle, POLLIN, 0};
     const int ready = handle >= 0 ? ::poll(&event, 1, milliseconds) : -1;
-    const auto now = std::chrono::steady_clock::now();
-    const auto late = now - last_look - std::chrono::milliseconds(milliseconds);
-    last_look = now;
-    if (late > kMostLate) {
-      deadline += late;
-      if (stopped_s != nullptr) *stopped_s += std::chrono::duration<double>(late).count();
-    }
+    const bool was_stopped = bound.look();
     if (ready > 0) break;
-    if (late > kMostLate) continue;
+    if (was_stopped) continue;
     if (handle < 0) {  // no pidfd on this kernel: look every few milliseconds
       siginfo_t info{};
       if (::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT) == 0 &&
@@ -116,14 +105,23 @@ Wait wait_for_end(pid_t child, std::chrono::steady_clock::time_point deadline,
       ::usleep(2000);
     }
     if (meanwhile) meanwhile();
-    const bool stopped = stop_flag != nullptr && *stop_flag != 0;
-    if (milliseconds == 0 || stopped) {
-      if (handle >= 0) ::close(handle);
-      return stopped ? Wait::kStopped : Wait::kTimeUp;
+    if (stop_flag != nullptr && *stop_flag != 0) {
+      wait = Wait::kStopped;
+      break;
+    }
+    if (bound.is_up()) {
+      wait = Wait::kTimeUp;
+      break;
     }
   }
   if (handle >= 0) ::close(handle);
-  return Wait::kEnded;
+  return wait;
+}
+
+/// The same for `seconds` from now, whatever the stop flag says. Returns whether the child has ended.
+bool ends_within(pid_t child, double seconds) {
+  TimeBound bound(seconds);
+  return wait_for_end(child, bound, nullptr, {}) == Wait::kEnded;
 }
 
 /// Two ends of a channel, closed at the end.
@@ -209,23 +207,19 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
   return result;
 }
 
-/// PROGRAM ARGUMENT... behind palpate_child and its bound, as execv wants them. `bound` holds the text.
-std::vector<char*> command_of(const ProcessSpec& spec, std::string& bound) {
+/// PROGRAM ARGUMENT... behind palpate_child and its bound of memory, as execv wants them. `memory` holds the
+/// text.
+std::vector<char*> command_of(const ProcessSpec& spec, std::string& memory) {
   static std::string starter = program_folder() + "/palpate_child";
 #ifdef PALPATE_SANITIZED
-  bound = "0";
+  memory = "0";
 #else
-  bound = std::to_string(spec.memory_bytes);
+  memory = std::to_string(spec.memory_bytes);
 #endif
-  std::vector<char*> arguments{starter.data(), bound.data()};
+  std::vector<char*> arguments{starter.data(), memory.data()};
   for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);
   return arguments;
-}
-
-std::chrono::steady_clock::duration as_duration(double seconds) {
-  return std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-      std::chrono::duration<double>(std::min(seconds, 1e8)));
 }
 
 void order(int orders, ChildOrder what) {
@@ -240,9 +234,7 @@ void kill_all(pid_t child, int orders) {
   constexpr int kTries = 100;
   order(orders, kKillAll);
   ::kill(child, SIGCONT);
-  if (wait_for_end(child, std::chrono::steady_clock::now() + as_duration(kPatienceS), nullptr, {}) ==
-      Wait::kEnded)
-    return;
+  if (ends_within(child, kPatienceS)) return;
   for (int i = 0; i < kTries && !kill_descendants(child).empty(); ++i) ::usleep(1000);
   ::kill(child, SIGKILL);
 }
@@ -253,8 +245,8 @@ ProcessResult run_process(const ProcessSpec& spec) {
   require(!spec.arguments.empty(), "run_process: no program");
   ::setenv("LC_ALL", "C", 1);
   ::setenv("OMP_NUM_THREADS", std::to_string(spec.threads).c_str(), 1);
-  std::string bound;
-  const std::vector<char*> arguments = command_of(spec, bound);
+  std::string memory;
+  const std::vector<char*> arguments = command_of(spec, memory);
   Pair report;
   Pair orders;
   if (::pipe2(report.ends.data(), O_CLOEXEC) != 0 ||
@@ -262,19 +254,18 @@ ProcessResult run_process(const ProcessSpec& spec) {
     throw UnavailableError("cannot make a pipe");
 
   const auto start = std::chrono::steady_clock::now();
+  TimeBound bound(spec.timeout_s);
   const pid_t child = ::fork();
   if (child < 0) throw UnavailableError(std::string("cannot start a process: ") + std::strerror(errno));
   if (child == 0) become(spec, arguments, {report.ends[1], orders.ends[1]});
   report.close(1);
   orders.close(1);
 
-  double stopped_s = 0.0;
-  Wait wait = wait_for_end(child, start + as_duration(spec.timeout_s), spec.stop_flag, spec.while_waiting,
-                           start, &stopped_s);
+  Wait wait = wait_for_end(child, bound, spec.stop_flag, spec.while_waiting);
+  const double stopped_s = bound.stopped_s();
   if (wait == Wait::kStopped && spec.stop_grace_s > 0.0) {
     order(orders.ends[0], kInterrupt);
-    const auto deadline = std::chrono::steady_clock::now() + as_duration(spec.stop_grace_s);
-    if (wait_for_end(child, deadline, nullptr, {}) == Wait::kEnded) wait = Wait::kEnded;
+    if (ends_within(child, spec.stop_grace_s)) wait = Wait::kEnded;
   }
   if (wait != Wait::kEnded) kill_all(child, orders.ends[0]);
   int status = 0;

@@ -3,22 +3,22 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <string>
 
 #include "core/base/error.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate {
 namespace {
 
 using test::bytes_of;
+using test::FileSizeLimit;
 using test::ScratchFolder;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -32,28 +32,6 @@ std::string message_of(const std::function<void()>& action) {
   }
   return {};
 }
-
-/// Files cannot grow beyond `bytes` while it lives: the same failure of write() as on a full disk, for any
-/// user.
-class FileSizeLimit {
- public:
-  explicit FileSizeLimit(rlim_t bytes) {
-    former_handler_ = std::signal(SIGXFSZ, SIG_IGN);
-    ::getrlimit(RLIMIT_FSIZE, &former_);
-    const rlimit limit{bytes, former_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &limit);
-  }
-  ~FileSizeLimit() {
-    ::setrlimit(RLIMIT_FSIZE, &former_);
-    std::signal(SIGXFSZ, former_handler_);
-  }
-  FileSizeLimit(const FileSizeLimit&) = delete;
-  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
-
- private:
-  rlimit former_{};
-  void (*former_handler_)(int) = nullptr;
-};
 
 TEST(AtomicFile, WritesTheBytesAndNothingElse) {
   const ScratchFolder folder;

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/experiment_fixture.h"
+#include "tests/support/file_size_limit.h"
 
 namespace palpate::experiments {
 namespace {
@@ -244,6 +246,18 @@ TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {
       EXPECT_EQ(fixture.folder().count(), before);
     }
   }
+}
+
+TEST(BadPlace, ABoundOnTheSizeOfFilesIsSaidAndKeepsNothing) {
+  const test::ExperimentFixture fixture;
+  const fs::path out = fixture.folder() / "large.mesh";
+  const std::size_t before = fixture.folder().count();
+  const test::FileSizeLimit limit(1024);
+  std::signal(SIGXFSZ, SIG_DFL);  // the program itself has to see to it
+  const ProgramResult result = run_program({"make", "cube", "-o", out.string()});
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_THAT(result.error, HasSubstr("found File too large"));
+  EXPECT_EQ(fixture.folder().count(), before);
 }
 
 TEST(BadPlace, AFolderOfContestantsThatIsMissing) {

@@ -56,6 +56,23 @@ TEST(BoundedWork, TimeOut) {
   EXPECT_TRUE(result.value.is_null());
 }
 
+TEST(BoundedWork, WhatItWasStoppedForIsNoTimeOfTheWork) {
+  WorkBounds bounds;
+  bounds.timeout_s = 4.0;
+  const pid_t own = ::getpid();
+  const WorkResult result = run_bounded(
+      [own] {
+        ::kill(own, SIGSTOP);
+        std::this_thread::sleep_for(std::chrono::seconds(6));
+        ::kill(own, SIGCONT);
+        std::this_thread::sleep_for(std::chrono::milliseconds(500));
+        return json(3);
+      },
+      bounds);
+  EXPECT_EQ(result.end, WorkEnd::kDone) << result.message;
+  EXPECT_EQ(result.value, 3);
+}
+
 #ifndef PALPATE_SANITIZED
 TEST(BoundedWork, Memory) {
   WorkBounds bounds;
