@@ -95,6 +95,18 @@ class Workflow(unittest.TestCase):
 
     @unittest.skipUnless(WHERE == "local", "by Slurm")
     def test_on_this_machine(self):
+        self.run_jobs()
+        # A gathering that was killed goes on with the run that it had begun.
+        records = self.jobs / "run" / "records.jsonl"
+        lines = records.read_bytes().splitlines(keepends=True)
+        with open(records, "r+b") as file:
+            file.truncate(sum(map(len, lines[:2])) + len(lines[2]) // 2)
+        number = records.stat().st_ino
+        (self.jobs / "finished").unlink()
+        self.run_jobs()
+        self.assertEqual(records.stat().st_ino, number)
+
+    def run_jobs(self):
         running = self.snakemake("-j2")
         output, _ = running.communicate()
         self.assertEqual(running.returncode, 0, output)
