@@ -257,17 +257,27 @@ int simplify(const SimplifyArguments& arguments) {
   const bool is_at_limit = report.value("stop", "") == "limit";
   const bool is_far = wanted && static_cast<double>(out.tets.size()) > kFarAbove * *wanted;
   const bool is_short = task.stop.kind != StopKind::kLimit && (is_at_limit || is_far);
-  if (is_short && wanted && *wanted < static_cast<double>(out.tets.size())) {
+  const bool is_above = wanted && *wanted < static_cast<double>(out.tets.size());
+  if (is_short && is_above) {
+    report["stop"] = "limit";  // whatever else it says of itself
     json shortfall = describe_shortfall(in, out, *wanted, report);
     find_way_out(task, in, registry, shortfall);
     report["shortfall"] = shortfall;
     print_note(shortfall_text(shortfall));
+  } else if (is_above) {
+    print_note(std::to_string(out.tets.size()) + " tetrahedra are left, and at most " +
+               short_number(*wanted) + " were asked for: " + arguments.method + " comes no closer");
   } else if (is_short && answer.notes.empty()) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
   }
   const std::string dense = is_short ? "" : skin_hint(in, out, arguments.method);
   if (!dense.empty()) print_note(dense);
+  const json poor = describe_poor_skin(out);
+  if (!poor.is_null()) {
+    report["poor_skin"] = poor;
+    print_note(poor_skin_text(poor));
+  }
   if (out.tets.size() == in.tets.size() && answer.notes.empty())
     print_note("nothing was removed: the output is the input");
   if (arguments.as_json) {
@@ -317,7 +327,7 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one.\n"
       "The judge looks at what was written: an invalid mesh is said, and the exit code is 1. So is a count\n"
-      "that was not reached: what held it, and the bound with which palpate.surface reaches it.\n\n"
+      "that was not reached: what held it, and which method reaches it, with which bound.\n\n"
       "Regions to keep, in the mesh's own coordinates (palpate list meshes names the units of what palpate "
       "make\n"
       "writes: kidney and liver mm, bean cm):\n"

@@ -52,7 +52,7 @@ GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const
   const fs::path sizes = scratch.file("sizes.csv");
   simplify::write_sizes(sizes, graded.wanted.sizes);
   task.options = resolve_options(method, options);
-  task.options["sizes"] = sizes.string();
+  if (!wish.near.empty() || !wish.pilot.empty()) task.options["sizes"] = sizes.string();
   if (method.find_option("unit_m") != nullptr && options.count("unit_m") == 0)
     task.options["unit_m"] = kSimplifierUnitM;
   task.stop = stop;

@@ -27,15 +27,6 @@ struct SurfaceRequest {
   std::filesystem::path sizes;  ///< empty: none
 };
 
-/// 0 where none are asked for.
-double take_feature_deg(json& left) {
-  if (!left.contains("feature_deg")) return 0.0;
-  const auto degrees = take_option<double>(left, "feature_deg", &json::is_number, "a number", 0.0);
-  if (!(degrees > 0.0 && degrees < 180.0))
-    throw InputError("feature_deg", 0, "degrees between 0 and 180", std::to_string(degrees));
-  return degrees;
-}
-
 SurfaceRequest read_surface_options(const Request& request) {
   json left = request.options;
   SurfaceRequest result;
@@ -57,7 +48,7 @@ SurfaceRequest read_surface_options(const Request& request) {
                                                     "true or false", result.options.boundary_flips);
   result.options.boundary_smoothing = take_option<bool>(left, "boundary_smoothing", &json::is_boolean,
                                                         "true or false", result.options.boundary_smoothing);
-  result.options.feature_deg = take_feature_deg(left);
+  result.options.feature_deg = take_option<double>(left, "feature_deg", &json::is_number, "a number", 0.0);
   result.options.sizing = take_sizing_options(request.keep, left);
   result.sizes = take_sizes_file(left);
   require_all_taken(left);
@@ -88,6 +79,25 @@ void report_features(const simplify::SurfaceRunReport& report, double degrees, R
   response.report["rejected"]["feature"] = report.surface.rejected_feature;
 }
 
+/// How far it went depends on where it was to end: what ends above that is run as far as it goes, and the
+/// fewer count.
+simplify::SurfaceRunReport simplify(TetMesh& mesh, const simplify::SurfaceOptions& options,
+                                    const std::filesystem::path& input) {
+  simplify::SurfaceRunReport report = simplify::simplify_surface(mesh, options);
+  if (report.stop != "limit" || (!options.stop.tets && !options.stop.ratio)) return report;
+  simplify::SurfaceOptions farthest = options;
+  farthest.stop = {};
+  farthest.stop.tets = 1;
+  TetMesh other = read_medit(input).mesh;
+  simplify::SurfaceRunReport other_report = simplify::simplify_surface(other, farthest);
+  if (other.tets.size() >= mesh.tets.size()) return report;
+  mesh = std::move(other);
+  const char* reached = simplify::reached_stop(
+      options.stop, simplify::target_tet_count(options.stop, report.tets_in), 0, mesh.tets.size());
+  other_report.stop = reached != nullptr ? reached : "limit";
+  return other_report;
+}
+
 }  // namespace
 
 Response run_surface(const Request& request) {
@@ -97,7 +107,7 @@ Response run_surface(const Request& request) {
   response.notes = std::move(file.notes);
   const Stopwatch watch;
   asked.options.sizing.sizes = load_sizes(asked.sizes, file.mesh);
-  const simplify::SurfaceRunReport report = simplify::simplify_surface(file.mesh, asked.options);
+  const simplify::SurfaceRunReport report = simplify(file.mesh, asked.options, request.input);
   response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   std::string note = "surface within ";

@@ -107,7 +107,7 @@ TEST_F(SurfaceAdapter, RefusesWhatMakesNoSense) {
   refused({"--set", "unit_m=0"}, "unit_m");
   refused({"--set", "boundary_size=100"}, "boundary_size");
   refused({"--set", "max_error=1"}, "max_error");
-  for (const char* degrees : {"0", "180", "-10", "400", "nan", "sharp"})
+  for (const char* degrees : {"180", "-10", "400", "nan", "sharp"})
     refused({"--set", std::string("feature_deg=") + degrees}, "feature_deg");
   refused({"--fusions", "3"}, "only at tets, ratio, limit");
 }

@@ -71,7 +71,7 @@ constexpr std::uint64_t kTetsOfASplit = 5;
 constexpr std::uint64_t kSafeTetsPerFace = 2;
 constexpr double kTetsPerFaceOfNone = 4.0;
 constexpr double kLimitResolution = 1.01;
-constexpr int kMissesAtLimit = 2;
+constexpr std::array kBelowLimit{0.99, 0.98, 0.995};  ///< tried from there, in this order
 
 /// What collapses may leave, from strict to anything positive.
 constexpr std::array kLeastScores{0.003, 1e-9};
@@ -336,7 +336,20 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
     }
     return found.stop != "limit";
   };
-  if (best.stop != "limit") {
+  // A count that the way there has made impossible may be possible from here. If not, it plays no further
+  // part.
+  const std::uint64_t target = target_tet_count(options.stop, tets_in);
+  const auto reach_target = [&] {
+    TetMesh body = start;
+    const RefinedReport found = reduce(body, target);
+    if (found.stop == "limit") return false;
+    mesh = std::move(body);
+    best = found;
+    best.stop = reached_stop(options.stop, target, 0, mesh.tets.size());
+    return true;
+  };
+  const bool is_done = best.stop == "limit" || (target < start.tets.size() && reach_target());
+  if (!is_done) {
     double reached = static_cast<double>(start.tets.size());
     double missed = static_cast<double>(skin) / kTetsPerFaceOfNone;
     while (kLimitResolution * missed < reached) {
@@ -344,15 +357,16 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
       (is_reached(static_cast<std::uint64_t>(wanted)) ? reached : missed) = wanted;
     }
     // What can be reached has no sharp border: a few more below it.
-    for (int misses = 0; misses < kMissesAtLimit;) {
+    for (std::size_t misses = 0; misses < kBelowLimit.size();) {
       const std::size_t before = mesh.tets.size();
-      is_reached(share_of(before, 1.0 - (misses + 1) * (kLimitResolution - 1.0)));
+      is_reached(share_of(before, kBelowLimit[misses]));
       misses = mesh.tets.size() < before ? 0 : misses + 1;
     }
+    const char* after_all = reached_stop(options.stop, target, 0, mesh.tets.size());
+    best.stop = after_all != nullptr ? after_all : "limit";
   }
   best.tets_in = tets_in;
   best.vertices_in = vertices_in;
-  best.stop = "limit";
   return best;
 }
 

@@ -131,6 +131,15 @@ VertexRate measure_vertex(const WorkingMesh& mesh, Index v) {
   return own;
 }
 
+double greatest_rate(const TetMesh& mesh) {
+  const WorkingMesh working = build_working_mesh(TetMesh(mesh), SizingField());
+  double most = 0.0;
+  for (Index v = 0; v < working.points.size(); ++v) {
+    if (working.is_vertex_alive(v)) most = std::max(most, measure_vertex(working, v).rate());
+  }
+  return most;
+}
+
 StepLengthener::StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window)
     : mesh_(mesh), scores_(scores), trial_(mesh, scores_, any_flip(window)) {}
 

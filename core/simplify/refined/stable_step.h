@@ -51,6 +51,9 @@ struct VertexRate {
 /// The rate of vertex v of a mesh. Requires: positive tets.
 VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
 
+/// The greatest rate of a mesh's vertices; 0 without tets. Requires: positive tets.
+double greatest_rate(const TetMesh& mesh);
+
 /// Makes the longest stable step of a mesh longer: sees to the vertices with the greatest rates, one after
 /// another, by moves of free vertices around them and by flips.
 ///

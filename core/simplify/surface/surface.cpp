@@ -44,6 +44,7 @@ constexpr double kFaceShare = 0.41;
 
 struct Run {
   const SurfaceOptions& options;
+  Objective scored;  ///< kShape or kQuality
   SizingField field;
   double volume = 0.0;
   double room = 0.0;  ///< the volume, where the field wants less over its relative size cubed
@@ -54,8 +55,9 @@ struct Run {
   double area = 0.0;  ///< graded_area of the input's skin
   ScoreRule scores;
 
-  Run(TetMesh&& input, const SurfaceOptions& given)
+  Run(TetMesh&& input, const SurfaceOptions& given, Objective scored_for)
       : options(given),
+        scored(scored_for),
         field(given.sizing, input),
         volume(total_volume(input)),
         room(field.is_empty() ? volume : graded_volume(input, field)),
@@ -84,17 +86,12 @@ struct Run {
     return flat / (size * size);
   }
 
-  /// What tets are scored for: a longer step is made in the end, of what scores by q have left.
-  Objective scored_for() const {
-    return options.objective == Objective::kStableStep ? Objective::kQuality : options.objective;
-  }
-
   ScoreScale scale_of(double ideal_volume) const {
-    return scale_of_ideal_volume(ideal_volume, form_of(scored_for()));
+    return scale_of_ideal_volume(ideal_volume, form_of(scored));
   }
 
   /// By solid angles repairs may leave a tet worse than what they found.
-  RepairTools tools() const { return {.never_worse = scored_for() == Objective::kShape}; }
+  RepairTools tools() const { return {.never_worse = scored == Objective::kShape}; }
 
   /// Thresholds of scores by solid angles, in the scale's own.
   double flips_below(double score) const { return scores.far().flip_share * score; }
@@ -285,11 +282,13 @@ void validate_options(const SurfaceOptions& options) {
   }
 }
 
-SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
-  validate_options(options);
+namespace {
+
+/// simplify_surface with tets scored for one thing, and a longer step made in the end if the options want it.
+SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, Objective scored) {
   const bool to_limit = !options.stop.tets && !options.stop.ratio;
   std::uint64_t target = to_limit ? 0 : target_tet_count(options.stop, mesh.tets.size());
-  Run run(std::move(mesh), options);
+  Run run(std::move(mesh), options, scored);
   if (to_limit) {
     coarsen_to_limit(run);
     target = std::min(run.report.tets_in, static_cast<std::uint64_t>(run.tets_for_faces()));
@@ -301,7 +300,7 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   // Refined may end 0.5% below; some collapses from a little above get closer.
   const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
-  inside.objective = run.scored_for();
+  inside.objective = run.scored;
   inside.tools = run.tools();
   inside.effort = options.effort;
   inside.sizing = options.sizing;
@@ -328,6 +327,23 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
     report.volume_drift_relative = std::fabs(total_volume(mesh) - run.volume) / run.volume;
   }
   return report;
+}
+
+}  // namespace
+
+SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
+  validate_options(options);
+  if (options.objective != Objective::kStableStep) return simplify_scored(mesh, options, options.objective);
+  // Where the skin decides, neither kind of scores is always ahead.
+  TetMesh other = mesh;
+  const SurfaceRunReport report = simplify_scored(mesh, options, Objective::kShape);
+  const SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality);
+  const bool is_short = report.stop == "limit";
+  const bool is_other_short = other_report.stop == "limit";
+  const bool is_better = is_short == is_other_short ? greatest_rate(other) < greatest_rate(mesh) : is_short;
+  if (!is_better) return report;
+  mesh = std::move(other);
+  return other_report;
 }
 
 }  // namespace palpate::simplify

@@ -9,6 +9,7 @@
 #include "core/mesh/io/medit.h"
 #include "core/simplify/sizing/size_file.h"
 #include "experiments/commands/commands.h"
+#include "experiments/commands/simplify_shortfall.h"
 #include "experiments/commands/usage.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/scratch_folder.h"
@@ -62,8 +63,6 @@ GradeWish wish_of_grade(const GradeArguments& arguments, const Registry& registr
     if (!why.empty()) throw UnavailableError(wish.pilot + " is unavailable: " + why);
   }
   if (arguments.reach_m > 0.0) wish.reach_m = arguments.reach_m;
-  if (wish.near.empty() && wish.pilot.empty())
-    throw InputError("grade", 0, "--near, --pilot or both: where the mesh is to be fine", "neither");
   return wish;
 }
 
@@ -166,16 +165,21 @@ int grade(const GradeArguments& arguments) {
                             " tetrahedra by " + arguments.method + "\n" + lines_of_scene(on_graded));
   const bool is_short = report.at("stop") == "limit";
   report["reached"] = !is_short;
+  if (is_short) {
+    const auto wanted = static_cast<double>(tets_after(stop, whole.mesh.tets.size()));
+    report["shortfall"] = describe_shortfall(whole.mesh, graded.mesh, wanted, graded.report);
+    print_note(shortfall_text(report.at("shortfall")) +
+               (arguments.method == "palpate.surface"
+                    ? ". A larger max_surface_error_m may reach it"
+                    : ". --method palpate.surface --set max_surface_error_m=METRES coarsens the skin too"));
+  }
   write_file_atomically(out / "grade.json", report.dump(1) + "\n");
-  if (is_short)
-    print_note("the count was not reached: " + std::to_string(graded.mesh.tets.size()) + " of " +
-               std::to_string(tets_after(stop, whole.mesh.tets.size())) + " tetrahedra are left");
   for (const json& violation : report.at("violations")) print_note(violation.get<std::string>());
   if (arguments.as_json) {
     print_json(report);
   } else {
     print_grade(report);
-    std::cout << "Next: palpate simulate " << arguments.out << "/scene.yaml -o DIR\n";
+    if (!is_short) std::cout << "Next: palpate simulate " << arguments.out << "/scene.yaml -o DIR\n";
   }
   return report.at("valid").get<bool>() && !is_short ? kDone : kNotAccepted;
 }
@@ -221,7 +225,8 @@ void add_grade_sizes(CLI::App& command, GradeArguments& arguments) {
 
 void add_grade_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<GradeArguments>();
-  CLI::App* command = app.add_subcommand("grade", "Make a scene's mesh coarse where the scene allows it");
+  CLI::App* command = app.add_subcommand(
+      "grade", "Make a scene's mesh coarse, everywhere alike or where the scene allows it");
   command->add_option("SCENE", arguments->scene, "Scene (.yaml)")->required();
   command->add_option("-o,--output", arguments->out, "Folder for mesh and scene: new or empty")
       ->required()
@@ -252,7 +257,8 @@ void add_grade_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Writes organ.mesh (metres), scene.yaml on it, for simulate and fit, grade.json, and what it started "
       "from\n"
-      "(whole.mesh, sizes.csv). A mesh is only made coarser: --vertices starts with a finer one. A moving "
+      "(whole.mesh, sizes.csv). Without --near and --pilot the mesh is of one size. A mesh is only made "
+      "coarser: --vertices starts with a finer one. A moving "
       "scene\n"
       "is looked at at rest, its loads at their greatest. docs/graded.md has the formulas. Exit codes: 0 "
       "done;\n"

@@ -10,6 +10,7 @@
 
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/commands/simplify_shortfall.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/file_size_limit.h"
 
@@ -199,7 +200,8 @@ TEST(BadStop, OneThatCannotBeReachedIsSaid) {
                                             "--method", "palpate.hierarchical", "--ratio", "0.99"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error,
-              AllOf(HasSubstr("the count was not reached: "), HasSubstr(" of 12 tetrahedra are left"),
+              AllOf(HasSubstr("the count was not reached: "),
+                    HasSubstr(" tetrahedra are left, and at most 12 were asked for"),
                     HasSubstr("touch the skin of 432 faces, which was kept"), HasSubstr("refused")));
   EXPECT_TRUE(fs::exists(fixture.folder() / "out.mesh"));
 }
@@ -226,6 +228,57 @@ TEST(BadStop, TheWayToACountIsNamedAndLeadsThere) {
                    "max_surface_error_m=" + bound, "--json"});
   EXPECT_EQ(other.exit_code, 0) << other.error;
   EXPECT_LE(nlohmann::json::parse(other.out).at("tets_out"), shortfall.at("wanted_tets"));
+}
+
+/// What stops early inside is told of what does not; what strays too little, of a wider bound.
+TEST(BadStop, EachIsToldOfWhatIsLeftToTry) {
+  const test::ExperimentFixture fixture;
+  const std::string in = (fixture.folder() / "large.mesh").string();
+  const std::string out = (fixture.folder() / "out.mesh").string();
+  write_medit(in, build_kuhn_cube(8, 0.2, 5));
+  const std::string ball = (fixture.folder() / "ball.mesh").string();
+  ASSERT_EQ(run_program({"make", "ball", "-o", ball, "--vertices", "800"}).exit_code, 0);
+  const auto way_of = [&](const std::string& method, const std::vector<std::string>& more) {
+    const std::string& mesh = method == "palpate.surface" ? ball : in;
+    std::vector<std::string> words{"simplify", mesh, "-o", out, "--method", method, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run_program(words);
+    EXPECT_EQ(result.exit_code, 1) << method;
+    return nlohmann::json::parse(result.out).at("shortfall").at("way_out");
+  };
+  const auto inside = way_of("palpate.hierarchical", {"--ratio", "0.5"});
+  EXPECT_EQ(inside.at("method"), "palpate.refined");
+  EXPECT_EQ(
+      run_program({"simplify", in, "-o", out, "--method", "palpate.refined", "--ratio", "0.5"}).exit_code, 0);
+  const auto wider = way_of("palpate.surface", {"--ratio", "0.9", "--set", "max_surface_error_m=0.001"});
+  EXPECT_EQ(wider.at("method"), "palpate.surface");
+  EXPECT_GT(wider.at("bound"), 0.001);
+  EXPECT_EQ(run_program({"simplify", ball, "-o", out, "--method", "palpate.surface", "--ratio", "0.9",
+                         "--set", "max_surface_error_m=" + wider.at("bound").dump()})
+                .exit_code,
+            0);
+  // More than that is to be kept: nothing leads there, and nothing is tried.
+  EXPECT_TRUE(way_of("palpate.refined", {"--ratio", "0.5", "--keep", "sphere 0 0 0 100"}).is_null());
+}
+
+TEST(PoorSkin, FacesAndEdgesAreNamed) {
+  EXPECT_TRUE(describe_poor_skin(build_kuhn_cube(3, 0.0, 1)).is_null());
+  TetMesh flat = build_kuhn_cube(3, 0.0, 1);
+  for (Vec3& point : flat.points) point.x *= 0.02;
+  const nlohmann::json skin = describe_poor_skin(flat);
+  // Of right-angled triangles, sides 1 and 0.02: (sqrt(3) 0.02 / 1.0004)^(2/3). Two sides of the cube are
+  // not.
+  EXPECT_EQ(skin.at("faces").at("count"), 72);
+  EXPECT_EQ(skin.at("edges").at("count"), 0);
+  EXPECT_NEAR(skin.at("faces").at("worst").front().at("mean_ratio").get<double>(), 0.1062375, 1e-7);
+  EXPECT_EQ(skin.at("faces").at("worst").size(), 10U);
+  const TetMesh wedge{{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 1, 0.1}}, {{0, 1, 2, 3}}};
+  const nlohmann::json edges = describe_poor_skin(wedge).at("edges");
+  ASSERT_EQ(edges.at("count"), 1);
+  const nlohmann::json& edge = edges.at("worst").front();
+  EXPECT_EQ(edge.at("vertices"), nlohmann::json({1, 2}));
+  EXPECT_EQ(edge.at("at"), nlohmann::json({0.5, 0.0, 0.0}));
+  EXPECT_NEAR(edge.at("angle_deg").get<double>(), std::atan(0.1) * 180.0 / std::acos(-1.0), 1e-9);
 }
 
 TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {

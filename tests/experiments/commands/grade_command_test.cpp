@@ -94,7 +94,7 @@ TEST_F(GradeCommand, MakesAMeshThatIsFineNearThePadAndASceneOnIt) {
               0.01 * static_cast<double>(whole.tets.size()));
   EXPECT_LT(near_over_far(graded),
             0.8);  // the mesh has none finer than a ninth of the cube; one size: above 0.9
-  const ProgramResult even = grade("even", {"--ratio", "0.6", "--near", "loads", "--near-size", "1"});
+  const ProgramResult even = grade("even", {"--ratio", "0.6"});
   ASSERT_EQ(even.exit_code, 0) << even.error;
   EXPECT_GT(near_over_far(read_medit(path("even/organ.mesh")).mesh), 0.9);
   // The sizes that were wanted are finest at the pad, and the scene is ready.
@@ -107,6 +107,17 @@ TEST_F(GradeCommand, MakesAMeshThatIsFineNearThePadAndASceneOnIt) {
       run_program({"simulate", path("graded/scene.yaml"), "-o", path("answer"), "--json"});
   ASSERT_EQ(simulated.exit_code, 0) << simulated.error;
   EXPECT_EQ(json::parse(simulated.out).at("tets"), graded.tets.size());
+}
+
+TEST_F(GradeCommand, ACountThatIsNotReachedIsSaidWithWhatHeldIt) {
+  const ProgramResult result = grade("short", {"--ratio", "0.99", "--near", "loads"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("the count was not reached: "));
+  EXPECT_THAT(result.error, HasSubstr("touch the skin of 972 faces, which was kept"));
+  EXPECT_THAT(result.error, HasSubstr("--method palpate.surface"));
+  const json report = json::parse(result.out);
+  EXPECT_FALSE(report.at("reached"));
+  EXPECT_EQ(report.at("shortfall").at("reached_tets"), report.at("tets"));
 }
 
 TEST_F(GradeCommand, APilotFindsThePadByItselfAndTheSameCommandGivesTheSameBytes) {
@@ -137,7 +148,6 @@ TEST_F(GradeCommand, AMovingSceneIsGradedAtRestAndByItsProbes) {
 TEST_F(GradeCommand, RefusesNonsenseAndLeavesNothing) {
   expect_refused({"--near", "loads"}, "one of --tets and --ratio");
   expect_refused({"--near", "loads", "--ratio", "0.5", "--tets", "100"}, "one of --tets and --ratio");
-  expect_refused({"--ratio", "0.5"}, "--near, --pilot or both");
   expect_refused({"--ratio", "0.5", "--near", "probes"}, "a scene with probes, found none");
   expect_refused({"--ratio", "0.5", "--near", "forces"}, "a scene with forces, found none");
   expect_refused({"--ratio", "0.5", "--near", "tools"}, "loads");
