@@ -35,7 +35,7 @@ Response answer(const Request& request) {
     mesh = fill(request, response.kernel_s);
   } else if (request.contest == "convert" && request.method == "gmsh.read") {
     const Stopwatch watch;
-    mesh = read_msh(request.input, response.notes);
+    mesh = read_msh(request.input, request.output.parent_path(), response.notes);
     response.kernel_s = watch.seconds();
   } else {
     throw InputError("request", 0, "mesh gmsh.delaunay or convert gmsh.read",

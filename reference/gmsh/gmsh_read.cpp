@@ -60,8 +60,8 @@ void check_is_msh(const std::filesystem::path& path) {
 /// that.
 class PrivateName {
  public:
-  explicit PrivateName(const std::filesystem::path& path) {
-    std::string folder = (std::filesystem::temp_directory_path() / "palpate-msh-XXXXXX").string();
+  PrivateName(const std::filesystem::path& path, const std::filesystem::path& scratch) {
+    std::string folder = (scratch / "palpate-msh-XXXXXX").string();
     if (::mkdtemp(folder.data()) == nullptr) throw UnavailableError("cannot make a folder " + folder);
     folder_ = folder;
     std::filesystem::create_symlink(std::filesystem::absolute(path), name());
@@ -81,11 +81,12 @@ class PrivateName {
 
 }  // namespace
 
-TetMesh read_msh(const std::filesystem::path& path, std::vector<std::string>& notes) {
+TetMesh read_msh(const std::filesystem::path& path, const std::filesystem::path& scratch,
+                 std::vector<std::string>& notes) {
   const std::string where = path.string();
   check_is_msh(path);
   check_numbers_differ(path);
-  const PrivateName own(path);
+  const PrivateName own(path, scratch);
   try {
     gmsh::merge(own.name().string());
   } catch (...) {  // 4.8 throws integers, strings or exceptions

@@ -43,8 +43,10 @@ TetMesh fill_surface(const SurfaceMesh& surface, const FillSettings& settings);
 /// gmsh changed the skin or left a tet without volume.
 void check_filled(const SurfaceMesh& surface, TetMesh& mesh);
 
-/// Reads a .msh file of linear tetrahedra (points, lines and triangles are left out, and noted).
-/// Throws: InputError naming any other element kind, or a file that gmsh cannot read.
-TetMesh read_msh(const std::filesystem::path& path, std::vector<std::string>& notes);
+/// Reads a .msh file of linear tetrahedra (points, lines and triangles are left out, and noted). `scratch` is
+/// a folder that somebody else removes: of files that gmsh crashes on, something is left in it. Throws:
+/// InputError naming any other element kind, or a file that gmsh cannot read.
+TetMesh read_msh(const std::filesystem::path& path, const std::filesystem::path& scratch,
+                 std::vector<std::string>& notes);
 
 }  // namespace palpate::reference

@@ -10,6 +10,7 @@
 #include <vtkXMLUnstructuredGridWriter.h>
 
 #include <array>
+#include <exception>
 #include <set>
 
 #include "core/base/error.h"
@@ -18,7 +19,8 @@
 namespace palpate::reference {
 namespace {
 
-vtkSmartPointer<vtkUnstructuredGrid> load(const std::filesystem::path& path) {
+/// Throws, beside InputError, whatever VTK or the standard library does.
+vtkSmartPointer<vtkUnstructuredGrid> load_with_vtk(const std::filesystem::path& path) {
   const std::string where = path.string();
   vtkSmartPointer<vtkUnstructuredGrid> grid;
   if (path.extension() == ".vtu") {
@@ -44,6 +46,16 @@ vtkSmartPointer<vtkUnstructuredGrid> load(const std::filesystem::path& path) {
     throw InputError(where, 0, "a grid with cells", "none");
   }
   return grid;
+}
+
+vtkSmartPointer<vtkUnstructuredGrid> load(const std::filesystem::path& path) {
+  try {
+    return load_with_vtk(path);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::exception& error) {  // a length below zero or beyond all bounds, as the file has it
+    throw InputError(path.string(), 0, "a file that VTK can read", error.what());
+  }
 }
 
 bool is_left_out(int kind) {
