@@ -336,8 +336,8 @@ SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) 
   if (options.objective != Objective::kStableStep) return simplify_scored(mesh, options, options.objective);
   // Where the skin decides, neither kind of scores is always ahead.
   TetMesh other = mesh;
-  const SurfaceRunReport report = simplify_scored(mesh, options, Objective::kShape);
-  const SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality);
+  SurfaceRunReport report = simplify_scored(mesh, options, Objective::kShape);
+  SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality);
   const bool is_short = report.stop == "limit";
   const bool is_other_short = other_report.stop == "limit";
   const bool is_better = is_short == is_other_short ? greatest_rate(other) < greatest_rate(mesh) : is_short;
