@@ -11,6 +11,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/mesh/topology.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/simplify_shortfall.h"
 #include "experiments/commands/usage.h"
@@ -19,6 +20,7 @@
 #include "experiments/files/scratch_folder.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/judging/kept_regions.h"
+#include "experiments/judging/poor_skin.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/processes/bounded_work.h"
 #include "experiments/text/nearest_name.h"
@@ -257,10 +259,11 @@ int simplify(const SimplifyArguments& arguments) {
   const bool is_at_limit = report.value("stop", "") == "limit";
   const bool is_far = wanted && static_cast<double>(out.tets.size()) > kFarAbove * *wanted;
   const bool is_short = task.stop.kind != StopKind::kLimit && (is_at_limit || is_far);
+  const std::vector<Triangle> skin = build_unpaired_faces(out);
   const bool is_above = wanted && *wanted < static_cast<double>(out.tets.size());
   if (is_short && is_above) {
     report["stop"] = "limit";  // whatever else it says of itself
-    json shortfall = describe_shortfall(in, out, *wanted, report);
+    json shortfall = describe_shortfall(in, out, skin, *wanted, report);
     find_way_out(task, in, registry, shortfall);
     report["shortfall"] = shortfall;
     print_note(shortfall_text(shortfall));
@@ -271,9 +274,9 @@ int simplify(const SimplifyArguments& arguments) {
     print_note("stopped early, at the method's limit, with " + std::to_string(out.tets.size()) +
                " tetrahedra left");
   }
-  const std::string dense = is_short ? "" : skin_hint(in, out, arguments.method);
+  const std::string dense = is_short ? "" : skin_hint(in, out, skin, arguments.method);
   if (!dense.empty()) print_note(dense);
-  const json poor = describe_poor_skin(out);
+  const json poor = describe_poor_skin(out, skin);
   if (!poor.is_null()) {
     report["poor_skin"] = poor;
     print_note(poor_skin_text(poor));

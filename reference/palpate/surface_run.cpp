@@ -81,8 +81,8 @@ void report_features(const simplify::SurfaceRunReport& report, double degrees, R
 
 /// How far it went depends on where it was to end: what ends above that is run as far as it goes, and the
 /// fewer count.
-simplify::SurfaceRunReport simplify(TetMesh& mesh, const simplify::SurfaceOptions& options,
-                                    const std::filesystem::path& input) {
+simplify::SurfaceRunReport coarsen(TetMesh& mesh, const simplify::SurfaceOptions& options,
+                                   const std::filesystem::path& input) {
   simplify::SurfaceRunReport report = simplify::simplify_surface(mesh, options);
   if (report.stop != "limit" || (!options.stop.tets && !options.stop.ratio)) return report;
   simplify::SurfaceOptions farthest = options;
@@ -92,9 +92,8 @@ simplify::SurfaceRunReport simplify(TetMesh& mesh, const simplify::SurfaceOption
   simplify::SurfaceRunReport other_report = simplify::simplify_surface(other, farthest);
   if (other.tets.size() >= mesh.tets.size()) return report;
   mesh = std::move(other);
-  const char* reached = simplify::reached_stop(
-      options.stop, simplify::target_tet_count(options.stop, report.tets_in), 0, mesh.tets.size());
-  other_report.stop = reached != nullptr ? reached : "limit";
+  other_report.stop = simplify::stop_or_limit(
+      options.stop, simplify::target_tet_count(options.stop, report.tets_in), mesh.tets.size());
   return other_report;
 }
 
@@ -107,7 +106,7 @@ Response run_surface(const Request& request) {
   response.notes = std::move(file.notes);
   const Stopwatch watch;
   asked.options.sizing.sizes = load_sizes(asked.sizes, file.mesh);
-  const simplify::SurfaceRunReport report = simplify(file.mesh, asked.options, request.input);
+  const simplify::SurfaceRunReport report = coarsen(file.mesh, asked.options, request.input);
   response.kernel_s = watch.seconds();
   write_medit(request.output, file.mesh);
   std::string note = "surface within ";

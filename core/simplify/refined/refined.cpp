@@ -308,8 +308,7 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options) {
   }
   report.vertices_out = mesh.points.size();
   report.tets_out = mesh.tets.size();
-  const char* reached = reached_stop(options.stop, target, 0, report.tets_out);
-  report.stop = reached != nullptr ? reached : "limit";
+  report.stop = stop_or_limit(options.stop, target, report.tets_out);
   return report;
 }
 
@@ -327,43 +326,38 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
   // A start that can be reached, so that the search below is on a small mesh.
   RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin);
   const TetMesh start = mesh;
-  const auto is_reached = [&](std::uint64_t wanted) {
+  // Runs from there to a count. What it leaves is kept if the count is reached or, if asked to, if it is less
+  // than what is kept.
+  const auto is_reached = [&](std::uint64_t wanted, bool keep_fewer) {
     TetMesh body = start;
     const RefinedReport found = reduce(body, wanted);
-    if (body.tets.size() < mesh.tets.size()) {
+    const bool reached = found.stop != "limit";
+    if (body.tets.size() < mesh.tets.size() && (reached || keep_fewer)) {
       mesh = std::move(body);
       best = found;
     }
-    return found.stop != "limit";
+    return reached;
   };
-  // A count that the way there has made impossible may be possible from here. If not, it plays no further
-  // part.
-  const std::uint64_t target = target_tet_count(options.stop, tets_in);
-  const auto reach_target = [&] {
-    TetMesh body = start;
-    const RefinedReport found = reduce(body, target);
-    if (found.stop == "limit") return false;
-    mesh = std::move(body);
-    best = found;
-    best.stop = reached_stop(options.stop, target, 0, mesh.tets.size());
-    return true;
-  };
-  const bool is_done = best.stop == "limit" || (target < start.tets.size() && reach_target());
-  if (!is_done) {
+  const auto find_fewest = [&] {
     double reached = static_cast<double>(start.tets.size());
     double missed = static_cast<double>(skin) / kTetsPerFaceOfNone;
     while (kLimitResolution * missed < reached) {
       const double wanted = std::sqrt(missed * reached);
-      (is_reached(static_cast<std::uint64_t>(wanted)) ? reached : missed) = wanted;
+      (is_reached(static_cast<std::uint64_t>(wanted), true) ? reached : missed) = wanted;
     }
     // What can be reached has no sharp border: a few more below it.
     for (std::size_t misses = 0; misses < kBelowLimit.size();) {
       const std::size_t before = mesh.tets.size();
-      is_reached(share_of(before, kBelowLimit[misses]));
+      is_reached(share_of(before, kBelowLimit[misses]), true);
       misses = mesh.tets.size() < before ? 0 : misses + 1;
     }
-    const char* after_all = reached_stop(options.stop, target, 0, mesh.tets.size());
-    best.stop = after_all != nullptr ? after_all : "limit";
+  };
+  if (best.stop != "limit") {
+    // A count that the way there has made impossible may be possible from here; if not, it plays no further
+    // part.
+    const std::uint64_t target = target_tet_count(options.stop, tets_in);
+    if (target >= start.tets.size() || !is_reached(target, false)) find_fewest();
+    best.stop = stop_or_limit(options.stop, target, mesh.tets.size());
   }
   best.tets_in = tets_in;
   best.vertices_in = vertices_in;

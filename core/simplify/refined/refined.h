@@ -65,9 +65,10 @@ void validate_options(const RefinedOptions& options);
 /// Source:  docs/refined.md.
 RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options);
 
-/// As far as it goes, for a count that simplify_refined has not reached: down to twice the skin's faces, then
-/// by bisection, to 1%, the fewest tets that a run from there reaches. The wanted count plays no part, so
-/// asking for less does not leave more. The report's operations are those of the best run.
+/// For a count that simplify_refined has not reached: down to twice the skin's faces, then from there to the
+/// count and, if that is not reached either, by bisection, to 1% and less, to the fewest tets that a run from
+/// there reaches. In that search the count plays no part, so all counts below the border end alike. The
+/// report's operations are those of the best run.
 ///
 /// Time: a run, and some twenty on a mesh of twice the skin's faces. Requires and throws: as
 /// simplify_refined.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/simplify/refined/vertex_rate.h"
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
@@ -28,31 +29,6 @@ struct StepCounts {
   std::uint64_t edges_removed = 0;
   std::uint64_t faces_removed = 0;
 };
-
-/// A vertex with its neighbours held: K_vv, the stiffness that its tets (linear elements) put against its own
-/// displacement, and its lumped mass, a quarter of its tets'.
-///
-///   K_vv / mu = (lambda + mu) / mu S + tr(S) I,   S = sum over the tets of V grad grad^T
-///   rate = largest eigenvalue of K_vv / mu / sum of V / 4,   in 1 / length^2
-///
-/// at Poisson's ratio 0.3. grad is the gradient of the vertex's shape function, one over the altitude long.
-/// rate mu / rho is a Rayleigh quotient, so a lower bound of the square of the body's greatest frequency;
-/// where few vertices have great rates the step is within a tenth of what they say, where all are equal
-/// within a quarter.
-struct VertexRate {
-  std::array<double, 6> stiffness{};  ///< S: xx, yy, zz, xy, xz, yz
-  double volume = 0.0;                ///< of its tets
-
-  void add(const Vec3& gradient, double tet_volume, double sign);
-  /// The rate; 0 without tets.
-  double rate() const;
-};
-
-/// The rate of vertex v of a mesh. Requires: positive tets.
-VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
-
-/// The greatest rate of a mesh's vertices; 0 without tets. Requires: positive tets.
-double greatest_rate(const TetMesh& mesh);
 
 /// Makes the longest stable step of a mesh longer: sees to the vertices with the greatest rates, one after
 /// another, by moves of free vertices around them and by flips.

@@ -21,4 +21,9 @@ const char* reached_stop(const StopRule& stop, std::uint64_t target, std::uint64
   return stop.tets && *stop.tets == target ? "tets" : "ratio";
 }
 
+const char* stop_or_limit(const StopRule& stop, std::uint64_t target, std::uint64_t tets) {
+  const char* reached = reached_stop(stop, target, 0, tets);
+  return reached != nullptr ? reached : "limit";
+}
+
 }  // namespace palpate::simplify

@@ -21,4 +21,7 @@ std::uint64_t target_tet_count(const StopRule& stop, std::uint64_t tets_in);
 const char* reached_stop(const StopRule& stop, std::uint64_t target, std::uint64_t fusions,
                          std::uint64_t tets);
 
+/// The stop by tets or ratio at which a run that went as far as it could has ended, or "limit".
+const char* stop_or_limit(const StopRule& stop, std::uint64_t target, std::uint64_t tets);
+
 }  // namespace palpate::simplify

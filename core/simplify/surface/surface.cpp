@@ -9,6 +9,7 @@
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/simplify/refined/refined.h"
+#include "core/simplify/refined/vertex_rate.h"
 #include "core/simplify/surface/surface_flip.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
@@ -319,8 +320,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   report.inner.collapses += refined.collapses.collapses;
   report.inner.rejected_link = refined.collapses.rejected_link;
   report.inner.rejected_shape = refined.collapses.rejected_shape;
-  const char* reached = to_limit ? nullptr : reached_stop(options.stop, target, 0, mesh.tets.size());
-  report.stop = reached != nullptr ? reached : "limit";
+  report.stop = to_limit ? "limit" : stop_or_limit(options.stop, target, mesh.tets.size());
   report.vertices_out = mesh.points.size();
   report.tets_out = mesh.tets.size();
   if (run.volume > 0.0) {

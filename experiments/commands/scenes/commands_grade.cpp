@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/mesh/io/medit.h"
+#include "core/mesh/topology.h"
 #include "core/simplify/sizing/size_file.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/simplify_shortfall.h"
@@ -167,7 +168,8 @@ int grade(const GradeArguments& arguments) {
   report["reached"] = !is_short;
   if (is_short) {
     const auto wanted = static_cast<double>(tets_after(stop, whole.mesh.tets.size()));
-    report["shortfall"] = describe_shortfall(whole.mesh, graded.mesh, wanted, graded.report);
+    report["shortfall"] =
+        describe_shortfall(whole.mesh, graded.mesh, build_unpaired_faces(graded.mesh), wanted, graded.report);
     print_note(shortfall_text(report.at("shortfall")) +
                (arguments.method == "palpate.surface"
                     ? ". A larger max_surface_error_m may reach it"
@@ -257,11 +259,9 @@ void add_grade_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Writes organ.mesh (metres), scene.yaml on it, for simulate and fit, grade.json, and what it started "
       "from\n"
-      "(whole.mesh, sizes.csv). Without --near and --pilot the mesh is of one size. A mesh is only made "
-      "coarser: --vertices starts with a finer one. A moving "
-      "scene\n"
-      "is looked at at rest, its loads at their greatest. docs/graded.md has the formulas. Exit codes: 0 "
-      "done;\n"
+      "(whole.mesh, sizes.csv). Without --near and --pilot the mesh is of one size. A mesh is only made\n"
+      "coarser: --vertices starts with a finer one. A moving scene is looked at at rest, its loads at their\n"
+      "greatest. docs/graded.md has the formulas. Exit codes: 0 done;\n"
       "1 the count was not reached or the mesh is invalid; 2 bad input; 3 something needed could not run.");
   command->callback([arguments, &exit_code] { exit_code = grade(*arguments); });
 }

@@ -10,7 +10,6 @@
 
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
-#include "experiments/commands/simplify_shortfall.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/file_size_limit.h"
 
@@ -259,26 +258,6 @@ TEST(BadStop, EachIsToldOfWhatIsLeftToTry) {
             0);
   // More than that is to be kept: nothing leads there, and nothing is tried.
   EXPECT_TRUE(way_of("palpate.refined", {"--ratio", "0.5", "--keep", "sphere 0 0 0 100"}).is_null());
-}
-
-TEST(PoorSkin, FacesAndEdgesAreNamed) {
-  EXPECT_TRUE(describe_poor_skin(build_kuhn_cube(3, 0.0, 1)).is_null());
-  TetMesh flat = build_kuhn_cube(3, 0.0, 1);
-  for (Vec3& point : flat.points) point.x *= 0.02;
-  const nlohmann::json skin = describe_poor_skin(flat);
-  // Of right-angled triangles, sides 1 and 0.02: (sqrt(3) 0.02 / 1.0004)^(2/3). Two sides of the cube are
-  // not.
-  EXPECT_EQ(skin.at("faces").at("count"), 72);
-  EXPECT_EQ(skin.at("edges").at("count"), 0);
-  EXPECT_NEAR(skin.at("faces").at("worst").front().at("mean_ratio").get<double>(), 0.1062375, 1e-7);
-  EXPECT_EQ(skin.at("faces").at("worst").size(), 10U);
-  const TetMesh wedge{{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, 1, 0.1}}, {{0, 1, 2, 3}}};
-  const nlohmann::json edges = describe_poor_skin(wedge).at("edges");
-  ASSERT_EQ(edges.at("count"), 1);
-  const nlohmann::json& edge = edges.at("worst").front();
-  EXPECT_EQ(edge.at("vertices"), nlohmann::json({1, 2}));
-  EXPECT_EQ(edge.at("at"), nlohmann::json({0.5, 0.0, 0.0}));
-  EXPECT_NEAR(edge.at("angle_deg").get<double>(), std::atan(0.1) * 180.0 / std::acos(-1.0), 1e-9);
 }
 
 TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {
