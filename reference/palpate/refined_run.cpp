@@ -46,6 +46,7 @@ RefinedRequest read_refined_options(const Request& request) {
   tools.face_removal = take_switch(left, "face_removal", tools.face_removal);
   tools.compound_moves = take_switch(left, "compound_moves", tools.compound_moves);
   tools.edge_splits = take_switch(left, "edge_splits", tools.edge_splits);
+  tools.insertions = take_switch(left, "insertions", tools.insertions);
   tools.never_worse = take_switch(left, "never_worse", tools.never_worse);
   options.sizing = take_sizing_options(request.keep, left);
   result.sizes = take_sizes_file(left);
@@ -83,6 +84,7 @@ Response run_refined(const Request& request) {
       {"edges_removed", report.counts.edges_removed},
       {"faces_removed", report.counts.faces_removed},
       {"splits", report.counts.splits},
+      {"insertions", report.counts.insertions},
       {"stop", report.stop},
       {"rejected", {{"link", report.collapses.rejected_link}, {"shape", report.collapses.rejected_shape}}}};
   return response;

@@ -319,6 +319,7 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
   const std::size_t skin = build_unpaired_faces(mesh).size();
   const auto reduce = [&](TetMesh& body, std::uint64_t tets) {
     RefinedOptions own = options;
+    own.tools.insertions = false;  // each takes some six tets more
     own.stop = StopRule{};
     own.stop.tets = tets;
     return simplify_refined(body, own);

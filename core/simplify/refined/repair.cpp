@@ -34,6 +34,14 @@ constexpr std::array kShifts{0.15, 0.3, -0.15, 0.5};
 /// Edges are split only for tets below this score: a count is not given away lightly.
 constexpr double kSplitThreshold = 0.03;
 
+/// A vertex is inserted only for tets below this score (a mean ratio of 0.046): it takes some six tets more.
+constexpr double kInsertionThreshold = 2e-5;
+
+/// What the tets around an inserted vertex have to score before anything moves: as much as can be had. On the
+/// boundary, whose faces may be needles, so many times the score of the tet that it is for.
+constexpr std::array kLeastAroundInsertion{0.02, 0.005, 0.001, 2e-4, 4e-5};
+constexpr double kTimesBetterOnSkin = 3.0;
+
 FlipRule trial_rule(FlipRule rule) {
   rule.least_growth = -1e299;
   rule.least_of_worst = 0.0;
@@ -62,7 +70,8 @@ Repairer::Repairer(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& r
       tools_(tools),
       smoother_(mesh, scores_),
       flipper_(mesh, scores_, rule),
-      trial_(mesh, scores_, trial_rule(rule)) {
+      trial_(mesh, scores_, trial_rule(rule)),
+      cavity_(mesh, scores_) {
   if (!is_strict()) return;
   smoother_.set_least_of_worst(1.0);
   set_rule(rule);
@@ -130,7 +139,9 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
       flipper_.known_score(slot);
       hopeless_at_[slot] = given_up_at_[slot] = mesh_.score[slot];
     }
-    if (is_split_wanted && is_worth_it(split_)) split_.note(try_splits(tet, score_now, steps));
+    if (is_split_wanted && is_worth_it(split_) && split_.note(try_splits(tet, score_now, steps))) continue;
+    if (score_now < kInsertionThreshold && is_worth_it(insertion_))
+      insertion_.note(try_insertions(tet, score_now, steps));
   }
 }
 
@@ -222,6 +233,25 @@ bool Repairer::try_splits(const Tet& tet, double score, int steps) {
     if (trial_.split_edge(a, b) == kNoIndex || !keep_if_better(score, steps, true)) continue;
     ++counts_.splits;
     return true;
+  }
+  return false;
+}
+
+bool Repairer::try_insertions(const Tet& tet, double score, int steps) {
+  if (!tools_.insertions || !tools_.smoothing) return false;
+  propose_places(mesh_, find_tet(mesh_, tet), proposed_);
+  for (const double inside : kLeastAroundInsertion) {
+    for (const Vec3& place : proposed_) {
+      // A trial that is taken back may give the tet another slot.
+      const Index slot = find_tet(mesh_, tet);
+      if (!cavity_.grow(slot, place, {inside, std::min(inside, kTimesBetterOnSkin * score)}) ||
+          trial_.insert_vertex(cavity_.tets(), place, cavity_.faces()) == kNoIndex ||
+          !keep_if_better(score, steps, true)) {
+        continue;
+      }
+      ++counts_.insertions;
+      return true;
+    }
   }
   return false;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/simplify/refined/cavity.h"
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
@@ -17,6 +18,7 @@ struct RepairTools {
   bool face_removal = true;
   bool compound_moves = true;  ///< a flip that is good only once the vertices around it have moved
   bool edge_splits = true;     ///< a new vertex in the middle of an edge of a tet that nothing else helps
+  bool insertions = true;      ///< a new vertex amid the tets around a very bad one, which give way
   bool never_worse = true;     ///< no repair leaves a tet worse than the worst that it found around
 };
 
@@ -26,6 +28,7 @@ struct RepairCounts {
   std::uint64_t edges_removed = 0;
   std::uint64_t faces_removed = 0;
   std::uint64_t splits = 0;
+  std::uint64_t insertions = 0;
 };
 
 /// How often a means was tried, and how often it helped.
@@ -57,9 +60,9 @@ class Repairer {
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
-  /// Below `compound_threshold` also compound moves and, last, splits. What an earlier round has tried in
-  /// vain on a tet, all but splits, is not tried again while its score is the same. A round takes the worst
-  /// fourth of all tets at most, with compound moves the worst in 32.
+  /// Below `compound_threshold` also compound moves and, last, splits and insertions. What an earlier round
+  /// has tried in vain on a tet, all but these, is not tried again while its score is the same. A round takes
+  /// the worst fourth of all tets at most, with compound moves the worst in 32.
   void round(double threshold, double compound_threshold, int steps);
 
   /// Changes how far the count may go.
@@ -78,6 +81,7 @@ class Repairer {
   bool try_moves(const Tet& tet, int steps);
   bool try_compound(const Tet& tet, double score, int steps);
   bool try_splits(const Tet& tet, double score, int steps);
+  bool try_insertions(const Tet& tet, double score, int steps);
   double worst_around();
   double worst_beside();
   bool is_above_floor() const;
@@ -97,12 +101,15 @@ class Repairer {
   RepairSuccess compound_;
   RepairSuccess shifted_;
   RepairSuccess split_;
+  RepairSuccess insertion_;
+  Cavity cavity_;
   StarQuality star_;
   std::vector<std::pair<float, Index>> bad_;
   std::vector<float> given_up_at_;  ///< the score at which flips and moves of a tet helped nothing
   std::vector<float> hopeless_at_;  ///< the score at which compound moves helped nothing either
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
+  std::vector<Vec3> proposed_;
 };
 
 }  // namespace palpate::simplify

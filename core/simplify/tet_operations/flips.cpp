@@ -328,27 +328,40 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   return flip(old.data(), old.size());
 }
 
+/// Puts `fresh_` in the place of `old`; `vertex` is new, and is given up again if that fails.
+Index Flipper::flip_with_vertex(std::span<const Index> old, Index vertex) {
+  fresh_scores_.clear();
+  const Before before = measure_before(old.data(), old.size());
+  if (!flip(old.data(), old.size())) {
+    remove_vertex(mesh_, vertex);
+    return kNoIndex;
+  }
+  split_vertex_ = vertex;
+  growth_ = -before.sum;
+  for (const Index t : added_) growth_ += worth(scores_.far(), known_score(t));
+  return vertex;
+}
+
 Index Flipper::split_edge(Index a, Index b) {
   EdgeRing ring;
   if (!find_edge_ring(mesh_, a, b, ring) || mesh_.alive + ring.size > rule_.most_tets) return kNoIndex;
-  const Before before = measure_before(ring.tets.data(), ring.size);
   const Index middle = add_vertex(mesh_, 0.5 * (mesh_.points[a] + mesh_.points[b]));
   fresh_.clear();
-  fresh_scores_.clear();
   for (std::size_t i = 0; i < ring.size; ++i) {
     const Index r = ring.ring[i];
     const Index s = ring.ring[(i + 1) % ring.size];
     fresh_.push_back({a, middle, r, s});
     fresh_.push_back({middle, b, r, s});
   }
-  if (!flip(ring.tets.data(), ring.size)) {
-    remove_vertex(mesh_, middle);
-    return kNoIndex;
-  }
-  split_vertex_ = middle;
-  growth_ = -before.sum;
-  for (const Index t : added_) growth_ += worth(scores_.far(), known_score(t));
-  return middle;
+  return flip_with_vertex({ring.tets.data(), ring.size}, middle);
+}
+
+Index Flipper::insert_vertex(std::span<const Index> old, const Vec3& place, std::span<const Triangle> faces) {
+  if (mesh_.alive - old.size() + faces.size() > rule_.most_tets) return kNoIndex;
+  const Index middle = add_vertex(mesh_, place);
+  fresh_.clear();
+  for (const auto& [a, b, c] : faces) fresh_.push_back({middle, a, b, c});
+  return flip_with_vertex(old, middle);
 }
 
 }  // namespace palpate::simplify

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/simplify/tet_operations/quality_floor.h"
@@ -87,14 +88,19 @@ class Flipper {
   /// if the edge cannot be split or there would be too many tets.
   Index split_edge(Index a, Index b);
 
-  /// Takes the last flip or split back. Requires that no other operation came since.
+  /// Replaces `old` by the tets between a new vertex at `place` and `faces`, which bound them: (place, a, b,
+  /// c) is to be positive. The caller judges; see growth(). Returns the new vertex, or kNoIndex if a tet
+  /// would not be positive or there would be too many.
+  Index insert_vertex(std::span<const Index> old, const Vec3& place, std::span<const Triangle> faces);
+
+  /// Takes the last flip, split or insertion back. Requires that no other operation came since.
   void undo();
 
   /// The score of tet t, computed if it is not known.
   double known_score(Index t);
 
-  /// Of the last flip or split: the tets before (as they were), the slots of those after, and by how much
-  /// the sum of gains has grown.
+  /// Of the last flip, split or insertion: the tets before (as they were), the slots of those after, and by
+  /// how much the sum of gains has grown.
   const std::vector<Tet>& removed() const { return removed_; }
   const std::vector<Index>& added() const { return added_; }
   double growth() const { return growth_; }
@@ -112,6 +118,7 @@ class Flipper {
   bool is_all_positive(const std::vector<Tet>& tets) const;
   void measure_ring(const EdgeRing& ring, double least_score, RingValues& value);
   bool flip(const Index* old, std::size_t count);
+  Index flip_with_vertex(std::span<const Index> old, Index vertex);
 
   WorkingMesh& mesh_;
   const ScoreRule& scores_;

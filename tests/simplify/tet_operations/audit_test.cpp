@@ -159,7 +159,8 @@ void run_refined(TetMesh& mesh, const SizingOptions& sizing, SplitMix64& random,
   options.effort = static_cast<int>(random.below(3));
   const RefinedReport report = simplify_refined(mesh, options);
   done.collapses += report.collapses.collapses;
-  done.flips += report.counts.edges_removed + report.counts.faces_removed + report.counts.splits;
+  done.flips += report.counts.edges_removed + report.counts.faces_removed + report.counts.splits +
+                report.counts.insertions;
   done.moves += report.counts.moves;
 }
 

@@ -116,13 +116,14 @@ struct Broken {
 
 /// The judge notices an operation that is broken, and the shortest sequence ends with that one.
 TEST(OperationFuzz, AnOperationThatIsBrokenOnPurposeIsCaughtAndCutDown) {
-  const std::array<Broken, 7> all{{
+  const std::array<Broken, 8> all{{
       {Sabotage::kMoveUnchecked, {Operation::kMove}, 100},
       {Sabotage::kMoveOnBoundary, {Operation::kMove}, 100},
       {Sabotage::kMoveKept, {Operation::kMove}, 100},
       {Sabotage::kCollapseUnchecked, {Operation::kCollapse}, 100},
       {Sabotage::kCollapseOnBoundary, {Operation::kCollapse}, 100},
       {Sabotage::kFuseOnBoundary, {Operation::kFuse}, 100},
+      {Sabotage::kInsertUnseen, {Operation::kInsertVertex}, 100},
       {Sabotage::kLoseTet, {Operation::kRemoveEdge}, 20},
   }};
   for (const Broken& broken : all) {

@@ -138,9 +138,9 @@ bool ChangingMesh::perform(Operation operation, SplitMix64& random) {
     shop_->flipper.undo();
     return true;
   }
-  if (operation <= Operation::kSplitEdge) {
+  if (operation <= Operation::kInsertVertex) {
     const bool has_flipped = flip(operation, random);
-    can_undo_ = has_flipped && sabotage_ != Sabotage::kLoseTet;
+    can_undo_ = has_flipped && sabotage_ != Sabotage::kLoseTet && sabotage_ != Sabotage::kInsertUnseen;
     return has_flipped;
   }
   can_undo_ = false;
@@ -166,9 +166,31 @@ bool ChangingMesh::flip(Operation operation, SplitMix64& random) {
   if (operation == Operation::kRemoveFace) return flipper.try_remove_face(t, corner);
   if (operation == Operation::kEdgesOfTet) return flipper.try_edges_of(t);
   if (operation == Operation::kSplitEdge) return flipper.split_edge(a, b) != kNoIndex;
+  if (operation == Operation::kInsertVertex) return insert_vertex(t, random);
   if (!flipper.try_remove_edge(a, b)) return false;
   if (sabotage_ == Sabotage::kLoseTet) lose_tet(flipper.added().front());
   return true;
+}
+
+bool ChangingMesh::insert_vertex(Index tet, SplitMix64& random) {
+  WorkingMesh& mesh = shop_->mesh;
+  std::vector<Vec3> places;
+  propose_places(mesh, tet, places);
+  const Vec3 place = places[random.below(places.size())];
+  const double least = std::array{0.005, 1e-4, 0.0}[random.below(3)];
+  simplify::Cavity cavity(mesh, shop_->scores);
+  if (sabotage_ == Sabotage::kInsertUnseen) {
+    constexpr double kAny = -1e300;  // so that the tet alone gives way, wherever the place is
+    if (!cavity.grow(tet, place, {kAny, kAny})) return false;
+    const Index middle = add_vertex(mesh, place);
+    std::vector<Tet> fresh;
+    for (const auto& [a, b, c] : cavity.faces()) fresh.push_back({middle, a, b, c});
+    std::vector<Index> added;
+    apply_flip(mesh, cavity.tets(), fresh, added);
+    return true;
+  }
+  return cavity.grow(tet, place, {least, random.below(2) == 0 ? least : 0.0}) &&
+         shop_->flipper.insert_vertex(cavity.tets(), place, cavity.faces()) != kNoIndex;
 }
 
 void ChangingMesh::lose_tet(Index tet) {
@@ -254,7 +276,7 @@ bool ChangingMesh::repair(SplitMix64& random) {
   if (random.below(2) == 0) repairer.set_manner(threshold);
   repairer.round(threshold, random.below(2) == 0 ? threshold : 0.0, static_cast<int>(random.below(4)));
   const simplify::RepairCounts& counts = repairer.counts();
-  return counts.moves + counts.edges_removed + counts.faces_removed + counts.splits > 0;
+  return counts.moves + counts.edges_removed + counts.faces_removed + counts.splits + counts.insertions > 0;
 }
 
 bool ChangingMesh::coarsen_skin(SplitMix64& random) {

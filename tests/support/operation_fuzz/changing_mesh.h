@@ -40,6 +40,7 @@ class ChangingMesh {
   void build(TetMesh mesh);
   bool rebuild();
   bool flip(Operation operation, SplitMix64& random);
+  bool insert_vertex(Index tet, SplitMix64& random);
   bool smooth(SplitMix64& random);
   bool move(SplitMix64& random);
   bool collapse(SplitMix64& random);

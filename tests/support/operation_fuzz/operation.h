@@ -11,17 +11,18 @@ enum class Operation {
   kRemoveFace,
   kEdgesOfTet,
   kSplitEdge,
-  kUndo,      ///< of the flip or split just before
-  kSmooth,    ///< by the smoother
-  kMove,      ///< anywhere around, if all tets stay positive
-  kCollapse,  ///< of one edge, if the link condition holds and all tets stay positive
+  kInsertVertex,  ///< amid tets that give way
+  kUndo,          ///< of the flip, split or insertion just before
+  kSmooth,        ///< by the smoother
+  kMove,          ///< anywhere around, if all tets stay positive
+  kCollapse,      ///< of one edge, if the link condition holds and all tets stay positive
   kCollapseShortest,
   kRepair,
   kSkin,    ///< palpate.surface takes some tets away, skin and inside
   kFuse,    ///< of one tet
   kRebuild  ///< from the mesh of flips and collapses to that of fusions, or back
 };
-inline constexpr std::size_t kOperations = 13;
+inline constexpr std::size_t kOperations = 14;
 
 /// Its name, such as "collapse".
 const char* operation_name(Operation operation);
@@ -35,6 +36,7 @@ enum class Sabotage {
   kCollapseUnchecked,   ///< collapses turn tets over
   kCollapseOnBoundary,  ///< collapses take boundary vertices away
   kFuseOnBoundary,      ///< fusions take tets with a boundary vertex
+  kInsertUnseen,        ///< a vertex is inserted that does not see all that is around it
   kLoseTet              ///< removing an edge loses a tet
 };
 

@@ -14,12 +14,12 @@ namespace palpate::testing_support {
 namespace {
 
 constexpr std::array<const char*, kOperations> kNames{
-    "remove edge", "remove face",       "edges of a tet", "split edge", "undo", "smooth", "move",
-    "collapse",    "collapse shortest", "repair",         "skin",       "fuse", "rebuild"};
+    "remove edge", "remove face", "edges of a tet",    "split edge", "insert vertex", "undo", "smooth",
+    "move",        "collapse",    "collapse shortest", "repair",     "skin",          "fuse", "rebuild"};
 
 /// How often each is drawn, a share of the sum; fusions have a mesh and a turn of their own.
-constexpr std::array<std::uint64_t, kOperations> kWeight{320, 260, 260, 240, 80, 260, 260,
-                                                         180, 8,   4,   1,   0,  10};
+constexpr std::array<std::uint64_t, kOperations> kWeight{320, 260, 260, 240, 60, 80, 260,
+                                                         260, 180, 8,   4,   1,  0,  10};
 
 constexpr std::uint64_t kWeights = std::accumulate(kWeight.begin(), kWeight.end(), std::uint64_t{0});
 
