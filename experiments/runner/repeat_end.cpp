@@ -33,7 +33,9 @@ void add_file_hashes(const MethodSpec& method, const Case& c, json& record) {
     if (option.type != OptionType::kFile || !c.options.contains(option.name)) continue;
     const std::string file = c.options.at(option.name).get<std::string>();
     std::error_code error;
-    if (!file.empty() && fs::is_regular_file(file, error)) record["files"][option.name] = hash_file(file);
+    if (file.empty()) continue;
+    if (fs::is_regular_file(file, error)) record["files"][option.name] = hash_file(file);
+    record["options"][option.name] = fs::path(file).filename().string();
   }
 }
 

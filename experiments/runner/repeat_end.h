@@ -20,7 +20,7 @@ void throw_if_no_room(const std::filesystem::path& scratch, const nlohmann::json
 void add_load(const MachineLoad& load, const ContestantAnswer& answer, nlohmann::json& record);
 
 /// Adds the hashes of the files that a case's options name: a changed file is another case, whatever its
-/// name.
+/// name. The record keeps that name alone: where the file lies is this machine's business.
 void add_file_hashes(const MethodSpec& method, const Case& c, nlohmann::json& record);
 
 /// Where an output that is kept has what lies beside it (`name`: ContestFiles::beside_file).

@@ -77,7 +77,7 @@ def identity_of(record):
     """What was asked of a case: its input, and its options with its stop."""
     mesh, scene = record.get("mesh"), record.get("scene")
     given = [mesh.get("hash") if isinstance(mesh, dict) else mesh, scene.get("problem_hash") if isinstance(scene, dict) else None]
-    options = {"contestant": record.get("contestant"), "options": record.get("options"), "stop": record.get("stop"), "keep": record.get("keep") or []}
+    options = {"contestant": record.get("contestant"), "options": record.get("options"), "stop": record.get("stop"), "keep": record.get("keep") or [], "files": record.get("files") or {}}
     return json.dumps(given), json.dumps(options, sort_keys=True)
 
 

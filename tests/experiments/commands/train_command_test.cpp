@@ -162,6 +162,8 @@ TEST_F(TrainCommand, ModuliAreTrainedWithAVolumeModel) {
   EXPECT_EQ(records.at("own").at("output_hash"), records.at("file").at("output_hash"));
   EXPECT_EQ(records.at("own").at("files"), records.at("file").at("files"));
   EXPECT_EQ(records.at("own").at("files").size(), 2U);
+  EXPECT_EQ(records.at("own").at("options").at("springs"), "springs.csv");
+  EXPECT_EQ(records.at("file").at("options").at("springs"), "k.csv");
   const json provenance = json::parse(test::bytes_of(folder() / "run" / "provenance.json"));
   EXPECT_EQ(provenance.at("trained").at("own").at("report").at("ridge"), report.at("ridge"));
   // Another file under the same name is not the same run.
