@@ -215,7 +215,8 @@ class Published(unittest.TestCase):
     def test_no_archive_names_a_place_of_the_machine_that_it_was_made_on(self):
         for name, run in self.runs.items():
             for file in (*archive.COPIED, archive.RECORDS):
-                self.assertNotRegex((run / file).read_text(encoding="utf-8"), r'"/(?:home|root|tmp|work)\b', f"{name}/{file}")
+                place = re.search(r'"/(?:home|root|tmp|work)\b[^"]*', (run / file).read_text(encoding="utf-8"))
+                self.assertIsNone(place, f"{name}/{file}")
 
     def test_a_figure_that_is_off_by_its_last_digit_is_found(self):
         for text, value, expected in (("1.8", 1.7501, True), ("1.8", 1.749, False), ("1.8", 1.851, False), ("505", 505.4, True), ("505", 505.6, False),
