@@ -10,7 +10,7 @@ An entry:
         - {text: "1.8", of: verdict.csv, column: difference, where: {mesh: [kidney, bean]}, take: least, times: -1}
 
 A figure is a column of a table that the report writes, over the rows that `where` leaves: `take` is only (one row; the default), least, greatest, median,
-mean, sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by. It has to be `text` to the last digit that `text` has.
+mean, sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by; `inverse: true` is one over it. It has to be `text` to the last digit that `text` has.
 
 In tables.yaml, every number of a table of a page:
 
@@ -53,7 +53,7 @@ from archive import archive
 
 PUBLISHED = ROOT / "results" / "published"
 TABLE_KEYS = {"page", "after", "run", "of", "rows", "first", "columns", "numbers", "unless", "where", "take", "times"}  # of a whole table
-KEYS = {"text", "of", "column", "where", "take", "times", "plus", "over"}
+KEYS = {"text", "of", "column", "where", "take", "times", "plus", "over", "inverse"}
 TAKE = {"least": min, "greatest": max, "median": statistics.median, "sum": math.fsum, "mean": statistics.fmean,
         "rms": lambda values: math.sqrt(statistics.fmean(value * value for value in values))}
 
@@ -85,6 +85,8 @@ def value_of(figure, tables):
         value = values[0] if take == "only" else TAKE[take](values)
     if "over" in figure:
         value /= value_of(figure["over"], tables)
+    if figure.get("inverse"):
+        value = 1 / value
     return value * figure.get("times", 1) + figure.get("plus", 0)
 
 
