@@ -1,14 +1,17 @@
-"""The judge of a soak rejects records that are not flat, and a soak is the same to the bit when it is run again.
+"""The judge of a soak rejects records that are not flat, and a soak is the same to the bit when it is run again; the page
+of the soaks says what was kept of them.
 
     soak_test.py BUILD
 """
 
 import contextlib
 import csv
+import decimal
 import io
 import json
 import pathlib
 import random
+import re
 import sys
 import tempfile
 import unittest
@@ -152,6 +155,45 @@ class Command(unittest.TestCase):
                 self.assertEqual(ended, code)
                 if "cube:1" not in words:  # whose message is the program's own
                     self.assertIn(named, complained)
+
+
+class Page(unittest.TestCase):
+    """docs/soak.md says what the kept verdicts of the two hours say (results/soak), each number to its last digit."""
+
+    ROOT = HERE.parents[1]
+
+    @staticmethod
+    def numbers_of(kept):
+        body, verdict = kept["body"], kept["verdict"]
+        drift, energy, seconds = verdict["drift"], verdict["energy"], body["cycle_s"]
+        axes = max((drift[f"rest_mean_{axis}_m"] for axis in "xyz"), key=lambda part: abs(part["change"]))
+        cycles = verdict["enough"]["cycles"]
+        return {"presses": [cycles], "simulated hours": [cycles * seconds / 3600], "steps": [cycles * seconds / body["step_s"]],
+                "energy under the finger": [energy["pressed_median_j"]], "energy 1.3 s after": [energy["worst_share"]], "largest displacement at rest": [drift["worst_m"]],
+                "change of the largest one": [drift["rest_largest_m"]["change"], drift["rest_largest_m"]["standard_error"]],
+                "largest change of the mean": [axes["change"], axes["standard_error"]], "clock off": [verdict["clock"]["worst_off_s"]],
+                "resident memory": [verdict["memory"]["settled_bytes"] / 2**20, verdict["memory"]["growth_bytes"] / 2**20],
+                "presses with an inverted": [verdict["whole"]["inverted_pressed"]]}
+
+    def agree(self, text, value):
+        """Whether the text is the value, rounded to the text's own last digit."""
+        number = decimal.Decimal(text.replace(",", ""))
+        self.assertLessEqual(abs(number - decimal.Decimal(value)), decimal.Decimal((0, (5,), number.as_tuple().exponent - 1)), (text, value))
+
+    def test_the_table_says_what_was_kept(self):
+        page = (self.ROOT / "docs" / "soak.md").read_text(encoding="utf-8")
+        rows = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in page.splitlines() if line.startswith("| ")]
+        for column, model in ((1, "springs"), (2, "smoothed")):
+            kept = json.loads((self.ROOT / "results" / "soak" / f"{model}.json").read_text(encoding="utf-8"))
+            self.assertTrue(kept["verdict"]["flat"])
+            for name, values in self.numbers_of(kept).items():
+                with self.subTest(model=model, row=name):
+                    found = [row for row in rows if row[0] == name] or [row for row in rows if row[0].startswith(name)]
+                    self.assertEqual(len(found), 1)
+                    texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?", found[0][column])
+                    self.assertEqual(len(texts), len(values))
+                    for text, value in zip(texts, values):
+                        self.agree(text, value)
 
 
 if __name__ == "__main__":
