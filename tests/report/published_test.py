@@ -34,6 +34,7 @@ not compared.
 
 import contextlib
 import csv
+import decimal
 import io
 import math
 import pathlib
@@ -92,9 +93,8 @@ def value_of(figure, tables):
 
 def agrees(text, value):
     """Whether the text is the value, rounded to the text's own last digit."""
-    digits = text.replace(",", "")
-    decimals = len(digits.partition(".")[2])
-    return abs(float(digits) - value) <= 0.5 * 10**-decimals * (1 + 1e-9)
+    digits = decimal.Decimal(text.replace(",", ""))
+    return abs(float(digits) - value) <= 0.5 * 10.0 ** digits.as_tuple().exponent * (1 + 1e-9)
 
 
 def plain(text):
@@ -139,7 +139,7 @@ def figures_of_table(entry, page):
             row = {"where": {entry.get("first", "label"): row}}
         assert len(cells) == len(entry["columns"]), f"{len(cells)} cells: {name}"
         for column, cell in zip(entry["columns"], cells):
-            texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?", cell)
+            texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?", cell)
             if column is None or not texts:
                 continue
             numbers = row.get("numbers") or column.get("numbers") or entry.get("numbers", [{}])
@@ -222,7 +222,7 @@ class Published(unittest.TestCase):
 
     def test_a_figure_that_is_off_by_its_last_digit_is_found(self):
         for text, value, expected in (("1.8", 1.7501, True), ("1.8", 1.749, False), ("1.8", 1.851, False), ("505", 505.4, True), ("505", 505.6, False),
-                                      ("1,503", 1503.0, True), ("1,503", 1504.0, False), ("2", float("nan"), False)):
+                                      ("1,503", 1503.0, True), ("1,503", 1504.0, False), ("1e-10", 1.4e-10, True), ("1e-10", 1.6e-10, False), ("2", float("nan"), False)):
             self.assertEqual(agrees(text, value), expected, (text, value))
 
 
