@@ -15,7 +15,17 @@ namespace {
 /// No organ is longer: a bigger box is most likely in millimetres.
 constexpr double kLongestOrganM = 10.0;
 
+/// What --unit-m may make of a body.
+constexpr double kSmallestBodyM = 1e-9;
+constexpr double kLargestBodyM = 1e6;
+
 }  // namespace
+
+void require_body_size(double across_m) {
+  if (!(across_m >= kSmallestBodyM && across_m <= kLargestBodyM))
+    throw InputError("--unit-m", 0, "a unit in which the body is 1 nm to 1000 km across",
+                     short_number(across_m) + " m");
+}
 
 TetMesh read_mesh_in_metres(const std::string& path, double unit_m) {
   MeditFile file = read_mesh(path, ReadOrientation::kRestore);
@@ -24,6 +34,8 @@ TetMesh read_mesh_in_metres(const std::string& path, double unit_m) {
     print_note(path + ": vertices of the output are numbered without those left out");
   const Judgement judgement = judge_mesh(file.mesh);
   if (!judgement.violations.empty()) throw InputError(path, 0, "a valid mesh", judgement.violations.front());
+  const BoundingBox box = bounding_box(file.mesh.points);
+  require_body_size(unit_m * length(box.high - box.low));
   for (Vec3& point : file.mesh.points) point = unit_m * point;
   const double longest = longest_side(bounding_box(file.mesh.points));
   if (longest > kLongestOrganM) {

@@ -8,8 +8,11 @@
 namespace palpate::experiments {
 
 /// The mesh of a file, oriented, judged, and with its points times `unit_m`. Notes go to standard error, also
-/// where it is longer than any organ. Throws: InputError for a file that cannot be read or a mesh that the
-/// judge finds invalid.
+/// where it is longer than any organ. Throws: InputError for a file that cannot be read, a mesh that the
+/// judge finds invalid or a unit in which it has no size of a body.
 TetMesh read_mesh_in_metres(const std::string& path, double unit_m);
+
+/// Throws: InputError unless a body, with its box's diagonal in metres, is 1 nm to 1000 km across.
+void require_body_size(double across_m);
 
 }  // namespace palpate::experiments

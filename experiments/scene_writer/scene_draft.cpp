@@ -10,6 +10,7 @@
 #include "core/mesh/geometry.h"
 #include "experiments/judging/judge_record.h"
 #include "experiments/meshes/mesh_source.h"
+#include "experiments/meshes/metre_mesh.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/draft_text.h"
@@ -19,8 +20,6 @@ namespace palpate::experiments {
 namespace {
 
 constexpr std::uint64_t kUsualVertices = 1500;
-constexpr double kSmallestBodyM = 1e-9;
-constexpr double kLargestBodyM = 1e6;
 constexpr double kPushShare = 0.05;  // of the thickness
 
 /// "12.3 cm": three digits.
@@ -86,9 +85,7 @@ void choose_unit(const SceneWish& wish, SceneDraft& draft) {
     for (const double other : guess->others)
       draft.unit_reason += ", in " + unit_name(other) + " it would be " + shown_length(other * diagonal);
   }
-  if (!(draft.unit_m * diagonal >= kSmallestBodyM && draft.unit_m * diagonal <= kLargestBodyM))
-    throw InputError("--unit-m", 0, "a unit in which the body is 1 nm to 1000 km across",
-                     short_number(draft.unit_m * diagonal) + " m");
+  require_body_size(draft.unit_m * diagonal);
   for (Vec3& p : draft.mesh.points) p = draft.unit_m * p;
   draft.size_m = draft.unit_m * (box.high - box.low);
 }

@@ -143,6 +143,11 @@ TEST_F(SpringsCommand, AsksForTheUnitOfAHugeMesh) {
   EXPECT_THAT(springs({}, "van_gelder").error,
               HasSubstr("the mesh is 110 m long; if its unit is the millimetre, say --unit-m 0.001"));
   EXPECT_EQ(springs({"--unit-m", "0.001"}, "van_gelder").error, "");
+  for (const char* unit : {"1e-300", "1e5", "0"}) {
+    const ProgramResult none = springs({"--unit-m", unit}, "van_gelder");
+    EXPECT_EQ(none.exit_code, 2) << unit;
+    EXPECT_THAT(none.error, HasSubstr("--unit-m: expected a")) << unit;
+  }
 }
 
 TEST_F(SpringsCommand, SaysHowVerticesAreNumberedWhenSomeAreLeftOut) {
