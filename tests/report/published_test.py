@@ -34,7 +34,6 @@ not compared.
 
 import contextlib
 import csv
-import decimal
 import io
 import math
 import pathlib
@@ -51,6 +50,7 @@ sys.path[:0] = [str(ROOT / "report"), str(ROOT / "docs")]
 import make_methods
 import make_report
 from archive import archive
+from rounded import NUMBER, agrees
 
 PUBLISHED = ROOT / "results" / "published"
 TABLE_KEYS = {"page", "after", "run", "of", "rows", "first", "columns", "numbers", "unless", "where", "take", "times"}  # of a whole table
@@ -89,12 +89,6 @@ def value_of(figure, tables):
     if figure.get("inverse"):
         value = 1 / value
     return value * figure.get("times", 1) + figure.get("plus", 0)
-
-
-def agrees(text, value):
-    """Whether the text is the value, rounded to the text's own last digit."""
-    digits = decimal.Decimal(text.replace(",", ""))
-    return abs(float(digits) - value) <= 0.5 * 10.0 ** digits.as_tuple().exponent * (1 + 1e-9)
 
 
 def plain(text):
@@ -139,7 +133,7 @@ def figures_of_table(entry, page):
             row = {"where": {entry.get("first", "label"): row}}
         assert len(cells) == len(entry["columns"]), f"{len(cells)} cells: {name}"
         for column, cell in zip(entry["columns"], cells):
-            texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?", cell)
+            texts = NUMBER.findall(cell)
             if column is None or not texts:
                 continue
             numbers = row.get("numbers") or column.get("numbers") or entry.get("numbers", [{}])

@@ -6,19 +6,18 @@ of the soaks says what was kept of them.
 
 import contextlib
 import csv
-import decimal
 import io
 import json
 import pathlib
 import random
-import re
 import sys
 import tempfile
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE))
+sys.path[:0] = [str(HERE), str(HERE.parent / "report")]
 import soak  # noqa: E402
+from rounded import NUMBER, agrees  # noqa: E402
 
 BUILD = sys.argv.pop(1) if len(sys.argv) > 1 else str(HERE.parents[1] / "build" / "release")
 DEEPEST_M = 5e-3
@@ -175,11 +174,6 @@ class Page(unittest.TestCase):
                 "resident memory": [verdict["memory"]["settled_bytes"] / 2**20, verdict["memory"]["growth_bytes"] / 2**20],
                 "presses with an inverted": [verdict["whole"]["inverted_pressed"]]}
 
-    def agree(self, text, value):
-        """Whether the text is the value, rounded to the text's own last digit."""
-        number = decimal.Decimal(text.replace(",", ""))
-        self.assertLessEqual(abs(number - decimal.Decimal(value)), decimal.Decimal((0, (5,), number.as_tuple().exponent - 1)), (text, value))
-
     def test_the_table_says_what_was_kept(self):
         page = (self.ROOT / "docs" / "soak.md").read_text(encoding="utf-8")
         rows = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in page.splitlines() if line.startswith("| ")]
@@ -190,10 +184,10 @@ class Page(unittest.TestCase):
                 with self.subTest(model=model, row=name):
                     found = [row for row in rows if row[0] == name] or [row for row in rows if row[0].startswith(name)]
                     self.assertEqual(len(found), 1)
-                    texts = re.findall(r"[+-]?\d[\d,]*(?:\.\d+)?(?:e[+-]?\d+)?", found[0][column])
+                    texts = NUMBER.findall(found[0][column])
                     self.assertEqual(len(texts), len(values))
                     for text, value in zip(texts, values):
-                        self.agree(text, value)
+                        self.assertTrue(agrees(text, value), (text, value))
 
 
 if __name__ == "__main__":

@@ -12,13 +12,7 @@ namespace {
 /// Heights above a face of the boundary, over the root of its area: from that of a regular tet's kind down.
 constexpr std::array kHeights{0.5, 0.9, 0.3, 0.15};
 
-/// The face opposite to a corner: (corner, a, b, c) is positive.
-Triangle face_of(const Tet& tet, std::size_t corner) {
-  const auto& local = kTetFaces[corner];
-  return {tet[static_cast<std::size_t>(local[0])], tet[static_cast<std::size_t>(local[1])],
-          tet[static_cast<std::size_t>(local[2])]};
-}
-
+/// The tet behind a face of tet t.
 Index behind(const WorkingMesh& mesh, Index t, const Triangle& face) {
   return neighbour_across(mesh, t, face[0], face[1], face[2]);
 }
@@ -31,34 +25,38 @@ bool Cavity::has(Index t) const {
 
 bool Cavity::grow(Index seed, const Vec3& place, const CavityScores& least) {
   tets_.assign(1, seed);
+  faces_.clear();
+  behind_.clear();
   if (mesh_.is_kept(seed)) return false;
   const ScoreScale scale = scores_.at(place);
   for (std::size_t i = 0; i < tets_.size(); ++i) {
     const Tet tet = mesh_.tets[tets_[i]];
     for (std::size_t corner = 0; corner < tet.size(); ++corner) {
-      const Triangle face = face_of(tet, corner);
+      const Triangle face = face_opposite(tet, corner);
       const Index next = behind(mesh_, tets_[i], face);
       if (next != kNoIndex && has(next)) continue;
       const double score = double{
           score_tet(scale, place, mesh_.points[face[0]], mesh_.points[face[1]], mesh_.points[face[2]])};
-      if (score > (next == kNoIndex ? least.on_skin : least.inside)) continue;
+      if (score > (next == kNoIndex ? least.on_skin : least.inside)) {
+        faces_.push_back(face);
+        behind_.push_back(next);
+        continue;
+      }
       if (next == kNoIndex || mesh_.is_kept(next) || tets_.size() == kMostTets) return false;
       tets_.push_back(next);
     }
   }
-  collect_faces();
+  drop_inner_faces();
   return !is_vertex_lost();
 }
 
-void Cavity::collect_faces() {
-  faces_.clear();
-  for (const Index t : tets_) {
-    for (std::size_t corner = 0; corner < 4; ++corner) {
-      const Triangle face = face_of(mesh_.tets[t], corner);
-      const Index next = behind(mesh_, t, face);
-      if (next == kNoIndex || !has(next)) faces_.push_back(face);
-    }
+/// A face that was good enough bounds nothing once the tet behind it has been taken for another face's sake.
+void Cavity::drop_inner_faces() {
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < faces_.size(); ++i) {
+    if (behind_[i] == kNoIndex || !has(behind_[i])) faces_[left++] = faces_[i];
   }
+  faces_.resize(left);
 }
 
 bool Cavity::is_vertex_lost() const {
@@ -77,7 +75,7 @@ void propose_places(const WorkingMesh& mesh, Index t, std::vector<Vec3>& places)
   places.clear();
   const Tet& tet = mesh.tets[t];
   for (std::size_t corner = 0; corner < tet.size(); ++corner) {
-    const Triangle face = face_of(tet, corner);
+    const Triangle face = face_opposite(tet, corner);
     const Index next = behind(mesh, t, face);
     if (next != kNoIndex) {
       Vec3 sum;

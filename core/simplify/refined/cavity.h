@@ -36,13 +36,14 @@ class Cavity {
 
  private:
   bool has(Index t) const;
-  void collect_faces();
+  void drop_inner_faces();
   bool is_vertex_lost() const;
 
   const WorkingMesh& mesh_;
   const ScoreRule& scores_;
   std::vector<Index> tets_;
   std::vector<Triangle> faces_;
+  std::vector<Index> behind_;  ///< the tet behind each face while the set grows
 };
 
 /// Where a vertex may help tet t: at some heights above each of its faces on the boundary, and in the middle

@@ -157,7 +157,7 @@ void StepLengthener::take_star(Index v) {
   star_tets_.clear();
   VertexRate own;
   for (const Index t : mesh_.star(v)) {
-    const Triangle base = base_of(mesh_.tets[t], v);
+    const Triangle base = face_opposite(mesh_.tets[t], corner_in(mesh_.tets[t], v));
     StarTet local{};
     for (std::size_t i = 0; i < 3; ++i) {
       const auto at = std::lower_bound(link_.begin(), link_.end(), base[i]);

@@ -29,12 +29,6 @@ void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::a
   to[3]->add(at_c, volume, sign);
 }
 
-Triangle base_of(const Tet& tet, Index v) {
-  const auto& face = kTetFaces[corner_in(tet, v)];
-  return {tet[static_cast<std::size_t>(face[0])], tet[static_cast<std::size_t>(face[1])],
-          tet[static_cast<std::size_t>(face[2])]};
-}
-
 void VertexRate::add(const Vec3& gradient, double tet_volume, double sign) {
   const double w = sign * tet_volume;
   stiffness[0] += w * gradient.x * gradient.x;
@@ -69,7 +63,7 @@ VertexRate measure_vertex(const WorkingMesh& mesh, Index v) {
   VertexRate own;
   VertexRate other;
   for (const Index t : mesh.star(v)) {
-    const Triangle base = base_of(mesh.tets[t], v);
+    const Triangle base = face_opposite(mesh.tets[t], corner_in(mesh.tets[t], v));
     add_tet(mesh.points[v], {&mesh.points[base[0]], &mesh.points[base[1]], &mesh.points[base[2]]},
             {&own, &other, &other, &other}, 1.0);
   }

@@ -31,9 +31,6 @@ struct VertexRate {
 void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::array<VertexRate*, 4>& to,
              double sign);
 
-/// The base triangle of a tet opposite to v, so that (v, base) has the tet's orientation.
-Triangle base_of(const Tet& tet, Index v);
-
 /// The rate of vertex v of a mesh. Requires: positive tets.
 VertexRate measure_vertex(const WorkingMesh& mesh, Index v);
 

@@ -298,10 +298,7 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   if (mesh_.alive + 1 > rule_.most_tets || mesh_.is_kept(tet)) return false;
   const Tet& t = mesh_.tets[tet];
   const Index p = t[corner];
-  const auto& face = kTetFaces[corner];
-  const Index a = corner_of(t, face[0]);
-  const Index b = corner_of(t, face[1]);
-  const Index c = corner_of(t, face[2]);  // (p, a, b, c) is positive
+  const auto [a, b, c] = face_opposite(t, corner);
   const Index other = neighbour_across(mesh_, tet, a, b, c);
   if (other == kNoIndex || mesh_.is_kept(other)) return false;
   Index q = kNoIndex;

@@ -150,9 +150,7 @@ void enter_faces_of(const WorkingMesh& mesh, Index v, OpenFaces& faces) {
       // The face opposite to this corner: v is its smallest vertex if the corner is the one smaller than v,
       // or if there is none and the corner is not v itself.
       if (tet[corner] == v || (smaller == 1 && tet[corner] > v)) continue;
-      const auto& local = kTetFaces[corner];
-      const Triangle f{tet[static_cast<std::size_t>(local[0])], tet[static_cast<std::size_t>(local[1])],
-                       tet[static_cast<std::size_t>(local[2])]};
+      const Triangle f = face_opposite(tet, corner);
       const std::size_t at = f[0] == v ? 0U : (f[1] == v ? 1U : 2U);
       enter_face(mesh, v, f[(at + 1) % 3], f[(at + 2) % 3], faces);
     }

@@ -96,6 +96,14 @@ inline std::size_t corner_in(const Tet& tet, Index v) {
   return static_cast<std::size_t>(std::find(tet.begin(), tet.end(), v) - tet.begin());
 }
 
+/// The face opposite to a corner of a tet, counter-clockwise seen from outside: (corner, face) has the tet's
+/// orientation.
+inline Triangle face_opposite(const Tet& tet, std::size_t corner) {
+  const auto& local = kTetFaces[corner];
+  return {tet[static_cast<std::size_t>(local[0])], tet[static_cast<std::size_t>(local[1])],
+          tet[static_cast<std::size_t>(local[2])]};
+}
+
 /// The slot of the tet with these vertices, in any order. Throws: ContractError if there is none.
 Index find_tet(const WorkingMesh& mesh, const Tet& tet);
 
