@@ -256,11 +256,18 @@ bool Repairer::try_insertions(const Tet& tet, double score, int steps) {
   return false;
 }
 
-double Repairer::worst_around() {
+/// The worst of the tets that a trial and the moves after it have changed, or the first one found below
+/// `enough`.
+double Repairer::worst_around(double enough) {
   double worst = 1e300;
-  for (const Index t : trial_.added()) worst = std::min(worst, flipper_.known_score(t));
+  const auto is_below = [&](Index t) {
+    worst = std::min(worst, flipper_.known_score(t));
+    return worst < enough;
+  };
+  if (std::any_of(trial_.added().begin(), trial_.added().end(), is_below)) return worst;
   for (const Index v : vertices_) {
-    for (const Index t : mesh_.star(v)) worst = std::min(worst, flipper_.known_score(t));
+    const auto star = mesh_.star(v);
+    if (std::any_of(star.begin(), star.end(), is_below)) return worst;
   }
   return worst;
 }
@@ -301,7 +308,7 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
     }
   }
   // What the trial itself has made may be anything: the smoothing is what makes it good.
-  const double least = is_strict() ? std::min(score, worst_beside()) : 0.0;
+  const double least = is_strict() && by_sum ? std::min(score, worst_beside()) : 0.0;
   double growth = trial_.growth();
   smoother_.set_floor(nullptr);
   for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
@@ -312,9 +319,10 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
     if (growth + left * gained <= flipper_.rule().least_growth) break;
   }
   smoother_.set_floor(floor_);
-  const double worst = worst_around();
-  const bool is_better =
-      (by_sum && growth > flipper_.rule().least_growth && worst >= least) || worst > kWorthAnyway * score;
+  const bool is_sum_better = by_sum && growth > flipper_.rule().least_growth;
+  const double worst =
+      worst_around(is_sum_better ? std::min(least, kWorthAnyway * score) : kWorthAnyway * score);
+  const bool is_better = (is_sum_better && worst >= least) || worst > kWorthAnyway * score;
   if (is_better && is_above_floor()) {
     counts_.moves += vertices_.size();
     return true;

@@ -82,7 +82,7 @@ class Repairer {
   bool try_compound(const Tet& tet, double score, int steps);
   bool try_splits(const Tet& tet, double score, int steps);
   bool try_insertions(const Tet& tet, double score, int steps);
-  double worst_around();
+  double worst_around(double enough);
   double worst_beside();
   bool is_above_floor() const;
   bool keep_if_better(double score, int steps, bool by_sum);

@@ -12,24 +12,6 @@ namespace {
 constexpr std::size_t kLeafTriangles = 4;
 constexpr std::size_t kDeepest = 64;  ///< halving 2^32 triangles takes 32 levels, and a level adds one entry
 
-double gap(double x, double low, double high) {
-  return std::max({low - x, x - high, 0.0});
-}
-
-double distance_sq_to_box(const Vec3& p, const BoundingBox& box) {
-  return length_sq(Vec3{gap(p.x, box.low.x, box.high.x), gap(p.y, box.low.y, box.high.y),
-                        gap(p.z, box.low.z, box.high.z)});
-}
-
-double distance_sq_of_boxes(const BoundingBox& a, const BoundingBox& b) {
-  const auto apart = [](double low_a, double high_a, double low_b, double high_b) {
-    return std::max({low_a - high_b, low_b - high_a, 0.0});
-  };
-  return length_sq(Vec3{apart(a.low.x, a.high.x, b.low.x, b.high.x),
-                        apart(a.low.y, a.high.y, b.low.y, b.high.y),
-                        apart(a.low.z, a.high.z, b.low.z, b.high.z)});
-}
-
 }  // namespace
 
 double distance_sq_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -43,13 +25,19 @@ double distance_sq_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 double distance_sq_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = cross(b - a, c - a);
-  if (dot(cross(b - a, p - a), normal) > 0.0 && dot(cross(c - b, p - b), normal) > 0.0 &&
-      dot(cross(a - c, p - c), normal) > 0.0) {
+  const bool within_ab = dot(cross(b - a, p - a), normal) > 0.0;
+  const bool within_bc = dot(cross(c - b, p - b), normal) > 0.0;
+  const bool within_ca = dot(cross(a - c, p - c), normal) > 0.0;
+  if (within_ab && within_bc && within_ca) {
     const double height = dot(p - a, normal);
     return height * height / length_sq(normal);
   }
-  return std::min(
-      {distance_sq_to_segment(p, a, b), distance_sq_to_segment(p, b, c), distance_sq_to_segment(p, c, a)});
+  // From outside a convex set, the nearest point is on a side that the point is beyond.
+  double least = std::numeric_limits<double>::infinity();
+  if (!within_ab) least = distance_sq_to_segment(p, a, b);
+  if (!within_bc) least = std::min(least, distance_sq_to_segment(p, b, c));
+  if (!within_ca) least = std::min(least, distance_sq_to_segment(p, c, a));
+  return least;
 }
 
 double distance_sq_of_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -107,7 +95,8 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   build(first + count / 2, count - count / 2);
 }
 
-TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double bound_sq) const {
+template <bool kAny>
+TriangleTree::Nearest TriangleTree::search(const Vec3& p, double bound_sq) const {
   struct Entry {
     std::size_t node;
     double distance_sq;
@@ -128,6 +117,7 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double bound_sq) cons
       for (std::size_t i = node.first; i < node.first + node.count; ++i) {
         const double here = distance_sq_to_triangle(p, corners_[i][0], corners_[i][1], corners_[i][2]);
         if (here < best) found = {&corners_[i], here};
+        if (kAny && found.triangle != nullptr) return found;
       }
       continue;
     }
@@ -142,6 +132,14 @@ TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double bound_sq) cons
     }
   }
   return found;
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const Vec3& p, double bound_sq) const {
+  return search<false>(p, bound_sq);
+}
+
+bool TriangleTree::is_below(const Vec3& p, double bound_sq) const {
+  return search<true>(p, bound_sq).triangle != nullptr;
 }
 
 double TriangleTree::distance(const Vec3& p, double bound) const {

@@ -1,6 +1,7 @@
 // The distance to a set of triangles, by a tree of axis-parallel boxes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <span>
@@ -15,6 +16,22 @@ double distance_sq_to_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 
 /// Squared distance from p to triangle (a, b, c); exactly 0 at its corners. It may be flat or a point.
 double distance_sq_to_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
+/// Squared distance from p to a box.
+inline double distance_sq_to_box(const Vec3& p, const BoundingBox& box) {
+  const auto gap = [](double x, double low, double high) { return std::max({low - x, x - high, 0.0}); };
+  return length_sq(Vec3{gap(p.x, box.low.x, box.high.x), gap(p.y, box.low.y, box.high.y),
+                        gap(p.z, box.low.z, box.high.z)});
+}
+
+/// Squared distance between two boxes.
+inline double distance_sq_of_boxes(const BoundingBox& a, const BoundingBox& b) {
+  const auto gap = [](double low_a, double high_a, double low_b, double high_b) {
+    return std::max({low_a - high_b, low_b - high_a, 0.0});
+  };
+  return length_sq(Vec3{gap(a.low.x, a.high.x, b.low.x, b.high.x), gap(a.low.y, a.high.y, b.low.y, b.high.y),
+                        gap(a.low.z, a.high.z, b.low.z, b.high.z)});
+}
 
 /// Squared distance between two segments that do not cross.
 double distance_sq_of_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -36,6 +53,9 @@ class TriangleTree {
   };
   Nearest nearest(const Vec3& p, double bound_sq = std::numeric_limits<double>::infinity()) const;
 
+  /// Is the squared distance from p to some triangle below the bound? Ends at the first that is.
+  bool is_below(const Vec3& p, double bound_sq) const;
+
   /// Distance from p to the nearest triangle if that is below `bound`, else `bound`.
   double distance(const Vec3& p, double bound = std::numeric_limits<double>::infinity()) const;
 
@@ -50,6 +70,8 @@ class TriangleTree {
     std::size_t right = 0;  ///< the second child; the first is the next node. 0: a leaf
   };
   void build(std::size_t first, std::size_t count);
+  template <bool kAny>
+  Nearest search(const Vec3& p, double bound_sq) const;
 
   std::vector<std::array<Vec3, 3>> corners_;
   std::vector<Node> nodes_;

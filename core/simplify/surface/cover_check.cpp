@@ -15,7 +15,26 @@ double distance_sq(const Vec3& p, const TriangleCorners& t) {
   return distance_sq_to_triangle(p, t[0], t[1], t[2]);
 }
 
+/// Boxes and planes are apart by no more than what is in them, but for rounding.
+constexpr double kSlack = 1.0 - 1e-12;
+
+/// Of the longest two sides' squares, the least square of a normal that has a direction.
+constexpr double kLeastNormalSq = 1e-20;
+
+/// Whether a point is surely farther from a triangle.
+bool is_beyond(double limit_sq, const Vec3& p, const BoxedTriangle& b) {
+  if (kSlack * distance_sq_to_box(p, b.box) > limit_sq) return true;
+  const double height = dot(p - b.corner[0], b.normal);
+  return kSlack * height * height > limit_sq * b.normal_sq && b.normal_sq > 0.0;
+}
+
 }  // namespace
+
+BoxedTriangle::BoxedTriangle(const TriangleCorners& t)
+    : corner(t), box(bounding_box(t)), normal(cross(t[1] - t[0], t[2] - t[0])) {
+  const double square = length_sq(normal);
+  if (square > kLeastNormalSq * length_sq(t[1] - t[0]) * length_sq(t[2] - t[0])) normal_sq = square;
+}
 
 bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) const {
   return std::all_of(piece.corner.begin(), piece.corner.begin() + static_cast<std::ptrdiff_t>(piece.size),
@@ -136,33 +155,51 @@ bool CoverTest::run(const TriangleCorners& triangle, std::size_t most_pieces, co
 }
 
 bool CoverTest::is_covered(const TriangleCorners& triangle, const TriangleTree& by) {
-  // Just above the limit, so that a distance of exactly the limit is found.
-  const double bound_sq = limit_sq_ * (1.0 + 1e-15) + 1e-300;
-  for (const Vec3& p : triangle) {
-    if (by.nearest(p, bound_sq).triangle == nullptr) return false;
-  }
+  if (!std::all_of(triangle.begin(), triangle.end(), [&](const Vec3& p) { return is_near(p, by); }))
+    return false;
+  return is_inside_covered(triangle, by);
+}
+
+bool CoverTest::is_inside_covered(const TriangleCorners& triangle, const TriangleTree& by) {
   return run(
-      triangle, kMostPiecesOfFace, [&](const Vec3& p) { return by.nearest(p, bound_sq).triangle; },
+      triangle, kMostPiecesOfFace, [&](const Vec3& p) { return by.nearest(p, bound_sq()).triangle; },
       [](const TriangleCorners* /*b*/) {});
 }
 
-bool CoverTest::is_covered(const TriangleCorners& triangle, std::span<const TriangleCorners> by,
+bool CoverTest::is_covered(const BoxedTriangle& triangle, std::span<const BoxedTriangle> by,
                            std::vector<Index>& used) {
   used.clear();
+  near_.clear();
+  for (const BoxedTriangle& b : by) {
+    if (kSlack * distance_sq_of_boxes(triangle.box, b.box) <= limit_sq_) near_.push_back(&b);
+  }
   const auto nearest = [&](const Vec3& p) {
     const TriangleCorners* best = nullptr;
     double least = limit_sq_;
-    for (const TriangleCorners& b : by) {
-      const double here = distance_sq(p, b);
+    for (const BoxedTriangle* b : near_) {
+      if (is_beyond(least, p, *b)) continue;
+      const double here = distance_sq(p, b->corner);
       if (here > least || (best != nullptr && here == least)) continue;
       least = here;
-      best = &b;
+      best = &b->corner;
     }
     return best;
   };
-  return run(triangle, kMostPiecesOfInput, nearest, [&](const TriangleCorners* b) {
-    const auto number = static_cast<Index>(b - by.data());
+  const auto use = [&](const TriangleCorners* b) {
+    const auto is_it = [b](const BoxedTriangle& of) { return &of.corner == b; };
+    const auto number = static_cast<Index>(std::find_if(by.begin(), by.end(), is_it) - by.begin());
     if (std::find(used.begin(), used.end(), number) == used.end()) used.push_back(number);
+  };
+  return run(triangle.corner, kMostPiecesOfInput, nearest, use);
+}
+
+bool CoverTest::is_near(const Vec3& p, const TriangleTree& by) const {
+  return by.is_below(p, bound_sq());
+}
+
+bool CoverTest::is_near(const Vec3& p, std::span<const BoxedTriangle> by) const {
+  return std::any_of(by.begin(), by.end(), [&](const BoxedTriangle& b) {
+    return !is_beyond(limit_sq_, p, b) && distance_sq(p, b.corner) <= limit_sq_;
   });
 }
 

@@ -15,6 +15,16 @@ namespace palpate::simplify {
 /// The corners of a triangle.
 using TriangleCorners = std::array<Vec3, 3>;
 
+/// A triangle with what says quickly that a point is far from it: the box around it and its plane.
+struct BoxedTriangle {
+  TriangleCorners corner;
+  BoundingBox box;
+  Vec3 normal;             ///< of any length
+  double normal_sq = 0.0;  ///< its square; 0 for a triangle that is so flat that its plane says nothing
+
+  explicit BoxedTriangle(const TriangleCorners& t);
+};
+
 /// Answers one such question after another.
 ///
 /// A convex piece P whose corners are all within the limit of one triangle b lies within the limit of b,
@@ -29,11 +39,17 @@ class CoverTest {
 
   /// Every point of `triangle` within the limit of some triangle of `by`?
   bool is_covered(const TriangleCorners& triangle, const TriangleTree& by);
+  /// The same where the corners are known to be.
+  bool is_inside_covered(const TriangleCorners& triangle, const TriangleTree& by);
 
   /// The same for a short list. `used` gets the numbers of the triangles that are enough; it is cleared
   /// first.
-  bool is_covered(const TriangleCorners& triangle, std::span<const TriangleCorners> by,
-                  std::vector<Index>& used);
+  bool is_covered(const BoxedTriangle& triangle, std::span<const BoxedTriangle> by, std::vector<Index>& used);
+
+  /// Is the point within the limit of some triangle? Cheap, and necessary wherever it is a point of what is
+  /// to be covered.
+  bool is_near(const Vec3& p, const TriangleTree& by) const;
+  bool is_near(const Vec3& p, std::span<const BoxedTriangle> by) const;
 
  private:
   static constexpr std::size_t kMostCorners = 12;
@@ -49,12 +65,15 @@ class CoverTest {
   bool run(const TriangleCorners& triangle, std::size_t most_pieces, const FindNearest& find_nearest,
            const Use& use);
   bool is_within(const Piece& piece, const TriangleCorners& b) const;
+  /// Just above the limit, so that a distance of exactly the limit is found.
+  double bound_sq() const { return limit_sq_ * (1.0 + 1e-15) + 1e-300; }
   bool push(const Piece& piece);
   bool cut_along(const Piece& piece, const TriangleCorners& b);
   bool halve(const Piece& piece, const Vec3& middle);
 
   double limit_sq_ = 0.0;
   std::vector<Piece> open_;
+  std::vector<const BoxedTriangle*> near_;  ///< of a short list, those that are not too far by their boxes
 };
 
 }  // namespace palpate::simplify

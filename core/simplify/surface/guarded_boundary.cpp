@@ -31,10 +31,10 @@ TriangleCorners corners_of(const WorkingMesh& mesh, const Triangle& t) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
 }
 
-std::vector<TriangleCorners> collect_corners(const WorkingMesh& mesh, const std::vector<Triangle>& faces) {
-  std::vector<TriangleCorners> corners;
+std::vector<BoxedTriangle> collect_corners(const WorkingMesh& mesh, const std::vector<Triangle>& faces) {
+  std::vector<BoxedTriangle> corners;
   corners.reserve(faces.size());
-  for (const Triangle& t : faces) corners.push_back(corners_of(mesh, t));
+  for (const Triangle& t : faces) corners.emplace_back(corners_of(mesh, t));
   return corners;
 }
 
@@ -46,9 +46,10 @@ double at_least_rounding(double max_error, const WorkingMesh& mesh) {
   return std::max(kShareOfBound * max_error, kRounding * largest);
 }
 
-double mean_edge(const std::vector<TriangleCorners>& faces) {
+double mean_edge(const std::vector<BoxedTriangle>& faces) {
   double sum = 0.0;
-  for (const TriangleCorners& t : faces) {
+  for (const BoxedTriangle& face : faces) {
+    const TriangleCorners& t = face.corner;
     sum += length(t[1] - t[0]) + length(t[2] - t[1]) + length(t[0] - t[2]);
   }
   return sum / (3.0 * static_cast<double>(std::max<std::size_t>(1, faces.size())));
@@ -74,6 +75,7 @@ GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, doub
     : faces_(collect_faces(mesh)),
       of_vertex_(mesh.points.size()),
       alive_(faces_.size()),
+      input_faces_(faces_),
       input_(collect_corners(mesh, faces_)),
       tree_(mesh.points, faces_),
       cover_(at_least_rounding(max_error, mesh)),
@@ -83,12 +85,14 @@ GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, doub
       cells_(std::bit_ceil(2 * faces_.size() + 1)),
       removed_stamp_(faces_.size(), 0),
       seen_stamp_(faces_.size(), 0),
-      input_stamp_(faces_.size(), 0) {
+      visited_(faces_.size(), 0),
+      input_stamp_(faces_.size(), 0),
+      point_stamp_(mesh.points.size(), 0) {
   for (Index f = 0; f < faces_.size(); ++f) {
     link(f);
     covering_[f] = {f};
     covered_by_[f] = {f};
-    enter_grid(f, input_[f]);
+    enter_grid(f, input_[f].corner);
   }
   if (feature_deg > 0.0) lines_ = FeatureLines(mesh, faces_, feature_deg, at_least_rounding(max_error, mesh));
 }
@@ -162,13 +166,11 @@ BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryCh
   ++stamp_;
   for (const Index f : change.removed) removed_stamp_[f] = stamp_;
   place_fresh(mesh, change);
-  if (change.moved != kNoIndex &&
-      tree_.nearest(change.to, cover_.limit_sq() * (1.0 + 1e-15) + 1e-300).triangle == nullptr) {
-    return BoundaryVerdict::kTooFar;
-  }
-  if (touches_others(mesh, change)) return BoundaryVerdict::kContact;
-  const bool near = input_stays_near(mesh, change) && stays_near_input();
-  return near ? BoundaryVerdict::kAllowed : BoundaryVerdict::kTooFar;
+  if (change.moved != kNoIndex && !cover_.is_near(change.to, tree_)) return BoundaryVerdict::kTooFar;
+  collect_concerned(change);
+  collect_around(mesh, change);
+  if (!may_stay_near() || !input_stays_near(change) || !stays_near_input()) return BoundaryVerdict::kTooFar;
+  return touches_others(mesh, change) ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
 }
 
 bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChange& change) {
@@ -177,18 +179,26 @@ bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChan
       if (are_in_contact(fresh_[i], fresh_[j])) return true;
     }
   }
-  for (const PlacedFace& face : fresh_) {
-    around_.clear();
-    for_each_cell(face.corner, [&](std::size_t cell) {
-      around_.insert(around_.end(), cells_[cell].begin(), cells_[cell].end());
-    });
-    std::sort(around_.begin(), around_.end());
-    around_.erase(std::unique(around_.begin(), around_.end()), around_.end());
-    for (const Index f : around_) {
-      if (!is_removed(f) && are_in_contact(face, placed(mesh, f))) return true;
-    }
-  }
-  return change.fresh.empty();
+  return change.fresh.empty() || std::any_of(fresh_.begin(), fresh_.end(),
+                                             [&](const PlacedFace& face) { return touches(mesh, face); });
+}
+
+/// Whether it is in contact with a face that stays.
+bool GuardedBoundary::touches(const WorkingMesh& mesh, const PlacedFace& face) {
+  ++visit_;
+  const BoundingBox box = bounding_box(face.corner);
+  bool found = false;
+  for_each_cell(face.corner, [&](std::size_t cell) {
+    found =
+        found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
+          if (visited_[f] == visit_) return false;
+          visited_[f] = visit_;
+          if (is_removed(f)) return false;
+          const PlacedFace other = placed(mesh, f);
+          return distance_sq_of_boxes(box, bounding_box(other.corner)) <= 0.0 && are_in_contact(face, other);
+        });
+  });
+  return found;
 }
 
 std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {
@@ -206,9 +216,10 @@ std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const
   return std::nullopt;
 }
 
+/// Corners of the current faces are near the input, and the only one of another place was looked at.
 bool GuardedBoundary::stays_near_input() {
   return std::all_of(fresh_.begin(), fresh_.end(),
-                     [&](const PlacedFace& face) { return cover_.is_covered(face.corner, tree_); });
+                     [&](const PlacedFace& face) { return cover_.is_inside_covered(face.corner, tree_); });
 }
 
 /// The input's triangles that the removed faces cover.
@@ -228,7 +239,7 @@ void GuardedBoundary::collect_concerned(const BoundaryChange& change) {
 void GuardedBoundary::collect_around(const WorkingMesh& mesh, const BoundaryChange& change) {
   around_.clear();
   candidates_.clear();
-  for (const PlacedFace& face : fresh_) candidates_.push_back(face.corner);
+  for (const PlacedFace& face : fresh_) candidates_.emplace_back(face.corner);
   for (const Triangle& t : change.fresh) {
     for (const Index v : t) {
       if (v == change.moved) continue;
@@ -236,15 +247,29 @@ void GuardedBoundary::collect_around(const WorkingMesh& mesh, const BoundaryChan
         if (is_removed(f) || seen_stamp_[f] == stamp_) continue;
         seen_stamp_[f] = stamp_;
         around_.push_back(f);
-        candidates_.push_back(corners_of(mesh, faces_[f]));
+        candidates_.emplace_back(corners_of(mesh, faces_[f]));
       }
     }
   }
 }
 
-bool GuardedBoundary::input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change) {
-  collect_concerned(change);
-  collect_around(mesh, change);
+/// What is necessary for both distances, before the proof: most changes that go too far end here.
+bool GuardedBoundary::may_stay_near() {
+  for (const Index i : concerned_) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& seen = point_stamp_[input_faces_[i][k]];
+      if (seen == stamp_) continue;
+      seen = stamp_;
+      if (!cover_.is_near(input_[i].corner[k], candidates_)) return false;
+    }
+  }
+  return std::all_of(fresh_.begin(), fresh_.end(), [&](const PlacedFace& face) {
+    const TriangleCorners& t = face.corner;
+    return cover_.is_near((1.0 / 3.0) * (t[0] + t[1] + t[2]), tree_);
+  });
+}
+
+bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
   proof_count_ = 0;
   for (const Index i : concerned_) {
     if (!cover_.is_covered(input_[i], candidates_, used_)) return false;

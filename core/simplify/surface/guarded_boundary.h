@@ -33,7 +33,7 @@ struct BoundaryChange {
 enum class BoundaryVerdict {
   kAllowed,
   kTooFar,  ///< the distance to the input's skin would exceed the bound, or is not proven not to
-  kContact  ///< a face would touch another one
+  kContact  ///< it would not, but a face would touch another one
 };
 
 /// Current boundary faces, found by vertex and by place.
@@ -79,8 +79,10 @@ class GuardedBoundary {
   };
 
   bool touches_others(const WorkingMesh& mesh, const BoundaryChange& change);
+  bool touches(const WorkingMesh& mesh, const PlacedFace& face);
+  bool may_stay_near();
   bool stays_near_input();
-  bool input_stays_near(const WorkingMesh& mesh, const BoundaryChange& change);
+  bool input_stays_near(const BoundaryChange& change);
   void place_fresh(const WorkingMesh& mesh, const BoundaryChange& change);
   void collect_concerned(const BoundaryChange& change);
   void collect_around(const WorkingMesh& mesh, const BoundaryChange& change);
@@ -98,7 +100,8 @@ class GuardedBoundary {
   std::size_t alive_ = 0;
   FeatureLines lines_;
 
-  std::vector<TriangleCorners> input_;
+  std::vector<Triangle> input_faces_;
+  std::vector<BoxedTriangle> input_;
   TriangleTree tree_;
   CoverTest cover_;
   std::vector<std::vector<Index>> covering_;  // of each input triangle: faces whose union is within the bound
@@ -111,14 +114,17 @@ class GuardedBoundary {
   std::vector<PlacedFace> fresh_;
   std::vector<Index> concerned_;
   std::vector<Index> around_;
-  std::vector<TriangleCorners> candidates_;
+  std::vector<BoxedTriangle> candidates_;
   std::vector<Index> used_;
   std::vector<Proof> proofs_;
   std::size_t proof_count_ = 0;
   std::uint32_t stamp_ = 0;
   std::vector<std::uint32_t> removed_stamp_;
   std::vector<std::uint32_t> seen_stamp_;
+  std::uint64_t visit_ = 0;  ///< of the face whose surroundings are looked through
+  std::vector<std::uint64_t> visited_;
   std::vector<std::uint32_t> input_stamp_;
+  std::vector<std::uint32_t> point_stamp_;  ///< of the input's vertices
 };
 
 }  // namespace palpate::simplify

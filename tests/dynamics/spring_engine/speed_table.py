@@ -8,7 +8,8 @@ random order, N times (default 5); a figure is the median over the repetitions, 
 A target is open where the spread of its rows (of both, in a ratio) is larger than the margin |measured / bound - 1|, or is
 not known because there is one repetition.
 --clock cpu takes the time that the thread ran instead of the wall clock's for what runs on one thread: for a machine
-that others use too. --json keeps the raw rows, --read reads such a file.
+that others use too. --json keeps the rows, a line each, --read reads such a file: docs/engine_speed.md's are in
+results/benchmarks.
 """
 
 import argparse
@@ -23,7 +24,41 @@ import tempfile
 CELLS = {10: "1.3k", 21: "10k", 46: "100k", 100: "1M"}
 NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/|$)")
 OURS = "bench_plain<float>"
+LABELS = {  # in the table's order
+    (OURS, 1): "ours, single precision",
+    (OURS, 2): "... two threads",
+    ("bench_portable", 1): "ours, without AVX2",
+    ("bench_portable", 2): "... two threads",
+    ("bench_plain<double>", 1): "ours, double precision",
+    ("bench_plain<double>", 2): "... two threads",
+    ("bench_every_force", 1): "the engine of every force",
+    ("bench_every_force", 2): "... two threads",
+    ("bench_pointers", 1): "pointers, as made",
+    ("bench_pointers_shuffled", 1): "pointers, shuffled",
+    ("bench_bullet_springs", 1): "Bullet's springs",
+    ("bench_bullet_constraints_step", 1): "Bullet's constraints, a step",
+    ("bench_bullet_constraints_sweep", 1): "Bullet's constraints, a sweep",
+}
+# Of what Google Benchmark writes itself: what is no row's own, and what is the machine's.
+LEFT_OUT_OF_ROW = {"family_index", "per_family_instance_index", "run_name", "repetitions", "repetition_index", "threads", "iterations", "real_time",
+                   "cpu_time", "time_unit", "aggregate_name", "aggregate_unit"}
+KEPT_OF_CONTEXT = ("date", "num_cpus", "mhz_per_cpu", "caches", "load_avg")
 BENCHES = "bench_(plain|portable|every_force|pointers|pointers_shuffled|bullet_[a-z_]+|triad)[</]"
+
+
+def few_digits(value):
+    """A measured number to six digits: no clock has more. Counts stay as they are."""
+    return float(f"{value:.6g}") if isinstance(value, float) and not value.is_integer() else value
+
+
+def write_rows(data, path):
+    """What tables are made of, a line a row: counters and labels of single repetitions, and the machine without its name."""
+    context = {name: data["context"][name] for name in KEPT_OF_CONTEXT if name in data["context"]}
+    rows = [{name: few_digits(value) for name, value in row.items() if name not in LEFT_OUT_OF_ROW}
+            for row in data["benchmarks"] if row.get("run_type", "iteration") == "iteration"]
+    with open(path, "w", encoding="utf-8") as file:
+        file.write('{"context": ' + json.dumps(context) + ',\n "benchmarks": [\n')
+        file.write(",\n".join(json.dumps(row) for row in rows) + "\n]}\n")
 
 
 def run_bench(bench, names, repetitions, path, large=False):
@@ -126,6 +161,11 @@ def hashes(rows):
     return found
 
 
+def figure_text(value):
+    """Three digits, or none behind the point."""
+    return f"{value:.2f}" if value < 9.995 else f"{value:.1f}" if value < 99.95 else f"{value:.0f}"
+
+
 def align(table):
     widths = [max(len(row[k]) for row in table) for k in range(len(table[0]))]
     lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |" for row in table]
@@ -145,7 +185,7 @@ def head_lines(data, rows, clock):
 def target_lines(found):
     table = [["target", "bound", "measured", ""]]
     for what, bound, value, verdict in found:
-        table.append([what, bound, "-" if value is None else f"{value:.2f}", verdict])
+        table.append([what, bound, "-" if value is None else figure_text(value), verdict])
     return [align(table), ""]
 
 
@@ -158,16 +198,15 @@ def render(data, clock):
     figures = Figures(rows, clock)
     lines = head_lines(data, rows, clock)
     table = [["ns a spring and step", *CELLS.values(), "spread"]]
-    springs = sorted({(name, threads) for name, _, threads in rows if name != "bench_triad"})
-    for name, threads in springs:
+    springs = {(name, threads) for name, _, threads in rows if name != "bench_triad"}
+    for name, threads in [*(key for key in LABELS if key in springs), *sorted(springs - set(LABELS))]:
         sizes = [size for size in CELLS if figures.has(name, size, threads)]
-        cells = [f"{figures.median(name, size, threads):.2f}" if size in sizes else "-" for size in CELLS]
+        cells = [figure_text(figures.median(name, size, threads)) if size in sizes else "-" for size in CELLS]
         spread = max(figures.spread(name, size, threads) for size in sizes)
-        label = name.removeprefix("bench_") + (", 2 threads" if threads == 2 else "")
-        table.append([label, *cells, f"{100 * spread:.0f}%"])
+        table.append([LABELS.get((name, threads), f"{name}, {threads}"), *cells, f"{100 * spread:.0f}%"])
     for threads in (1, 2):
         if figures.has("bench_triad", 100, threads):
-            cells = [f"{figures.roofline(size, threads):.2f}" if figures.has(OURS, size, threads) else "-" for size in CELLS]
+            cells = [figure_text(figures.roofline(size, threads)) if figures.has(OURS, size, threads) else "-" for size in CELLS]
             rate = figures.median("bench_triad", 100, threads, counter="gb_per_s")
             name = f"roofline{', 2 threads' if threads == 2 else ''} ({rate:.1f} GB/s)"
             table.append([name, *cells, f"{100 * figures.spread('bench_triad', 100, threads):.0f}%"])
@@ -202,6 +241,8 @@ def print_table(description, benches, render, find_hashes, has_large=False):
             run_bench(given.bench, benches, given.repetitions, path, has_large and given.large)
         with open(path, encoding="utf-8") as file:
             data = json.load(file)
+        if given.read is None:
+            write_rows(data, path)
     print(render(data, given.clock))
     return 1 if any(len(found) > 1 for found in find_hashes(data).values()) else 0
 

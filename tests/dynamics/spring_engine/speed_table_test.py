@@ -1,7 +1,9 @@
 """The table of speeds: medians, ratios, verdicts and differing hashes, from rows that are made up."""
 
+import json
 import pathlib
 import sys
+import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
@@ -75,6 +77,18 @@ class SpeedTable(unittest.TestCase):
     def test_aggregates_and_failures_are_left_out(self):
         rows = [plain(10, 1, 1.0), {**plain(10, 1, 7.0), "run_type": "aggregate"}, {**plain(10, 1, 7.0), "error_message": "x"}]
         self.assertEqual(verdicts(rows)["ns a spring, 1.3k"][0], 1.0)
+
+    def test_kept_rows_make_the_same_table_and_do_not_name_the_machine(self):
+        rows = [plain(size, threads, ns) for size in (10, 21) for threads in (1, 2) for ns in (1.4999999, 1.7, 2.123456789)]
+        made = data(*rows, row("bench_every_force/10/2", 17.0), {**plain(10, 1, 9.0), "run_type": "aggregate"})
+        made["context"] |= {"host_name": "somewhere", "executable": "/home/someone/palpate_bench"}
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "rows.json"
+            speed_table.write_rows(made, path)
+            text = path.read_text(encoding="utf-8")
+        self.assertEqual(speed_table.render(json.loads(text), "wall"), speed_table.render(made, "wall"))
+        self.assertNotIn("some", text)
+        self.assertEqual(speed_table.few_digits(7090301.0), 7090301.0)
 
 
 if __name__ == "__main__":

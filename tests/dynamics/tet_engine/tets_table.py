@@ -15,12 +15,27 @@ import statistics
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "spring_engine"))
-from speed_table import align, hash_text, head_lines, judge, print_table, target_lines  # noqa: E402
+from speed_table import align, figure_text, hash_text, head_lines, judge, print_table, target_lines  # noqa: E402
 
 CELLS = {10: "1.3k", 21: "10k", 46: "100k"}
-LAWS = {0: "linear", 1: "corotated", 2: "neo_hookean"}
+LAWS = {0: "linear", 1: "corotated", 2: "neo-Hookean"}
 NAME = re.compile(r"^(bench_\w+(?:<\w+>)?)/(\d+)/(\d+)(?:/(\d))?(?:/|$)")
 SINGLE = {"tets": "bench_tets<float>", "edge_node": "bench_edge_node<float>"}
+LABELS = {  # in the table's order
+    ("bench_tets<float>", 1): "tets, single precision",
+    ("bench_tets<float>", 2): "... two threads",
+    ("bench_tets_portable<float>", 1): "... without AVX2",
+    ("bench_tets_damped<float>", 1): "... damped",
+    ("bench_tets<double>", 1): "tets, double precision",
+    ("bench_tets<double>", 2): "... two threads",
+    ("bench_general_tets", 1): "the engine of every force, tets",
+    ("bench_edge_node<float>", 1): "edge_node, single precision",
+    ("bench_edge_node<float>", 2): "... two threads",
+    ("bench_edge_node_portable<float>", 1): "... without AVX2",
+    ("bench_edge_node<double>", 1): "edge_node, double precision",
+    ("bench_edge_node<double>", 2): "... two threads",
+    ("bench_general_edge_node", 1): "the engine of every force, edge_node",
+}
 TARGETS = (("tets", 6.0), ("edge_node", 15.0))
 ROOFLINES = 3.0
 BENCHES = "bench_(tets|edge_node|general|triad)"
@@ -91,25 +106,33 @@ def hashes(rows):
     return found
 
 
+def cell_text(figures, key):
+    """The median and its spread in brackets."""
+    if key not in figures.rows:
+        return "-"
+    spread = figures.spread(key)
+    return figure_text(figures.median(key)) + ("" if spread is None else f" ({100 * spread:.0f}%)")
+
+
 def render(data, clock):
     rows = read_rows(data)
     figures = Figures(rows, clock)
     lines = head_lines(data, rows, clock)
-    table = [["ns a tet and step", "law", *CELLS.values(), "spread"]]
-    for name, threads, law in sorted({(name, threads, law) for name, _, threads, law in rows if law >= 0}):
-        keys = {cells: (name, cells, threads, law) for cells in CELLS if (name, cells, threads, law) in rows}
-        cells = [f"{figures.median(keys[size]):.2f}" if size in keys else "-" for size in CELLS]
-        spreads = [figures.spread(key) for key in keys.values()]
-        spread = "-" if None in spreads else f"{100 * max(spreads):.0f}%"
-        label = name.removeprefix("bench_") + (f", {threads} threads" if threads > 1 else "")
-        table.append([label, LAWS[law], *cells, spread])
     triad = ("bench_triad", 100, 1, -1)
-    if triad in rows:
+    found = {(name, threads) for name, _, threads, law in rows if law >= 0}
+    for size, size_name in CELLS.items():
+        table = [[f"ns a tet and step, {size_name}", *LAWS.values()]]
+        for name, threads in [*(key for key in LABELS if key in found), *sorted(found - set(LABELS))]:
+            keys = [(name, size, threads, law) for law in LAWS]
+            if any(key in rows for key in keys):
+                table.append([LABELS.get((name, threads), f"{name}, {threads}"), *(cell_text(figures, key) for key in keys)])
         for kind, name in SINGLE.items():
-            keys = {size: (name, size, 1, 0) for size in CELLS if (name, size, 1, 0) in rows}
-            table.append([f"roofline of {kind} ({figures.median(triad, 'gb_per_s'):.1f} GB/s)", "",
-                          *[f"{figures.roofline(keys[size]):.2f}" if size in keys else "-" for size in CELLS], ""])
-    lines += [align(table), "", *target_lines(targets(figures) if triad in rows else [])]
+            key = (name, size, 1, 0)
+            if triad in rows and key in rows:
+                bytes_read = figures.median(key, "bytes_per_tet")
+                table.append([f"roofline of {kind} ({bytes_read:.0f} bytes, {figures.median(triad, 'gb_per_s'):.1f} GB/s)", *len(LAWS) * [figure_text(figures.roofline(key))]])
+        lines += [align(table), ""] if len(table) > 1 else []
+    lines += target_lines(targets(figures) if triad in rows else [])
     for (kind, precision, cells, law), found in sorted(hashes(rows).items()):
         lines.append(f"hash after 100 steps, {kind} {precision} {CELLS[cells]} {LAWS[law]}: {hash_text(found)}")
     for kind, name in SINGLE.items():

@@ -40,14 +40,48 @@ TEST(CoverTest, AHoleBelowIsSeenThoughAllCornersAreCovered) {
 }
 
 TEST(CoverTest, NamesTheTrianglesThatAreEnough) {
-  const std::vector<TriangleCorners> by{{Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}},
-                                        {Vec3{4, 0, 0}, Vec3{4, 4, 0}, Vec3{0, 4, 0}},
-                                        {Vec3{90, 0, 0}, Vec3{91, 0, 0}, Vec3{90, 1, 0}}};
+  const std::vector<BoxedTriangle> by{BoxedTriangle({Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{0, 4, 0}}),
+                                      BoxedTriangle({Vec3{4, 0, 0}, Vec3{4, 4, 0}, Vec3{0, 4, 0}}),
+                                      BoxedTriangle({Vec3{90, 0, 0}, Vec3{91, 0, 0}, Vec3{90, 1, 0}})};
   std::vector<Index> used;
   CoverTest test(1e-12);  // corners that are cut out are rounded
-  EXPECT_TRUE(test.is_covered({Vec3{1, 1, 0}, Vec3{3, 3, 0}, Vec3{1, 2, 0}}, by, used));
+  EXPECT_TRUE(test.is_covered(BoxedTriangle({Vec3{1, 1, 0}, Vec3{3, 3, 0}, Vec3{1, 2, 0}}), by, used));
   std::sort(used.begin(), used.end());
   EXPECT_EQ(used, (std::vector<Index>{0, 1}));
+}
+
+TEST(CoverTest, PointsNearAShortListAreThoseNearOneOfIt) {
+  SplitMix64 random(5);
+  const auto place = [&] { return Vec3{random.uniform(), random.uniform(), random.uniform()}; };
+  for (int round = 0; round < 200; ++round) {
+    SurfaceMesh surface;
+    std::vector<BoxedTriangle> list;
+    for (Index i = 0; i < 6; ++i) {
+      TriangleCorners t{place(), place(), place()};
+      if (i == 4) t[2] = 0.3 * t[0] + 0.7 * t[1];  // flat but for rounding: its plane says nothing
+      if (i == 5) t[1] = t[2] = t[0];
+      for (const Vec3& p : t) surface.points.push_back(p);
+      surface.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+      list.emplace_back(t);
+    }
+    const TriangleTree tree(surface.points, surface.triangles);
+    const Vec3 p = place();
+    double least = 1e300;
+    for (const BoxedTriangle& b : list) {
+      // Every side counts here, whichever the point is beyond.
+      const TriangleCorners& t = b.corner;
+      double here = distance_sq_to_triangle(p, t[0], t[1], t[2]);
+      for (std::size_t k = 0; k < 3; ++k)
+        here = std::min(here, distance_sq_to_segment(p, t[k], t[(k + 1) % 3]));
+      EXPECT_NEAR(distance_sq_to_triangle(p, t[0], t[1], t[2]), here, 1e-14);
+      least = std::min(least, here);
+    }
+    for (const double factor : {0.9, 0.999, 1.001, 1.1}) {
+      const CoverTest test(factor * std::sqrt(least));
+      EXPECT_EQ(test.is_near(p, list), factor > 1.0) << "round " << round;
+      EXPECT_EQ(test.is_near(p, tree), factor > 1.0) << "round " << round;
+    }
+  }
 }
 
 TEST(CoverTest, NeverSaysYesAgainstTheJudgeAndSeldomNo) {
