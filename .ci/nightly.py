@@ -142,10 +142,12 @@ def duration(seconds):
 
 
 def table(rows):
-    """The summary as text: one line a stage, the note of what did not pass below its line."""
+    """The summary as text: one line a stage, the note of what did not pass below its line; where stages ran at several commits, at which."""
     lines = [f"{'stage':11} {'result':11} {'time':>8}  what"]
+    commits = list(dict.fromkeys(row.get("commit") for row in rows))
+    places = {commit: f", at {commit or 'an unknown commit'}" for commit in commits} if len(commits) > 1 else {}
     for row in rows:
-        lines.append(f"{row['stage']:11} {row['result']:11} {duration(row['wall_s']):>8}  {row['what']}")
+        lines.append(f"{row['stage']:11} {row['result']:11} {duration(row['wall_s']):>8}  {row['what']}{places.get(row.get('commit'), '')}")
         if row["result"] != PASSED:
             code = "" if row["code"] is None else f"exit code {row['code']}; "
             lines.append(f"{'':12}{code}{row['log']} ends: {row['note'][:160]}")
@@ -164,9 +166,12 @@ def write_summary(folder, about, rows):
 
 
 def earlier_rows(folder):
-    """The rows of a folder that is gone on with."""
+    """The rows of a folder that is gone on with; a row without a commit of its own ran at its summary's."""
     path = folder / "summary.json"
-    return {row["stage"]: row for row in json.loads(path.read_text(encoding="utf-8"))["stages"]} if path.exists() else {}
+    if not path.exists():
+        return {}
+    summary = json.loads(path.read_text(encoding="utf-8"))
+    return {row["stage"]: {"commit": summary.get("commit"), **row} for row in summary["stages"]}
 
 
 def run_stages(stages, all_names, folder, about, run=run_stage):
@@ -175,7 +180,7 @@ def run_stages(stages, all_names, folder, about, run=run_stage):
     rows = earlier_rows(folder)
     for stage in stages:
         print(f"== {stage.name}: {stage.what}", flush=True)
-        done[stage.name] = run(stage, folder)
+        done[stage.name] = {**run(stage, folder), "commit": about.get("commit")}
         rows = {**earlier_rows(folder), **done}  # read anew: another run may have written its own there meanwhile
         write_summary(folder, about, [rows[name] for name in all_names if name in rows])
         print(f"   {done[stage.name]['result']} after {duration(done[stage.name]['wall_s'])}", flush=True)

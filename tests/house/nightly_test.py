@@ -86,6 +86,19 @@ class Nightly(unittest.TestCase):
         rows = self.run_all(stages, [stages[1]])
         self.assertEqual([(row["stage"], row["result"]) for row in rows], [("a", "passed"), ("b", "passed"), ("c", "passed")])
 
+    def test_a_summary_of_several_commits_says_which_stage_ran_at_which(self):
+        stages = [shell("first", "exit 0"), shell("second", "exit 0")]
+        names = [stage.name for stage in stages]
+        with contextlib.redirect_stdout(io.StringIO()):
+            nightly.run_stages(stages, names, self.folder, {"commit": "aaa"})
+            self.assertNotIn("aaa", (self.folder / "summary.txt").read_text())
+            nightly.run_stages(stages[1:], names, self.folder, {"commit": "bbb"})
+        text = (self.folder / "summary.txt").read_text()
+        self.assertRegex(text, r"what first does, at aaa\n")
+        self.assertRegex(text, r"what second does, at bbb\n")
+        kept = json.loads((self.folder / "summary.json").read_text())
+        self.assertEqual([kept["commit"], *(row["commit"] for row in kept["stages"])], ["bbb", "aaa", "bbb"])
+
     def test_what_a_stage_leaves_running_ends_with_it(self):
         note = self.folder / "pid"
         for script, limit_s in ((f"sleep 1000 & echo $! > {note}", 60.0), (f"sh -c 'trap \"\" TERM; echo $$ > {note}; while :; do sleep 1; done'", 1.0)):
