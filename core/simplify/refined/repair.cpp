@@ -297,6 +297,25 @@ bool Repairer::is_above_floor() const {
          });
 }
 
+/// One sweep over the vertices that may move. One that was tried in vain is not tried again before something
+/// around it has moved. Returns what was gained.
+double Repairer::sweep_around(int steps) {
+  constexpr std::uint32_t kInVain = 1;
+  constexpr std::uint32_t kOpen = 2;
+  double gained = 0.0;
+  for (const Index v : vertices_) {
+    if (marks_.of(v) == kInVain) continue;
+    const double gain = smoother_.smooth(v, steps);
+    marks_.set(v, kInVain);
+    if (!(gain > 0.0)) continue;
+    gained += gain;
+    for (const Index t : mesh_.star(v)) {
+      for (const Index w : mesh_.tets[t]) marks_.set(w, kOpen);
+    }
+  }
+  return gained;
+}
+
 bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   vertices_.clear();
   places_.clear();
@@ -311,9 +330,9 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   const double least = is_strict() && by_sum ? std::min(score, worst_beside()) : 0.0;
   double growth = trial_.growth();
   smoother_.set_floor(nullptr);
+  marks_.clear(mesh_.points.size());
   for (int left = kSweepsOfCompound - 1; left >= 0; --left) {
-    double gained = 0.0;
-    for (const Index v : vertices_) gained += smoother_.smooth(v, steps);
+    const double gained = sweep_around(steps);
     growth += gained;
     // A sweep gains less than the one before it.
     if (growth + left * gained <= flipper_.rule().least_growth) break;

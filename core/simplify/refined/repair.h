@@ -85,6 +85,7 @@ class Repairer {
   double worst_around(double enough);
   double worst_beside();
   bool is_above_floor() const;
+  double sweep_around(int steps);
   bool keep_if_better(double score, int steps, bool by_sum);
   bool try_shifted_flips(const Tet& tet, double score, int steps);
   bool try_shift(const EdgeRing& ring, Index v, double score, int steps);
@@ -110,6 +111,7 @@ class Repairer {
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
   std::vector<Vec3> proposed_;
+  VertexMarks marks_;
 };
 
 }  // namespace palpate::simplify
