@@ -71,6 +71,9 @@ constexpr std::uint64_t kTetsOfASplit = 5;
 constexpr std::uint64_t kSafeTetsPerFace = 2;
 constexpr double kTetsPerFaceOfNone = 4.0;
 constexpr double kLimitResolution = 1.01;
+/// A run of it is given up where collapses leave so many times what it would have to: what comes after them
+/// took less than that away on each of twenty bodies, more than 2% on one.
+constexpr double kHopeless = 1.03;
 constexpr std::array kBelowLimit{0.99, 0.98, 0.995};  ///< tried from there, in this order
 
 /// What collapses may leave, from strict to anything positive.
@@ -94,8 +97,7 @@ class Run {
         repairer_(mesh_, scores_, {}, options.tools) {}
 
   void simplify() {
-    reduce();
-    if (options_.objective != Objective::kStableStep) return;
+    if (!reduce() || options_.objective != Objective::kStableStep) return;
     StepLengthener lengthener(mesh_, scores_, final_rule());
     lengthener.run(kStepRounds);
     step_ = lengthener.counts();
@@ -115,10 +117,12 @@ class Run {
   static constexpr int kCompoundSteps = 4;
   static constexpr double kVeryBad = 0.03;  ///< scores that are worth giving up a vertex elsewhere
 
-  /// Down to the wanted count, for quality.
-  void reduce() {
+  /// Down to the wanted count, for quality. Returns false if it was abandoned.
+  bool reduce() {
     const int stages = options_.interleave ? go_down() : 0;
     collapse_to(share_of(target_, kLastAim));
+    if (static_cast<double>(mesh_.alive) > options_.abandon_beyond * static_cast<double>(target_))
+      return false;
     set_window(kLeastShareInStages, mesh_.alive);
     const int rounds = std::max(1, effort_.passes - stages);
     for (int i = 0; i < rounds; ++i) {
@@ -132,7 +136,7 @@ class Run {
              rule_of(kLeastShareInStages, is_short() ? mesh_.alive : share_of(mesh_.alive, kLastAim)));
     collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
     sweep(1);
-    if (!options_.repair) return;
+    if (!options_.repair) return true;
     if (options_.tools.never_worse) hold_floor();
     repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
     if (mesh_.alive > target_) {
@@ -141,6 +145,7 @@ class Run {
       repair(1, effort_.compound_threshold, final_rule());
     }
     make_room_for_splits();
+    return true;
   }
 
   /// Returns the number of stages.
@@ -317,21 +322,23 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
   const std::uint64_t tets_in = mesh.tets.size();
   const std::uint64_t vertices_in = mesh.points.size();
   const std::size_t skin = build_unpaired_faces(mesh).size();
-  const auto reduce = [&](TetMesh& body, std::uint64_t tets) {
+  const auto reduce = [&](TetMesh& body, std::uint64_t tets, double abandon_beyond) {
     RefinedOptions own = options;
+    own.abandon_beyond = abandon_beyond;
     own.tools.insertions = false;  // each takes some six tets more
     own.stop = StopRule{};
     own.stop.tets = tets;
     return simplify_refined(body, own);
   };
   // A start that can be reached, so that the search below is on a small mesh.
-  RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin);
+  RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin, options.abandon_beyond);
   const TetMesh start = mesh;
   // Runs from there to a count. What it leaves is kept if the count is reached or, if asked to, if it is less
   // than what is kept.
   const auto is_reached = [&](std::uint64_t wanted, bool keep_fewer) {
     TetMesh body = start;
-    const RefinedReport found = reduce(body, wanted);
+    const auto most = static_cast<double>(std::max<std::uint64_t>(mesh.tets.size(), wanted));
+    const RefinedReport found = reduce(body, wanted, kHopeless * most / static_cast<double>(wanted));
     const bool reached = found.stop != "limit";
     if (body.tets.size() < mesh.tets.size() && (reached || keep_fewer)) {
       mesh = std::move(body);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 
 #include "core/mesh/tet_mesh.h"
@@ -31,7 +32,13 @@ struct RefinedOptions {
   bool repair = true;      ///< the worst tets one by one, at the end
   RepairTools tools;       ///< smoothing, edge and face removal hold for all of the run
   SizingOptions sizing;
+  /// Where collapses leave more than so many times the wanted count, the run ends, with stop "limit" and a
+  /// mesh that is valid and not finished: for a caller who has no use for it.
+  double abandon_beyond = std::numeric_limits<double>::infinity();
 };
+
+/// Of a caller with another way to go: twice what repairs have ever made up for.
+inline constexpr double kAbandonShort = 1.06;
 
 /// What was done.
 struct RefinedReport {

@@ -50,7 +50,9 @@ void expect_count_met(const Result& result, std::uint64_t target) {
 
 /// As the adapter runs it.
 Result run_as_far_as_it_goes(const TetMesh& input, const RefinedOptions& options) {
-  Result result = run(input, options);
+  RefinedOptions first = options;
+  first.abandon_beyond = kAbandonShort;
+  Result result = run(input, first);
   if (result.report.stop != "limit") return result;
   result.mesh = input;
   result.report = simplify_to_limit(result.mesh, options);
@@ -59,6 +61,29 @@ Result run_as_far_as_it_goes(const TetMesh& input, const RefinedOptions& options
   EXPECT_EQ(result.report.tets_out, result.mesh.tets.size());
   expect_valid_with_boundary_of(result.mesh, input);
   return result;
+}
+
+TEST(Refined, WhatIsAbandonedCouldNotBeReachedAndTheRestIsTheSame) {
+  std::size_t abandoned = 0;
+  std::size_t reached = 0;
+  for (const TetMesh& input : {build_kuhn_cube(6, 0.2, 4), make_sliver_cube(5, 2)}) {
+    for (const double ratio : {0.3, 0.5, 0.65, 0.7, 0.75, 0.9}) {
+      SCOPED_TRACE(std::to_string(input.tets.size()) + " " + std::to_string(ratio));
+      RefinedOptions options = stop_at(ratio);
+      const Result whole = run(input, options);
+      options.abandon_beyond = kAbandonShort;
+      const Result part = run(input, options);  // valid in any case
+      EXPECT_EQ(part.report.stop, whole.report.stop);
+      const bool is_same = part.mesh.points == whole.mesh.points && part.mesh.tets == whole.mesh.tets;
+      if (whole.report.stop != "limit") {
+        ++reached;
+        EXPECT_TRUE(is_same);
+      }
+      abandoned += is_same ? 0 : 1;
+    }
+  }
+  EXPECT_GT(reached, 3U);
+  EXPECT_GT(abandoned, 1U);
 }
 
 TEST(Refined, AskingForLessNeverLeavesMore) {
