@@ -3,13 +3,13 @@
 import math
 
 import matplotlib.pyplot as plt
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from shared.chart_style import FAINT, INK, draw_legend, file_name, lay_out, save, set_time_axis, set_title, short_name
 from shared.equal_count import tolerance_of
-from shared.records import figure, median
+from shared.records import figure
 from simplify.contest import NONE, RANKED, short_sweep
+from simplify.point_names import name_point, place_names
 
 MEASURES = [("percent_above_0_5", "tetrahedra of quality above 0.5, %"), ("mean_quality", "mean quality"),
             ("p1_dihedral_deg", "1st percentile of angles, degrees")]
@@ -33,7 +33,7 @@ def places(section, family, measure):
     return [(label, 1000 * seconds, value, counts) for label, seconds, value, counts in places_along(section, family, "kernel_s", measure) if seconds]
 
 
-def draw_family(ax, family, found, stairs=False):
+def draw_family(ax, family, found):
     """A family's points; a curve joins them if one option tells them apart, dotted if some do not count."""
     size, width = (7, 2.0) if family.is_own else (7, 1.4)
     size += 1.5 if family.mark in "PX" else 0
@@ -45,24 +45,14 @@ def draw_family(ax, family, found, stairs=False):
                 markerfacecolor=family.color if counts else "white", markeredgewidth=1.2,
                 markeredgecolor="white" if counts else family.color)
     if len(family.labels) > 1:
-        name_points(ax, family, found, stairs)
+        name_points(ax, family, found)
 
 
-STAIRS = (6, -6, 15, -15)  # points above a mark, in turn: names of marks that lie close together
-
-
-def name_points(ax, family, found, stairs=False):
-    """Along a curve numbers above and below in turn; otherwise names, each on the side where the others are not, or on stairs."""
-    middle = median([x for _, x, _, _ in found])
+def name_points(ax, family, found):
+    """Along a curve numbers above and below in turn; otherwise names, for which place_names finds places."""
     for place, (label, x, y, _) in enumerate(found):
-        down, left = place % 2 == 1, x < middle
-        at, ha, va = ((0, -6 if down else 6), "center", "top" if down else "bottom") if family.option else (
-            (-7 if left else 7, 0), "right" if left else "left", "center")
-        if stairs and not family.option:
-            up = STAIRS[place % len(STAIRS)]
-            at, ha, va = (0, up), "center", "bottom" if up > 0 else "top"
-        ax.annotate(short_name(family.names[label]), (x, y), xytext=at, textcoords="offset points", ha=ha, va=va, fontsize=7,
-                    color=family.color, zorder=7, path_effects=[withStroke(linewidth=2, foreground="white")])
+        beside = (0, -6, "center", "top") if place % 2 == 1 else (0, 6, "center", "bottom")
+        name_point(ax, short_name(family.names[label]), x, y, family.color, beside if family.option else None)
 
 
 def time_range(sections, families):
@@ -125,6 +115,7 @@ def draw_quality_time(run, sections, families, folder):
         tets = figure(run.inputs.get(mesh, {}), "judge", "tets")
         set_title(fig, f"{mesh}: quality against time" + ("" if tets is None else f", {tets:,.0f} tetrahedra at the start"))
         lay_out(fig, foot)
+        place_names(fig)
         drawn += save(fig, folder, file_name("quality_time", mesh))
     return drawn
 
@@ -149,13 +140,13 @@ def draw_quality_distance(run, sections, families, folder):
             for column, section in enumerate(own):
                 ax = grid[row][column]
                 for family in shown:
-                    draw_family(ax, family, distance_places(section, family, measure), stairs=True)
+                    draw_family(ax, family, distance_places(section, family, measure))
                 most = max((x for family in shown for _, x, _, _ in distance_places(section, family, measure)), default=0.0) or 1.0
                 near = most / 50
                 ax.set_xscale("symlog", linthresh=near)  # skins that stay are at 0, bounds and strays a decade or two apart
-                decades = [10.0**n for n in range(math.ceil(math.log10(1.5 * near)), math.floor(math.log10(2 * most)) + 1)]
+                decades = [10.0**n for n in range(math.ceil(math.log10(1.5 * near)), math.floor(math.log10(5 * most)) + 1)]
                 ax.set_xticks([0.0, *decades], minor=False)
-                ax.set_xlim(-most / 100, 2 * most)
+                ax.set_xlim(-most / 100, 5 * most)  # with room for names
                 ax.xaxis.set_major_formatter(lambda x, _: f"{x:g}")
                 value = figure(run.inputs.get(mesh, {}), "judge", measure)
                 if value is not None:
@@ -171,5 +162,6 @@ def draw_quality_distance(run, sections, families, folder):
         foot = draw_legend(fig, legend_handles(run, shown, own))
         set_title(fig, f"{mesh}: quality against how far the skin strays")
         lay_out(fig, foot)
+        place_names(fig)
         drawn += save(fig, folder, file_name("quality_distance", mesh))
     return drawn

@@ -402,6 +402,30 @@ class QualityTimeChart(ReportTest):
         marks = [line for line in ax.get_lines() if line.get_marker() not in ("None", None) and len(line.get_xdata()) == 1]
         self.assertEqual(sorted((float(line.get_xdata()[0]), float(line.get_ydata()[0])) for line in marks), [(0.5, 90.0), (4.0, 95.0)])
 
+    def test_names_of_points_meet_neither_each_other_nor_the_edge_of_their_panel(self):
+        from unittest import mock
+        from matplotlib.text import Text
+        from simplify import charts, contest_charts, point_names
+        from shared import records
+        bounds = [strayed(answer(f"s_{bound}", 90 + shift, method="palpate.surface", kernel_s=seconds, options={"max_error": bound}), distance)
+                  for bound, shift, seconds, distance in (("half_mm", 0.0, 0.010, 0.5), ("1_mm", 0.1, 0.0101, 1.0), ("2_mm", 0.2, 0.0102, 1.01),
+                                                          ("8_mm_spent", 0.3, 0.0103, 1.02))]
+        synthetic.write_run(self.folder, [*bounds, strayed(answer("free", 60, method="cgal.remesh_free", kernel_s=0.02), 4.0)],
+                            {**synthetic.CONTEST, "charts": ["quality_time", "quality_distance"]})
+        drawn = {}
+        with mock.patch.object(contest_charts, "save", lambda figure, _, name: drawn.update({name: figure}) or [name]):
+            charts.draw_charts(records.read_run(self.folder), None, self.folder / "charts")
+        for figure in drawn.values():
+            renderer = figure.canvas.get_renderer()
+            ax = figure.axes[0]
+            boxes = [Text.get_window_extent(text, renderer) for text in ax.texts if text.get_gid() == point_names.NAME]
+            self.assertEqual(len(boxes), 4)
+            frame = ax.get_window_extent(renderer)
+            for place, box in enumerate(boxes):
+                self.assertAlmostEqual(point_names.shared_area(box, frame), box.width * box.height, delta=1.0)
+                for other in [*boxes[:place], *point_names.marks_of(ax, figure.dpi / 72)]:
+                    self.assertLess(point_names.shared_area(box, other), 1.0)
+
     def test_the_same_records_give_the_same_bytes(self):
         synthetic.write_run(self.folder, self.CURVE, synthetic.CONTEST)
         self.assertEqual(self.report()[0], 0)
