@@ -51,7 +51,7 @@ def place_names(fig):
     pixels_a_point = fig.dpi / 72.0
     for ax in fig.axes:
         frame = ax.get_window_extent(renderer)
-        taken = marks_of(ax, pixels_a_point)
+        taken = marks_of(ax, pixels_a_point) + [text.get_window_extent(renderer) for text in ax.texts if text.get_gid() != NAME]
         names = [(Text.get_window_extent(child, renderer), child) for child in ax.texts if child.get_gid() == NAME]
         for extent, text in sorted(names, key=lambda name: -name[0].width):  # long ones first: they have fewer places
             point = ax.transData.transform(text.xy)
