@@ -144,7 +144,7 @@ def duration(seconds):
 def table(rows):
     """The summary as text: one line a stage, the note of what did not pass below its line; where stages ran at several commits, at which."""
     lines = [f"{'stage':11} {'result':11} {'time':>8}  what"]
-    commits = list(dict.fromkeys(row.get("commit") for row in rows))
+    commits = {row.get("commit") for row in rows}
     places = {commit: f", at {commit or 'an unknown commit'}" for commit in commits} if len(commits) > 1 else {}
     for row in rows:
         lines.append(f"{row['stage']:11} {row['result']:11} {duration(row['wall_s']):>8}  {row['what']}{places.get(row.get('commit'), '')}")

@@ -65,10 +65,9 @@ Response run_refined(const Request& request) {
   response.notes = std::move(file.notes);
   const Stopwatch watch;
   options.sizing.sizes = load_sizes(asked.sizes, file.mesh);
-  options.abandon_beyond = simplify::kAbandonShort;  // there is another way
+  options.abandon_beyond = simplify::kShort;  // there is another way
   simplify::RefinedReport report = simplify::simplify_refined(file.mesh, options);
   if (report.stop == "limit") {
-    options.abandon_beyond = simplify::RefinedOptions{}.abandon_beyond;
     file.mesh = read_medit(request.input).mesh;
     report = simplify::simplify_to_limit(file.mesh, options);
   }

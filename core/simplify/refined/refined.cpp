@@ -168,7 +168,7 @@ class Run {
   }
 
   /// Whether collapses have ended far above the wanted count: then no repair may take it up again.
-  bool is_short() const { return mesh_.alive > share_of(target_, kFirstAim); }
+  bool is_short() const { return mesh_.alive > share_of(target_, kShort); }
 
   FlipRule final_rule() const { return rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive)); }
 
@@ -322,7 +322,8 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
   const std::uint64_t tets_in = mesh.tets.size();
   const std::uint64_t vertices_in = mesh.points.size();
   const std::size_t skin = build_unpaired_faces(mesh).size();
-  const auto reduce = [&](TetMesh& body, std::uint64_t tets, double abandon_beyond) {
+  const auto reduce = [&](TetMesh& body, std::uint64_t tets,
+                          double abandon_beyond = std::numeric_limits<double>::infinity()) {
     RefinedOptions own = options;
     own.abandon_beyond = abandon_beyond;
     own.tools.insertions = false;  // each takes some six tets more
@@ -331,7 +332,7 @@ RefinedReport simplify_to_limit(TetMesh& mesh, const RefinedOptions& options) {
     return simplify_refined(body, own);
   };
   // A start that can be reached, so that the search below is on a small mesh.
-  RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin, options.abandon_beyond);
+  RefinedReport best = reduce(mesh, kSafeTetsPerFace * skin);
   const TetMesh start = mesh;
   // Runs from there to a count. What it leaves is kept if the count is reached or, if asked to, if it is less
   // than what is kept.

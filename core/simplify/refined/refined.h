@@ -37,8 +37,9 @@ struct RefinedOptions {
   double abandon_beyond = std::numeric_limits<double>::infinity();
 };
 
-/// Of a caller with another way to go: twice what repairs have ever made up for.
-inline constexpr double kAbandonShort = 1.06;
+/// Where collapses end so far above the wanted count it is out of reach: twice what repairs have ever made up
+/// for.
+inline constexpr double kShort = 1.06;
 
 /// What was done.
 struct RefinedReport {
@@ -75,7 +76,7 @@ RefinedReport simplify_refined(TetMesh& mesh, const RefinedOptions& options);
 /// For a count that simplify_refined has not reached: down to twice the skin's faces, then from there to the
 /// count and, if that is not reached either, by bisection, to 1% and less, to the fewest tets that a run from
 /// there reaches. In that search the count plays no part, so all counts below the border end alike. The
-/// report's operations are those of the best run.
+/// report's operations are those of the best run. What to abandon it decides itself.
 ///
 /// Time: a run, and some twenty on a mesh of twice the skin's faces. Requires and throws: as
 /// simplify_refined.

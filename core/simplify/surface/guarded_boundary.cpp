@@ -186,17 +186,13 @@ bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChan
 /// Whether it is in contact with a face that stays.
 bool GuardedBoundary::touches(const WorkingMesh& mesh, const PlacedFace& face) {
   ++visit_;
-  const BoundingBox box = bounding_box(face.corner);
   bool found = false;
   for_each_cell(face.corner, [&](std::size_t cell) {
-    found =
-        found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
-          if (visited_[f] == visit_) return false;
-          visited_[f] = visit_;
-          if (is_removed(f)) return false;
-          const PlacedFace other = placed(mesh, f);
-          return distance_sq_of_boxes(box, bounding_box(other.corner)) <= 0.0 && are_in_contact(face, other);
-        });
+    found = found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
+              if (visited_[f] == visit_) return false;
+              visited_[f] = visit_;
+              return !is_removed(f) && are_in_contact(face, placed(mesh, f));
+            });
   });
   return found;
 }

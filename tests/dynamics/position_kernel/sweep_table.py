@@ -13,7 +13,7 @@ import statistics
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "spring_engine"))
-from speed_table import CELLS, align, figure_text, hash_text, head_lines, print_table  # noqa: E402
+from speed_table import CELLS, align, figure_text, hash_text, head_lines, print_table, repetitions, spread_of  # noqa: E402
 
 PARTS = ("a spring", "a corotated tetrahedron", "a stable neo-Hookean tetrahedron", "`edge_node`, corotated, a tetrahedron",
          "`edge_node`, stable neo-Hookean, a tetrahedron")
@@ -25,10 +25,8 @@ BENCHES = "bench_sweep"
 def read_rows(data):
     """(kernel, cells, part, is damped) -> list of rows, one a repetition."""
     rows = {}
-    for row in data["benchmarks"]:
-        match = NAME.match(row["name"])
-        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
-            rows.setdefault((match[1], int(match[2]), int(match[3]), match[4] == "1"), []).append(row)
+    for match, row in repetitions(data, NAME):
+        rows.setdefault((match[1], int(match[2]), int(match[3]), match[4] == "1"), []).append(row)
     return rows
 
 
@@ -48,7 +46,7 @@ def hashes(rows):
 
 def render(data, clock):
     rows = read_rows(data)
-    spreads = [(max(ns) - min(ns)) / statistics.median(ns) for ns in (values(repeated, clock) for repeated in rows.values())]
+    spreads = [spread_of(values(repeated, clock)) for repeated in rows.values()]
     table = [["ns, undamped / damped", *KERNELS.values()]]
     for part, name in enumerate(PARTS):
         for size in sorted({cells for _, cells, of, _ in rows if of == part}):

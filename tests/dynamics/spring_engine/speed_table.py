@@ -72,14 +72,29 @@ def run_bench(bench, names, repetitions, path, large=False):
                    check=True, env=environment, stdout=subprocess.DEVNULL)
 
 
+def repetitions(data, name):
+    """(match of the name, row) of each repetition that has one, without aggregates and failures."""
+    for row in data["benchmarks"]:
+        match = name.match(row["name"])
+        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
+            yield match, row
+
+
 def read_rows(data):
     """(name, first argument, threads) -> list of rows, one a repetition."""
     rows = {}
-    for row in data["benchmarks"]:
-        match = NAME.match(row["name"])
-        if match and row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
-            rows.setdefault((match[1], int(match[2]), int(match[3])), []).append(row)
+    for match, row in repetitions(data, NAME):
+        rows.setdefault((match[1], int(match[2]), int(match[3])), []).append(row)
     return rows
+
+
+def spread_of(values):
+    return (max(values) - min(values)) / statistics.median(values)
+
+
+def in_order(found, labels):
+    """((name, threads), what it is called) of what was found: as labelled, then the rest."""
+    return [*((key, label) for key, label in labels.items() if key in found), *((key, f"{key[0]}, {key[1]}") for key in sorted(found - set(labels)))]
 
 
 class Figures:
@@ -99,7 +114,7 @@ class Figures:
 
     def spread(self, *what):
         values = self.values(*what, counter="gb_per_s" if what[0] == "bench_triad" else "ns_per_spring")
-        return (max(values) - min(values)) / statistics.median(values)
+        return spread_of(values)
 
     def known_spread(self, *what):
         """None with one repetition."""
@@ -199,11 +214,11 @@ def render(data, clock):
     lines = head_lines(data, rows, clock)
     table = [["ns a spring and step", *CELLS.values(), "spread"]]
     springs = {(name, threads) for name, _, threads in rows if name != "bench_triad"}
-    for name, threads in [*(key for key in LABELS if key in springs), *sorted(springs - set(LABELS))]:
+    for (name, threads), label in in_order(springs, LABELS):
         sizes = [size for size in CELLS if figures.has(name, size, threads)]
         cells = [figure_text(figures.median(name, size, threads)) if size in sizes else "-" for size in CELLS]
         spread = max(figures.spread(name, size, threads) for size in sizes)
-        table.append([LABELS.get((name, threads), f"{name}, {threads}"), *cells, f"{100 * spread:.0f}%"])
+        table.append([label, *cells, f"{100 * spread:.0f}%"])
     for threads in (1, 2):
         if figures.has("bench_triad", 100, threads):
             cells = [figure_text(figures.roofline(size, threads)) if figures.has(OURS, size, threads) else "-" for size in CELLS]

@@ -15,7 +15,7 @@ import statistics
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "spring_engine"))
-from speed_table import align, figure_text, hash_text, head_lines, judge, print_table, target_lines  # noqa: E402
+from speed_table import align, figure_text, hash_text, head_lines, in_order, judge, print_table, repetitions, spread_of, target_lines  # noqa: E402
 
 CELLS = {10: "1.3k", 21: "10k", 46: "100k"}
 LAWS = {0: "linear", 1: "corotated", 2: "neo-Hookean"}
@@ -44,13 +44,11 @@ BENCHES = "bench_(tets|edge_node|general|triad)"
 def read_rows(data):
     """(name, cells, threads, law) -> list of rows, one a repetition. The triad has law -1."""
     rows = {}
-    for row in data["benchmarks"]:
-        match = NAME.match(row["name"])
-        if not match or (match[1] != "bench_triad" and match[4] is None):
+    for match, row in repetitions(data, NAME):
+        if match[1] != "bench_triad" and match[4] is None:
             continue  # the rows of another table
-        if row.get("run_type", "iteration") == "iteration" and "error_message" not in row:
-            law = -1 if match[1] == "bench_triad" else int(match[4])
-            rows.setdefault((match[1], int(match[2]), int(match[3]), law), []).append(row)
+        law = -1 if match[1] == "bench_triad" else int(match[4])
+        rows.setdefault((match[1], int(match[2]), int(match[3]), law), []).append(row)
     return rows
 
 
@@ -69,7 +67,7 @@ class Figures:
     def spread(self, key, counter="ns_per_tet"):
         """None with one repetition."""
         values = self.values(key, counter)
-        return (max(values) - min(values)) / statistics.median(values) if len(values) > 1 else None
+        return spread_of(values) if len(values) > 1 else None
 
     def roofline(self, key):
         """The least ns a tet: the layout's bytes over the triad's bytes a second."""
@@ -122,10 +120,10 @@ def render(data, clock):
     found = {(name, threads) for name, _, threads, law in rows if law >= 0}
     for size, size_name in CELLS.items():
         table = [[f"ns a tet and step, {size_name}", *LAWS.values()]]
-        for name, threads in [*(key for key in LABELS if key in found), *sorted(found - set(LABELS))]:
+        for (name, threads), label in in_order(found, LABELS):
             keys = [(name, size, threads, law) for law in LAWS]
             if any(key in rows for key in keys):
-                table.append([LABELS.get((name, threads), f"{name}, {threads}"), *(cell_text(figures, key) for key in keys)])
+                table.append([label, *(cell_text(figures, key) for key in keys)])
         for kind, name in SINGLE.items():
             key = (name, size, 1, 0)
             if triad in rows and key in rows:

@@ -51,7 +51,7 @@ void expect_count_met(const Result& result, std::uint64_t target) {
 /// As the adapter runs it.
 Result run_as_far_as_it_goes(const TetMesh& input, const RefinedOptions& options) {
   RefinedOptions first = options;
-  first.abandon_beyond = kAbandonShort;
+  first.abandon_beyond = kShort;
   Result result = run(input, first);
   if (result.report.stop != "limit") return result;
   result.mesh = input;
@@ -71,7 +71,7 @@ TEST(Refined, WhatIsAbandonedCouldNotBeReachedAndTheRestIsTheSame) {
       SCOPED_TRACE(std::to_string(input.tets.size()) + " " + std::to_string(ratio));
       RefinedOptions options = stop_at(ratio);
       const Result whole = run(input, options);
-      options.abandon_beyond = kAbandonShort;
+      options.abandon_beyond = kShort;
       const Result part = run(input, options);  // valid in any case
       EXPECT_EQ(part.report.stop, whole.report.stop);
       const bool is_same = part.mesh.points == whole.mesh.points && part.mesh.tets == whole.mesh.tets;
