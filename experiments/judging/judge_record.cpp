@@ -79,12 +79,19 @@ void add_quality(json& figures, const judge::Quality& quality) {
   add_spread(figures, "edge_ratio", quality.edge_ratio);
 }
 
-/// How far the skin moved. A skin that is the input's to the bit did not, and costs nothing here.
+/// How far the skin moved, and how much more it is bent. A skin that is the input's to the bit costs nothing
+/// here.
 void add_surface_distance(json& figures, const TetMesh& output, const TetMesh& input, bool is_unchanged) {
   judge::SurfaceDistance distance;
+  double bend_ratio = 1.0;
   if (!is_unchanged) {
-    distance = judge::measure_surface_distance(judge::build_boundary(output), judge::build_boundary(input));
+    const SurfaceMesh after = judge::build_boundary(output);
+    const SurfaceMesh before = judge::build_boundary(input);
+    distance = judge::measure_surface_distance(after, before);
+    const double bend = after.triangles.empty() ? std::nan("") : judge::total_bend(after);
+    bend_ratio = bend / judge::total_bend(before);
   }
+  add_real(figures, "boundary_bend_ratio", bend_ratio);
   add_real(figures, "surface_distance_lower", distance.lower());
   add_real(figures, "surface_distance_upper", distance.upper());
   add_real(figures, "surface_distance_relative",

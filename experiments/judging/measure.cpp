@@ -110,6 +110,8 @@ constexpr std::array kMeasures{
             "surface_distance_upper over the diagonal of the box around both boundaries"},
     Measure{"mean_surface_distance", "unit", "lower", "/judge/mean_surface_distance",
             "mean distance of the boundaries, by area, the greater of the two directions"},
+    Measure{"boundary_bend_ratio", "1", "lower", "/judge/boundary_bend_ratio",
+            "sum over the boundary's edges of length times angle between the normals, over the input's"},
     Measure{"feature_edges", "1", "", "/judge/feature_edges",
             "edges of the input's skin that are sharper than the plan's feature_deg"},
     Measure{"feature_distance_lower", "unit", "lower", "/judge/feature_distance_lower",

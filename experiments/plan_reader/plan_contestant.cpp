@@ -23,9 +23,15 @@ struct Entry {
 
 Stop read_stop(const YamlValue& value) {
   const auto entries = value.entries();
-  const YamlFields fields = value.fields({"fusions", "tets", "ratio", "limit", "tets_of"});
-  if (entries.size() != 1) value.fail("stop: expected one of fusions, tets, ratio, limit and tets_of");
+  const YamlFields fields = value.fields({"fusions", "tets", "ratio", "limit", "tets_of", "at_its_distance"});
   Stop stop;
+  const auto at_its_distance = fields.find("at_its_distance");
+  if (at_its_distance) {
+    if (!fields.find("tets_of")) at_its_distance->fail("at_its_distance goes with tets_of");
+    stop.at_its_distance = at_its_distance->boolean();
+  }
+  if (entries.size() != (at_its_distance ? 2U : 1U))
+    value.fail("stop: expected one of fusions, tets, ratio, limit and tets_of");
   if (const auto label = fields.find("tets_of")) {
     stop.kind = StopKind::kTetsOf;
     stop.of = label->identifier();
@@ -166,6 +172,16 @@ void check_stop_kind(const Entry& entry, StopKind kind) {
             joined(entry.method.method->stops));
 }
 
+void check_at_its_distance(const Entry& entry) {
+  const std::string bound = kBoundOfDistance;
+  if (entry.method.method->find_option(bound) == nullptr ||
+      entry.method.method->find_option(kUnitOfDistance) == nullptr)
+    entry.stop_at->fail("method " + entry.contestant.method + " has no option \"" + bound +
+                        "\" that at_its_distance could set: palpate.surface does");
+  if (entry.contestant.set.count(bound) > 0)
+    entry.stop_at->fail("at_its_distance and the option \"" + bound + "\" exclude each other");
+}
+
 void check_tets_of(const std::vector<Entry>& entries, const Entry& entry) {
   std::vector<std::string> labels;
   labels.reserve(entries.size());
@@ -251,6 +267,7 @@ std::vector<PlanContestant> read_contestants(const YamlValue& value, const std::
     if (!entry.contestant.stop) continue;
     check_stop_kind(entry, entry.contestant.stop->kind);
     if (entry.contestant.stop->kind == StopKind::kTetsOf) check_tets_of(entries, entry);
+    if (entry.contestant.stop->at_its_distance) check_at_its_distance(entry);
   }
   for (const SweepAxis& axis : sweep) check_sweep(entries, axis);
   std::vector<PlanContestant> contestants;

@@ -96,7 +96,11 @@ void CaseState::remember_answer(const json& record) {
   const json& found = part(record, "tuned");
   if (tuned.empty() && !found.empty()) tuned = found;
   const json& judge = part(record, "judge");
-  if (!tets && part(judge, "tets").is_number()) tets = judge.at("tets").get<double>();
+  if (!tets && part(judge, "tets").is_number()) {
+    tets = judge.at("tets").get<double>();
+    const json& upper = part(judge, "surface_distance_upper");
+    if (upper.is_number()) distance = upper.get<double>();
+  }
   const json& hash = part(record, "output_hash");
   if (!hash.is_string()) return;
   const json& ended = part(part(record, "report"), "outcome");

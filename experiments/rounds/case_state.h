@@ -68,7 +68,8 @@ struct CaseState {
   RepeatsEnd end = RepeatsEnd::kNotYet;
   double width = std::numeric_limits<double>::infinity();  ///< relative_median_width of its kernel times
   std::string halved_by;                                   ///< kHalved: the case that beats it
-  std::optional<double> tets;                       ///< of the first answer that was judged to have some
+  std::optional<double> tets;      ///< of the first answer that was judged to have some
+  std::optional<double> distance;  ///< of its skin from the input's, two-sided, at most, in the mesh's unit
   nlohmann::json tuned = nlohmann::json::object();  ///< what the first search found
   std::string worst;  ///< outcome of the last repeat that was not accepted, else of the first; empty: not run
   std::string first_failure;  ///< outcome and reason of the first repeat that was not accepted

@@ -333,11 +333,23 @@ class Runner {
     return tets ? std::optional(Stop{StopKind::kTets, *tets, c.stop.of}) : std::nullopt;
   }
 
+  /// The case with its stop's at_its_distance resolved; the same if there is none, or nothing to take it
+  /// from.
+  Case resolve_bound(const Case& c) const {
+    Case resolved = c;
+    if (!c.stop.at_its_distance || !states_[*c.tets_of].distance) return resolved;
+    const double unit_m = c.options.at(kUnitOfDistance).get<double>();
+    resolved.options[kBoundOfDistance] = unit_m * *states_[*c.tets_of].distance;
+    return resolved;
+  }
+
   /// Runs one repeat. Nothing comes back if it was interrupted.
   std::optional<json> run_due(std::size_t index, int repeat) {
-    const Case& c = cases_[index];
+    const Case c = resolve_bound(cases_[index]);
     RepeatTask task{c, repeat, states_[index], resolve_stop(c), ""};
     if (!task.stop) task.not_run = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
+    if (task.stop && c.stop.at_its_distance && !states_[*c.tets_of].distance)
+      task.not_run = "needs the distance that " + cases_[*c.tets_of].id + " strays, which has none";
     auto record =
         run_repeat({plan_, registry_, folder_, *contest_, threads_, options_.stop_flag}, std::move(task));
     if (!record) {

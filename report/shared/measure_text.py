@@ -8,7 +8,7 @@ TITLES = {
     "p99_max_dihedral_deg": "99% greatest", "mean_mean_ratio": "mean ratio", "p5_mean_ratio": "mean ratio 5%",
     "mean_radius_ratio": "radius ratio", "p5_radius_ratio": "radius ratio 5%", "mean_edge_ratio": "edge ratio",
     "p5_edge_ratio": "edge ratio 5%", "p1_error": "P1 error", "p1_error_worst": "worst P1 error", "explicit_step": "explicit step",
-    "stiffness_condition": "condition", "scaled_condition": "scaled condition", "surface_distance_upper": "distance",
+    "stiffness_condition": "condition", "scaled_condition": "scaled condition", "surface_distance_upper": "distance", "boundary_bend_ratio": "bend",
     "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
 }
 DIGITS = {

@@ -17,9 +17,29 @@ namespace {
 constexpr double kRelativeGap = 1e-3;
 constexpr double kAbsoluteGap = 1e-7;  ///< of the diagonal
 
-/// In degrees, 0 to 180; 0 where one of the two is zero.
-double angle_between_deg(const Vec3& a, const Vec3& b) {
-  return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi;
+/// 0 to pi; 0 where one of the two is zero.
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(length(cross(a, b)), dot(a, b));
+}
+
+using EdgeNormals = std::map<std::pair<Index, Index>, std::vector<Vec3>>;
+
+/// Of each edge the normals of its triangles, of any length.
+EdgeNormals normals_by_edge(const SurfaceMesh& surface) {
+  const int exponent = length_exponent(surface.points);
+  const auto scaled = [&](Index v) {
+    require(v < surface.points.size(), "edges of a surface: a triangle's vertex does not exist");
+    const Vec3& p = surface.points[v];
+    require(is_finite(p), "edges of a surface: a point is not finite");
+    return Vec3{std::scalbn(p.x, -exponent), std::scalbn(p.y, -exponent), std::scalbn(p.z, -exponent)};
+  };
+  EdgeNormals normals_at;
+  for (const Triangle& t : surface.triangles) {
+    const Vec3 a = scaled(t[0]);
+    const Vec3 normal = cross(scaled(t[1]) - a, scaled(t[2]) - a);
+    for (std::size_t k = 0; k < 3; ++k) normals_at[std::minmax(t[k], t[(k + 1) % 3])].push_back(normal);
+  }
+  return normals_at;
 }
 
 /// Part of an edge, none of whose points is farther away than the bound.
@@ -88,25 +108,24 @@ class EdgeBracketing {
 }  // namespace
 
 std::vector<EdgeEnds> list_sharp_edges(const SurfaceMesh& surface, double angle_deg) {
-  const int exponent = length_exponent(surface.points);
-  const auto scaled = [&](Index v) {
-    require(v < surface.points.size(), "sharp edges: a triangle's vertex does not exist");
-    const Vec3& p = surface.points[v];
-    require(is_finite(p), "sharp edges: a point is not finite");
-    return Vec3{std::scalbn(p.x, -exponent), std::scalbn(p.y, -exponent), std::scalbn(p.z, -exponent)};
-  };
-  std::map<std::pair<Index, Index>, std::vector<Vec3>> normals_at;
-  for (const Triangle& t : surface.triangles) {
-    const Vec3 a = scaled(t[0]);
-    const Vec3 normal = cross(scaled(t[1]) - a, scaled(t[2]) - a);
-    for (std::size_t k = 0; k < 3; ++k) normals_at[std::minmax(t[k], t[(k + 1) % 3])].push_back(normal);
-  }
   std::vector<EdgeEnds> sharp;
-  for (const auto& [ends, normals] : normals_at) {
-    if (normals.size() == 2 && !(angle_between_deg(normals[0], normals[1]) > angle_deg)) continue;
+  for (const auto& [ends, normals] : normals_by_edge(surface)) {
+    if (normals.size() == 2 &&
+        !(angle_between(normals[0], normals[1]) * 180.0 / std::numbers::pi > angle_deg))
+      continue;
     sharp.push_back({surface.points[ends.first], surface.points[ends.second]});
   }
   return sharp;
+}
+
+double total_bend(const SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const auto& [ends, normals] : normals_by_edge(surface)) {
+    if (normals.size() != 2) continue;
+    sum += length(surface.points[ends.second] - surface.points[ends.first]) *
+           angle_between(normals[0], normals[1]);
+  }
+  return sum;
 }
 
 EdgeDistance measure_edge_distance(const std::vector<EdgeEnds>& from, const std::vector<EdgeEnds>& to) {

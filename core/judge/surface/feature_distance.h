@@ -1,4 +1,5 @@
-// The judge's look at the sharp edges of a skin: how far those of the input are from those of the output.
+// The judge's look at the edges of a skin: how much it is bent at them, and how far the sharp ones of the
+// input are from those of the output.
 #pragma once
 
 #include <array>
@@ -16,6 +17,12 @@ using EdgeEnds = std::array<Vec3, 2>;
 /// those that have another number of triangles than two. A triangle without area has no normal: its edges are
 /// none. Throws: ContractError if a point of a triangle is not finite or does not exist.
 std::vector<EdgeEnds> list_sharp_edges(const SurfaceMesh& surface, double angle_deg);
+
+/// How much a surface is bent: the sum over its edges of length times the angle between the normals of its
+/// two triangles, in radians; edges that have another number of triangles than two count nothing. On a convex
+/// body, however it is triangulated, it is twice the integral of the mean curvature; what is crumpled has
+/// more. Throws: as list_sharp_edges.
+double total_bend(const SurfaceMesh& surface);
 
 /// From one set of edges to another: max over the points x of the first of dist(x, second).
 struct EdgeDistance {

@@ -197,6 +197,18 @@ bool GuardedBoundary::touches(const WorkingMesh& mesh, const PlacedFace& face) {
   return found;
 }
 
+double GuardedBoundary::volume(const WorkingMesh& mesh) const {
+  double sum = 0.0;
+  const Vec3* origin = nullptr;
+  for (const Triangle& t : faces_) {
+    if (t[0] == kNoIndex) continue;
+    const auto [a, b, c] = corners_of(mesh, t);
+    if (origin == nullptr) origin = &mesh.points[t[0]];
+    sum += dot(a - *origin, cross(b - *origin, c - *origin));
+  }
+  return sum / 6.0;
+}
+
 std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {
   for (Index f = 0; f < faces_.size(); ++f) {
     if (!is_alive(f)) continue;
@@ -306,6 +318,10 @@ void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& chang
     }
     covering_[proof.input] = proof.covering;
   }
+}
+
+FeatureRank hold_on(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
+  return (mesh.vertex_flags[v] & kFrozen) != 0 ? FeatureRank::kCorner : boundary.lines().rank(v);
 }
 
 }  // namespace palpate::simplify

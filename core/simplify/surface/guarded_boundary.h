@@ -61,6 +61,9 @@ class GuardedBoundary {
   const FeatureLines& lines() const { return lines_; }
   FeatureLines& lines() { return lines_; }
 
+  /// The volume inside the faces.
+  double volume(const WorkingMesh& mesh) const;
+
   /// The middle of a face that is in contact with another one now, if there is one. Time: linear in the faces
   /// where few meet.
   std::optional<Vec3> find_contact(const WorkingMesh& mesh) const;
@@ -126,5 +129,8 @@ class GuardedBoundary {
   std::vector<std::uint32_t> input_stamp_;
   std::vector<std::uint32_t> point_stamp_;  ///< of the input's vertices
 };
+
+/// How much a vertex is held: frozen ones stay like corners.
+FeatureRank hold_on(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v);
 
 }  // namespace palpate::simplify

@@ -11,6 +11,7 @@
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/refined/vertex_rate.h"
 #include "core/simplify/surface/surface_flip.h"
+#include "core/simplify/surface/surface_smoothing.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
 namespace palpate::simplify {
@@ -157,6 +158,16 @@ void coarsen_inside(Run& run, std::uint64_t tets, double longest = std::numeric_
   }
 }
 
+/// Moves in the skin: for the best shapes, or to mend the worst. Evening out leads away from sizes that are
+/// wanted, and from what makes a step longer.
+void move_boundary(Run& run) {
+  if (!run.options.boundary_smoothing) return;
+  if (run.options.objective == Objective::kShape && run.field.is_empty())
+    smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface);
+  else
+    mend_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
+}
+
 /// Flips and moves in the skin, where it was coarsened, and moves inside.
 void even_out(Run& run) {
   Smoother smoother(run.mesh, run.scores);
@@ -164,7 +175,7 @@ void even_out(Run& run) {
   if (!run.has_changed_boundary()) return;
   BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
   if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
-  if (run.options.boundary_smoothing) smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
+  move_boundary(run);
 }
 
 /// Down to a little more than the target: the rest is left to simplify_refined.
@@ -256,8 +267,7 @@ void polish(Run& run, std::uint64_t target) {
   Repairer repairer(run.mesh, run.scores, rule, run.tools());
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
-    if (run.options.boundary_smoothing)
-      smooth_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
+    move_boundary(run);
     repairer.round(run.repairs_below(kRepairScore), run.repairs_below(kCompoundScore), 2);
   }
 }

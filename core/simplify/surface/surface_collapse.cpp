@@ -65,20 +65,6 @@ struct PlaneSum {
   }
 };
 
-/// A vertex whose worst tet has this score (q = 0.58) stays where it is; one that moves must better it so
-/// much.
-constexpr double kWellShaped = 0.2;
-constexpr double kWorthAMove = 1.1;
-
-bool is_frozen(const WorkingMesh& mesh, Index v) {
-  return (mesh.vertex_flags[v] & kFrozen) != 0;
-}
-
-/// How much a vertex is held: frozen ones stay like corners.
-FeatureRank hold_on(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
-  return is_frozen(mesh, v) ? FeatureRank::kCorner : boundary.lines().rank(v);
-}
-
 class BoundaryCollapser {
  public:
   BoundaryCollapser(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
@@ -202,11 +188,11 @@ class BoundaryCollapser {
     const Vec3 best = planes_.best_place();
     places = {origin + best, mesh_.points[survivor], mesh_.points[gone]};
     if (planes_.cost(places[2] - origin) < planes_.cost(places[1] - origin)) std::swap(places[1], places[2]);
-    // A straight edge is kept to the bit by its ends.
+    // A straight edge is kept to the bit by its ends, and by nothing else.
     const bool is_on_line = hold(gone) == FeatureRank::kOnLine;
-    if (is_on_line && boundary_.lines().is_straight_at(mesh_, gone, survivor))
-      std::swap(places[0], places[1]);
-    return 3;
+    if (!is_on_line || !boundary_.lines().is_straight_at(mesh_, gone, survivor)) return 3;
+    std::rotate(places.begin(), places.begin() + 1, places.end());
+    return 2;
   }
 
   bool is_well_shaped(const Vec3& place) {
@@ -288,63 +274,11 @@ class BoundaryCollapser {
   BoundaryChange change_;
 };
 
-/// Of the faces at v: middle of their middles, weighted by area, brought back into the tangent plane.
-Vec3 tangential_target(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
-  const Vec3 p = mesh.points[v];
-  Vec3 normal;
-  Vec3 middle;
-  double weight = 0.0;
-  for (const Index f : boundary.faces_of(v)) {
-    const Triangle& t = boundary.face(f);
-    const Vec3 n = cross(mesh.points[t[1]] - mesh.points[t[0]], mesh.points[t[2]] - mesh.points[t[0]]);
-    const double area = length(n);
-    normal = normal + n;
-    weight += area;
-    middle = middle + (area / 3.0) * (mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]);
-  }
-  const double size_sq = length_sq(normal);
-  if (!(weight > 0.0) || !(size_sq > 0.0)) return p;
-  const Vec3 step = (1.0 / weight) * middle - p;
-  return p + step - (dot(step, normal) / size_sq) * normal;
-}
-
 }  // namespace
 
 void collapse_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report) {
   BoundaryCollapser(mesh, boundary, scores, options, report).run();
-}
-
-void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
-                     SurfaceReport& report) {
-  StarQuality star;
-  BoundaryChange change;
-  for (Index v = 0; v < mesh.points.size(); ++v) {
-    if (!mesh.is_vertex_alive(v) || !mesh.is_on_boundary(v)) continue;
-    if (hold_on(mesh, boundary, v) != FeatureRank::kNone) continue;
-    const Vec3 from = mesh.points[v];
-    star.start(scores.at(from), from);
-    add_star(mesh, v, kNoIndex, star);
-    star.close();
-    const StarFigures now = star.evaluate(from);
-    if (now.worst > kWellShaped) continue;
-    const Vec3 target = tangential_target(mesh, boundary, v);
-    change.removed.assign(boundary.faces_of(v).begin(), boundary.faces_of(v).end());
-    change.fresh.clear();
-    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
-    change.moved = v;
-    for (const double step : {1.0, 0.4}) {
-      change.to = (1.0 - step) * from + step * target;
-      const StarFigures then = star.evaluate(change.to);
-      if (!(then.worst >= kWorthAMove * now.worst) || !star.is_positive(change.to) ||
-          boundary.check(mesh, change) != BoundaryVerdict::kAllowed)
-        continue;
-      boundary.apply(mesh, change);
-      apply_move(mesh, v, change.to);
-      ++report.moves;
-      break;
-    }
-  }
 }
 
 }  // namespace palpate::simplify

@@ -1,5 +1,4 @@
-// Collapses of boundary edges, and moves of boundary vertices along the skin, under the guard of a
-// GuardedBoundary.
+// Collapses of boundary edges under the guard of a GuardedBoundary.
 #pragma once
 
 #include <cstdint>
@@ -39,10 +38,5 @@ struct SurfaceReport {
 /// Visualization 1998, for the volume; Garland and Heckbert, SIGGRAPH 1997, for the planes.
 void collapse_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                              const SurfaceCollapseOptions& options, SurfaceReport& report);
-
-/// One sweep over the boundary vertices: each is moved towards the middle of its faces, within the tangent
-/// plane, if the tets around it get better by it. Vertices on feature lines stay.
-void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
-                     SurfaceReport& report);
 
 }  // namespace palpate::simplify

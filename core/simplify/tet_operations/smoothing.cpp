@@ -10,12 +10,6 @@ namespace {
 /// Steps towards the centroid of the star, the longest first.
 constexpr std::array kCentroidSteps{1.0, 0.5, 0.2};
 
-/// First step along the gradient, and the difference that the gradient is got by, in lengths of an edge.
-constexpr double kFirstStep = 0.15;
-constexpr double kDifference = 0.01 * kFirstStep;
-constexpr double kShorter = 0.4;  ///< factor of a step that was too long
-constexpr int kTriesPerStep = 3;
-
 }  // namespace
 
 bool Smoother::try_place(const Vec3& place) {
@@ -31,21 +25,9 @@ bool Smoother::try_place(const Vec3& place) {
 void Smoother::climb(int steps) {
   const Tet& tet = mesh_.tets[star_tet_];
   const double edge = length(mesh_.points[tet[0]] - mesh_.points[tet[1]]);
-  double step = kFirstStep * edge;
-  const double d = kDifference * edge;
-  for (int i = 0; i < steps; ++i) {
-    const Vec3 gradient{star_.evaluate(place_ + Vec3{d, 0.0, 0.0}).sum - figures_.sum,
-                        star_.evaluate(place_ + Vec3{0.0, d, 0.0}).sum - figures_.sum,
-                        star_.evaluate(place_ + Vec3{0.0, 0.0, d}).sum - figures_.sum};
-    const double norm = length(gradient);
-    if (!(norm > 0.0)) return;
-    bool better = false;
-    for (int k = 0; k < kTriesPerStep && !better; ++k) {
-      better = try_place(place_ + (step / norm) * gradient);
-      if (!better) step *= kShorter;
-    }
-    if (!better) return;
-  }
+  climb_gains(
+      star_, edge, steps, place_, figures_, [](const Vec3& gradient) { return gradient; },
+      [this](const Vec3& place) { return try_place(place); });
 }
 
 double Smoother::smooth(Index v, int steps) {

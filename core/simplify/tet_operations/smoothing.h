@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/mesh/geometry.h"
 #include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/star_quality.h"
@@ -13,6 +14,33 @@ namespace palpate::simplify {
 
 /// Share of the worst score around that a move or a flip has to leave.
 inline constexpr double kLeastOfWorst = 0.5;
+
+/// Moves an apex up to `steps` steps along the gradient of its star's sum of gains, got by forward
+/// differences; the first is 0.15 of `edge` long. `direct` makes of a gradient the direction to take, and
+/// `try_place` takes a place that is better: it then changes `place` and `figures`, which are those of now.
+template <typename Direct, typename TryPlace>
+void climb_gains(StarQuality& star, double edge, int steps, const Vec3& place, const StarFigures& figures,
+                 const Direct& direct, const TryPlace& try_place) {
+  constexpr double kFirstStep = 0.15;
+  constexpr double kDifference = 0.01 * kFirstStep;
+  constexpr double kShorter = 0.4;  // factor of a step that was too long
+  constexpr int kTriesPerStep = 3;
+  double step = kFirstStep * edge;
+  const double d = kDifference * edge;
+  for (int i = 0; i < steps; ++i) {
+    const Vec3 gradient = direct(Vec3{star.evaluate(place + Vec3{d, 0.0, 0.0}).sum - figures.sum,
+                                      star.evaluate(place + Vec3{0.0, d, 0.0}).sum - figures.sum,
+                                      star.evaluate(place + Vec3{0.0, 0.0, d}).sum - figures.sum});
+    const double norm = length(gradient);
+    if (!(norm > 0.0)) return;
+    bool better = false;
+    for (int k = 0; k < kTriesPerStep && !better; ++k) {
+      better = try_place(place + (step / norm) * gradient);
+      if (!better) step *= kShorter;
+    }
+    if (!better) return;
+  }
+}
 
 /// Moves one vertex after another; the memory that it works in is kept between them.
 class Smoother {

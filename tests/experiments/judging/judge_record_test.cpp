@@ -18,6 +18,7 @@ TEST(JudgeRecord, AnUnchangedSkinIsAtDistanceZero) {
                           "mean_surface_distance", "mean_surface_distance_error"}) {
     EXPECT_EQ(figures.at(key), 0.0) << key;
   }
+  EXPECT_EQ(figures.at("boundary_bend_ratio"), 1.0);
   EXPECT_EQ(figures.at("surface_self_intersections"), 0);
 }
 
@@ -31,6 +32,7 @@ TEST(JudgeRecord, AMovedSkinIsBracketed) {
   EXPECT_GE(figures.at("surface_distance_upper").get<double>(), exact - 1e-12);
   EXPECT_LE(figures.at("surface_distance_upper").get<double>(), 1.02 * exact);
   EXPECT_GT(figures.at("mean_surface_distance").get<double>(), 0.0);
+  EXPECT_GT(figures.at("boundary_bend_ratio").get<double>(), 1.0);
   EXPECT_NEAR(figures.at("surface_distance_relative").get<double>(), exact / std::sqrt(3.0 * 3.25 * 3.25),
               0.01);
 }
@@ -39,6 +41,7 @@ TEST(JudgeRecord, AMeshWithoutTetsHasNoDistance) {
   const auto figures = judge_output({}, make_kuhn_block(1, 1, 1)).figures;
   EXPECT_TRUE(figures.at("surface_distance_upper").is_null());
   EXPECT_EQ(figures.at("null_reasons").at("surface_distance_upper"), "infinite");
+  EXPECT_EQ(figures.at("null_reasons").at("boundary_bend_ratio"), "not a number");
 }
 
 TEST(JudgeRecord, GoodTetsThatOverlapAreCounted) {

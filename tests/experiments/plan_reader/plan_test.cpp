@@ -86,6 +86,12 @@ const BadPlan kBadPlans[] = {
     {"tets_of_seeded",
      "\n  - {method: test.copy, label: a, seeds: 2}\n  - {method: test.copy, label: b, stop: {tets_of: a}}",
      "", 7, "without seeds"},
+    {"distance_of_nobody", "[{method: test.copy, label: a, stop: {tets: 5, at_its_distance: true}}]", "", 5,
+     "at_its_distance goes with tets_of"},
+    {"distance_without_a_bound",
+     "\n  - {method: test.copy, label: a}\n  - {method: test.copy, label: b, stop: {tets_of: a, "
+     "at_its_distance: true}}",
+     "", 7, "no option \"max_surface_error_m\""},
     {"seeds_zero", "[{method: test.copy, seeds: 0}]", "", 5, "seeds: expected a whole number from 1"},
     {"seeds_twice", "[{method: test.copy, seeds: [1, 1]}]", "", 5, "seeds that differ"},
     {"seeds_and_seed", "[{method: test.copy, seeds: 2, set: {seed: 1}}]", "", 5, "exclude each other"},

@@ -44,6 +44,43 @@ TEST(SharpEdges, RefusesWhatIsNoSurface) {
   EXPECT_THROW(measure_feature_distance({}, {}, nan), ContractError);
 }
 
+TEST(TotalBend, ClosedForms) {
+  constexpr double kPi = 3.14159265358979323846;
+  // A block's twelve sides, however finely it is cut, wherever it lies and however large it is.
+  for (const int n : {1, 2, 5}) {
+    SurfaceMesh cube = build_boundary(make_kuhn_block(n, n, n));
+    for (Vec3& p : cube.points) p = (1e-3 / n) * p + Vec3{7.0, -5.0, 3.0};
+    EXPECT_NEAR(total_bend(cube), 12e-3 * kPi / 2.0, 1e-12) << n;
+  }
+  EXPECT_NEAR(total_bend(build_boundary(make_kuhn_block(2, 3, 4))), 4.0 * (2 + 3 + 4) * kPi / 2.0, 1e-12);
+  const SurfaceMesh regular{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}},
+                            {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}}};
+  EXPECT_NEAR(total_bend(regular), 6.0 * std::sqrt(8.0) * (kPi - std::acos(1.0 / 3.0)), 1e-12);
+  // An edge of one triangle alone is bent by nothing.
+  EXPECT_EQ(total_bend({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}), 0.0);
+  EXPECT_EQ(total_bend({}), 0.0);
+  EXPECT_THROW(total_bend({{{0, 0, 0}}, {{0, 1, 2}}}), ContractError);
+}
+
+TEST(TotalBend, OfARoundBodyComesNearItsCurvatureAndACrumpledSkinHasMore) {
+  constexpr double kPi = 3.14159265358979323846;
+  TetMesh ball = make_kuhn_block(12, 12, 12);
+  for (Vec3& p : ball.points) {  // each shell of the cube onto a sphere
+    const Vec3 q = p - Vec3{6, 6, 6};
+    const double shell = std::max({std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
+    const double size = length(q);
+    p = size > 0.0 ? (shell / size) * q : q;
+  }
+  SurfaceMesh skin = build_boundary(ball);
+  const double smooth = total_bend(skin);
+  // Twice 4 pi r, and more where the shell's quadrangles are bent along the wrong diagonal.
+  EXPECT_GT(smooth, 8.0 * kPi * 6.0);
+  EXPECT_LT(smooth, 1.2 * 8.0 * kPi * 6.0);
+  SplitMix64 random(4);
+  for (Vec3& p : skin.points) p = (1.0 + 0.02 * (random.uniform() - 0.5)) * p;
+  EXPECT_GT(total_bend(skin), 1.1 * smooth);
+}
+
 TEST(EdgeDistance, ClosedForms) {
   const std::vector<EdgeEnds> ground{{Vec3{0, 0, 0}, Vec3{4, 0, 0}}};
   const auto distance = [&](const Vec3& a, const Vec3& b) {

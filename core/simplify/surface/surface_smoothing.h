@@ -1,0 +1,26 @@
+// Moves of boundary vertices under the guard of a GuardedBoundary.
+#pragma once
+
+#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/surface/surface_collapse.h"
+#include "core/simplify/tet_operations/score_rule.h"
+#include "core/simplify/tet_operations/working_mesh.h"
+
+namespace palpate::simplify {
+
+/// One sweep over the boundary vertices: each is moved to where the sum of gains of the tets around it is
+/// larger, first towards the middle of its faces and along the gradient within the tangent plane, then with
+/// half of the gradient's part along the normal, as far as the bound permits; where the volume inside the
+/// boundary is a thousandth off `volume`, the input's, only towards that. No move bends the skin around by
+/// more than a fiftieth more, so that what is flat stays so: without this the tets get better by crumpling
+/// it. A move has to be worth it, and may leave a tet a tenth worse than the worst around. Vertices on
+/// feature lines stay. Counts the moves.
+void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, double volume,
+                     SurfaceReport& report);
+
+/// The same towards the middle of the faces alone, and only where the worst tet around gets better by a
+/// tenth.
+void mend_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
+                   SurfaceReport& report);
+
+}  // namespace palpate::simplify
