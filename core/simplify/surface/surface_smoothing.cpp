@@ -30,6 +30,7 @@ constexpr std::array kShares{1.0, 0.5, 0.25};
 constexpr std::array kNormalShares{0.0, 0.5};
 constexpr double kVolumeLeeway = 0.001;
 constexpr double kBendLeeway = 1.02;
+constexpr double kFlat = 1e-12;  ///< of the longest edge: what rounding bends a flat skin by
 constexpr double kLeastOfWorstOfSkin = 0.9;
 constexpr double kWorthAProof = 0.01;
 
@@ -151,7 +152,7 @@ class BoundarySmoother {
     const StarFigures before = figures_;
     const Fan fan = measure_fan(mesh_, boundary_, v);
     rim_.take(mesh_, boundary_, v);
-    most_bend_ = kBendLeeway * rim_.bend(from);
+    most_bend_ = kBendLeeway * rim_.bend(from) + kFlat * fan.edge;
     for (const double step : kMiddleSteps) {
       if (try_place(from + step * (fan.middle - from))) break;
     }
