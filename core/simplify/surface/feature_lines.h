@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "core/simplify/cover/line_cover.h"
 #include "core/simplify/sizing/triangle_tree.h"
-#include "core/simplify/surface/line_cover.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {

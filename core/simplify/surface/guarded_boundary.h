@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "core/simplify/cover/cover_check.h"
 #include "core/simplify/sizing/triangle_tree.h"
-#include "core/simplify/surface/cover_check.h"
 #include "core/simplify/surface/face_contact.h"
 #include "core/simplify/surface/feature_lines.h"
 #include "core/simplify/tet_operations/working_mesh.h"

@@ -1,4 +1,4 @@
-#include "core/simplify/surface/line_cover.h"
+#include "core/simplify/cover/line_cover.h"
 
 #include <algorithm>
 #include <utility>

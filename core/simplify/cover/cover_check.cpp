@@ -1,4 +1,4 @@
-#include "core/simplify/surface/cover_check.h"
+#include "core/simplify/cover/cover_check.h"
 
 #include <algorithm>
 
