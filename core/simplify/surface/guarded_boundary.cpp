@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/error.h"
+#include "core/mesh/geometry.h"
 
 namespace palpate::simplify {
 namespace {
@@ -198,15 +199,11 @@ bool GuardedBoundary::touches(const WorkingMesh& mesh, const PlacedFace& face) {
 }
 
 double GuardedBoundary::volume(const WorkingMesh& mesh) const {
-  double sum = 0.0;
-  const Vec3* origin = nullptr;
-  for (const Triangle& t : faces_) {
-    if (t[0] == kNoIndex) continue;
-    const auto [a, b, c] = corners_of(mesh, t);
-    if (origin == nullptr) origin = &mesh.points[t[0]];
-    sum += dot(a - *origin, cross(b - *origin, c - *origin));
+  SurfaceMesh skin{mesh.points, {}};
+  for (Index f = 0; f < faces_.size(); ++f) {
+    if (is_alive(f)) skin.triangles.push_back(faces_[f]);
   }
-  return sum / 6.0;
+  return enclosed_volume(skin);
 }
 
 std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {

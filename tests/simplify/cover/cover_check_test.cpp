@@ -8,16 +8,12 @@
 #include "core/base/random.h"
 #include "core/judge/surface/surface.h"
 #include "tests/support/small_meshes.h"
+#include "tests/support/triangle_corners.h"
 
 namespace palpate::simplify {
 namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
-
-TriangleCorners corners_of(const SurfaceMesh& surface, std::size_t i) {
-  const Triangle& t = surface.triangles[i];
-  return {surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
-}
 
 TEST(CoverTest, AParallelTriangleIsCoveredFromItsHeightOn) {
   const SurfaceMesh ground{{{-9, -9, 0}, {9, -9, 0}, {0, 9, 0}}, {{0, 1, 2}}};
@@ -95,7 +91,7 @@ TEST(CoverTest, NeverSaysYesAgainstTheJudgeAndSeldomNo) {
     const TriangleTree tree(others.points, others.triangles);
     for (const double factor : {0.8, 0.99, 1.01, 1.2}) {
       const double limit = factor * exact.forward.upper;
-      const bool is_covered = CoverTest(limit).is_covered(corners_of(one, 0), tree);
+      const bool is_covered = CoverTest(limit).is_covered(triangle_corners(one, 0), tree);
       EXPECT_TRUE(!is_covered || limit >= exact.forward.lower) << "seed " << seed;
       if (!is_covered && factor > 1.1) ++too_careful;
       ++(is_covered ? yes : no);

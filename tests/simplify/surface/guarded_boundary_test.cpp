@@ -9,16 +9,12 @@
 #include "core/judge/surface/surface.h"
 #include "core/mesh/topology.h"
 #include "tests/support/small_meshes.h"
+#include "tests/support/triangle_corners.h"
 
 namespace palpate::simplify {
 namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
-
-TriangleCorners corners_of(const SurfaceMesh& surface, std::size_t i) {
-  const Triangle& t = surface.triangles[i];
-  return {surface.points[t[0]], surface.points[t[1]], surface.points[t[2]]};
-}
 
 TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
   std::size_t contacts = 0;
@@ -37,12 +33,12 @@ TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
     if (shared == 2 && pair.triangles[1][0] == pair.triangles[1][1]) continue;
     bool has_area = true;
     for (std::size_t i = 0; i < 2; ++i) {
-      const TriangleCorners c = corners_of(pair, i);
+      const TriangleCorners c = triangle_corners(pair, i);
       has_area = has_area && length_sq(cross(c[1] - c[0], c[2] - c[0])) > 0.0;
     }
     if (!has_area) continue;
-    const PlacedFace a{pair.triangles[0], corners_of(pair, 0)};
-    const PlacedFace b{pair.triangles[1], corners_of(pair, 1)};
+    const PlacedFace a{pair.triangles[0], triangle_corners(pair, 0)};
+    const PlacedFace b{pair.triangles[1], triangle_corners(pair, 1)};
     const bool expected = judge::count_self_intersections(pair) > 0;
     EXPECT_EQ(are_in_contact(a, b), expected) << "seed " << seed;
     EXPECT_EQ(are_in_contact(b, a), expected) << "seed " << seed;
