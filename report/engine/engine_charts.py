@@ -8,7 +8,7 @@ from matplotlib.colors import Normalize
 
 from engine.engine import HOLDS, largest_meshes, returns_of
 from engine.motion_file import read_motion
-from shared.chart_style import FAINT, INK, STYLE, file_name, save, set_size_axis, set_title
+from shared.chart_style import FAINT, INK, STYLE, file_name, lay_out, save, set_size_axis, set_title
 from shared.mesh_file import outer_faces, read_mesh
 from shared.mesh_view import LIGHT, choose_view, inside
 from shared.records import BadRun, figure
@@ -96,7 +96,7 @@ def draw_returns(run, cases, folder):
         ax.set_ylabel("displacement in mm")
         ax.grid(axis="both")
     grid[0].legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    fig.tight_layout()
+    lay_out(fig)
     return save(fig, folder, "returns")
 
 
@@ -197,7 +197,7 @@ def draw_margins(cases, folder):
     ax.set_ylabel("longest stable step / step")
     ax.grid(axis="both")
     ax.legend(fontsize=8)
-    fig.tight_layout()
+    lay_out(fig)
     return save(fig, folder, "margins")
 
 
@@ -210,34 +210,49 @@ def setting_text(setting):
     return f"{label}, {precision}, {threads} thread{'s' if threads != 1 else ''}"
 
 
+def set_size_axes(fig, grid, sizes):
+    """Lays the figure out; only then it is known how many sizes have room below its axes."""
+    for ax in grid:
+        set_size_axis(ax, sizes)
+    lay_out(fig)
+    for ax in grid:
+        set_size_axis(ax, sizes)
+
+
+def curve_of(case):
+    return case.scene, *setting_of(case)
+
+
 def curves_of_ticks(cases, name):
-    """{(label, precision, threads): sorted (vertices, value)}."""
+    """{(scene, label, precision, threads): sorted (vertices, value)}."""
     curves = {}
     for case in cases:
         value = case.number(name)
         if value is not None and case.vertices:
-            curves.setdefault(setting_of(case), []).append((case.vertices, value))
+            curves.setdefault(curve_of(case), []).append((case.vertices, value))
     return {key: sorted(points) for key, points in curves.items()}
 
 
 def draw_budget(cases, folder):
-    """Median, 99.9th percentile and worst tick over the size of the mesh."""
-    fig, grid = plt.subplots(1, 3, figsize=(10.2, 3.8), sharey=True)
+    """Median, 99.9th percentile and worst tick over the size of the mesh, of what was timed at several."""
+    cases = with_several_sizes(cases, curve_of)
     deadline = next((value for case in cases if (value := figure(case.record, "report", "tick_s")) is not None), None)
+    scenes = {setting: len({case.scene for case in cases if setting_of(case) == setting}) for setting in map(setting_of, cases)}
+    fig, grid = plt.subplots(1, 3, figsize=(11.4, 3.8), sharey=True)
     for ax, (title, name) in zip(grid, [("median", "tick_p50_s"), ("99.9% of the ticks", "tick_p99_9_s"), ("worst", "tick_worst_s")]):
-        for (setting, points), color, turn in numbered(curves_of_ticks(cases, name).items()):
+        for ((scene, *setting), points), color, turn in numbered(curves_of_ticks(cases, name).items()):
+            setting = tuple(setting)
             ax.plot([x for x, _ in points], [1000 * y for _, y in points], MARKERS[turn % len(MARKERS)] + DASHES.get(setting[2], ":"), color=color, linewidth=1.3,
-                    markersize=4, label=setting_text(setting))
+                    markersize=4, label=setting_text(setting) + (f", {scene}" if scenes[setting] > 1 else ""))
         if deadline is not None:
             ax.axhline(1000 * deadline, color=INK, linewidth=0.8)
-        set_size_axis(ax, [case.vertices for case in cases if case.vertices])
         ax.set_yscale("log")
         ax.set_title(title, loc="left", color=INK)
         ax.set_xlabel("vertices")
         ax.grid(axis="both")
     grid[0].set_ylabel("time of a tick in ms")
     grid[2].legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    fig.tight_layout()
+    set_size_axes(fig, grid, [case.vertices for case in cases if case.vertices])
     return save(fig, folder, "budget")
 
 
@@ -261,12 +276,13 @@ def draw_distribution(cases, folder):
         ax.set_visible(False)
     for ax, setting in zip(grid.flat, settings):
         own = [case for case in chosen if setting_of(case) == setting]
+        several = len({case.scene for case in own}) > 1
         for number, case in enumerate(own):
             counts = np.array(case.told("buckets"), dtype=float)
             longer = counts[::-1].cumsum()[::-1] / counts.sum()
             starts = 1000 * np.array(case.told("bucket_ends_s"), dtype=float) / 10 ** (1 / 20)
             ax.step(starts, longer, where="pre", color=plt.get_cmap("viridis")(0.9 * number / max(1, len(own) - 1)), linewidth=1.3,
-                    label=f"{case.vertices:,.0f}")
+                    label=f"{case.vertices:,.0f}" + (f", {case.scene}" if several else ""))
             deadline = figure(case.record, "report", "tick_s")
             if deadline is not None:
                 ax.axvline(1000 * deadline, color=INK, linewidth=0.8)
@@ -275,10 +291,10 @@ def draw_distribution(cases, folder):
         ax.set_title(setting_text(setting), loc="left", color=INK)
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
-        ax.legend(fontsize=6, title="vertices", title_fontsize=6, loc="lower left")
+        ax.legend(fontsize=6, title="vertices", title_fontsize=6, loc="best")
     for row in grid:
         row[0].set_ylabel("share of ticks that take longer")
-    fig.tight_layout()
+    lay_out(fig)
     return save(fig, folder, "tick_times")
 
 
@@ -301,40 +317,47 @@ def draw_largest(cases, folder):
     ax.grid(axis="y")
     ax.set_title("The largest mesh whose ticks are in time", loc="left", color=INK)
     ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    fig.tight_layout()
+    lay_out(fig)
     return save(fig, folder, "largest")
 
 
 def draw_force(cases, folder):
-    """The held force by the engine and by finite elements, and their difference beside five times the finite elements' own change."""
+    """The held force of each method and by finite elements, and their difference beside five times the finite elements' own change."""
     names = ("held_force_size_n", "reference_force_size_n", "force_error", "reference_force_change")
-    points = sorted({(case.scene, case.vertices, *((case.number(name) if case.number(name) is not None else np.nan) for name in names))
-                     for case in with_several_sizes([each for each in cases if each.threads == 1 and each.number("force_error") is not None],
-                                                    lambda each: each.scene)}, key=str)
-    scenes = sorted({point[0] for point in points})
-    if len(points) < 2:
+    curves = {}
+    for case in with_several_sizes([each for each in cases if each.threads == 1 and each.number("force_error") is not None], force_curve_of):
+        numbers = [case.number(name) for name in names]
+        # Labels of one method differ in what they time, not in the force.
+        curves.setdefault(force_curve_of(case), {}).setdefault(case.vertices, [np.nan if number is None else number for number in numbers])
+    if sum(map(len, curves.values())) < 2:
         return []
-    fig, grid = plt.subplots(1, 2, figsize=(8.0, 3.4))
-    for scene, color, _ in numbered(scenes):
-        chosen = sorted(point[1:] for point in points if point[0] == scene)
-        size, own, other, error, change = (np.array(values) for values in zip(*chosen))
-        suffix = f", {scene}" if len(scenes) > 1 else ""
-        grid[0].plot(size, own, "o-", color=color, linewidth=1.3, markersize=4, label=f"engine{suffix}")
-        grid[0].plot(size, other, "s--", color=color, linewidth=1.3, markersize=4, label=f"finite elements{suffix}")
-        grid[1].plot(size, 100 * error, "o-", color=color, linewidth=1.3, markersize=4)
-        grid[1].plot(size, 500 * change, "v:", color=color, linewidth=1.0, markersize=4)
+    scenes = [scene for scene, _ in curves]
+    handles = []
+    fig, grid = plt.subplots(1, 2, figsize=(10.4, 3.8))
+    for ((scene, method), points), color, turn in numbered(sorted(curves.items())):
+        size = sorted(points)
+        own, other, error, change = np.array([points[each] for each in size]).T
+        mark = MARKERS[turn % len(MARKERS)]
+        handles += grid[0].plot(size, own, mark + "-", color=color, linewidth=1.3, markersize=4, label=scene + (f", {method}" if scenes.count(scene) > 1 else ""))
+        grid[0].plot(size, other, mark + "--", color=color, linewidth=1.0, markersize=3, markerfacecolor="white")
+        grid[1].plot(size, 100 * error, mark + "-", color=color, linewidth=1.3, markersize=4)
+        grid[1].plot(size, 500 * change, mark + ":", color=color, linewidth=1.0, markersize=3, markerfacecolor="white")
     grid[0].set_ylabel("force of the pad in N")
+    grid[0].set_title("dashed: by finite elements", loc="left", fontsize=8, color=INK)
     grid[0].set_ylim(bottom=0)
-    grid[0].legend(fontsize=7)
     grid[1].set_ylabel("difference in %")
     grid[1].set_title("dotted: 5 x the finite elements' change", loc="left", fontsize=8, color=INK)
     grid[1].set_ylim(bottom=0)
+    grid[1].legend(handles=handles, fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     for ax in grid:
-        set_size_axis(ax, [point[1] for point in points])
         ax.set_xlabel("vertices")
         ax.grid(axis="both")
-    fig.tight_layout()
+    set_size_axes(fig, grid, [size for points in curves.values() for size in points])
     return save(fig, folder, "force")
+
+
+def force_curve_of(case):
+    return case.scene, case.record.get("contestant") or case.label
 
 
 def draw_charts(run, found, folder):

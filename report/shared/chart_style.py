@@ -7,6 +7,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import FuncFormatter, LogFormatter, LogLocator, NullFormatter, NullLocator
 
 from shared.whole_file import replacing
@@ -125,6 +126,7 @@ def fit_titles(fig):
 
 def lay_out(fig, foot=0.0, **spacing):
     """Puts the panels between the title and what stands below (`foot` inches high); the figure grows where titles take more lines."""
+    write_powers_plainly(fig)  # whose own numbers would ask for more room
     rows = max((ax.get_subplotspec().get_gridspec().nrows for ax in fig.axes if ax.get_subplotspec()), default=1)
     arrange = lambda: fig.tight_layout(rect=(0, foot / fig.get_figheight(), 1, 1), **spacing)
     if fig._suptitle is not None:
@@ -162,11 +164,15 @@ def set_time_axis(ax, low, high):
 def set_size_axis(ax, sizes):
     """A logarithmic axis over these sizes (vertices), with those as numbers that have room."""
     ax.set_xscale("log")
+    sizes = sorted(set(sizes))
+    span = math.log(sizes[-1] / sizes[0]) if len(sizes) > 1 else 1.0
+    digit = 0.65 * FontProperties(size=plt.rcParams["xtick.labelsize"]).get_size_in_points() / 72 * ax.figure.dpi / ax.bbox.width * span
     apart = []
-    for size in sorted(set(sizes)):
-        if not apart or size > 1.6 * apart[-1]:
-            apart.append(size)
-    ax.set_xticks(apart, [f"{size:,.0f}" for size in apart])
+    for size in sizes:
+        text = f"{size:,.0f}"
+        if not apart or math.log(size / apart[-1][0]) > digit * (1 + (len(text) + len(apart[-1][1])) / 2):
+            apart.append((size, text))
+    ax.set_xticks([size for size, _ in apart], [text for _, text in apart])
     ax.xaxis.set_minor_locator(NullLocator())
 
 
