@@ -51,12 +51,14 @@ void erase_number(std::vector<Index>& numbers, Index number) {
 
 FeatureLines::FeatureLines(const WorkingMesh& mesh, std::span<const Triangle> faces, double angle_deg,
                            double limit)
-    : of_vertex_(mesh.points.size()), rank_(mesh.points.size(), FeatureRank::kNone), cover_(limit) {
-  const double cosine = std::cos(angle_deg * std::numbers::pi / 180.0);
-  find_edges(mesh, faces, cosine);
+    : cosine_(std::cos(angle_deg * std::numbers::pi / 180.0)),
+      of_vertex_(mesh.points.size()),
+      rank_(mesh.points.size(), FeatureRank::kNone),
+      cover_(limit) {
+  find_edges(mesh, faces);
   alive_ = edges_.size();
   if (edges_.empty()) return;
-  find_corners(mesh, cosine);
+  find_corners(mesh);
   std::vector<Triangle> as_triangles;
   for (Index e = 0; e < edges_.size(); ++e) {
     const auto& [a, b] = edges_[e];
@@ -68,12 +70,16 @@ FeatureLines::FeatureLines(const WorkingMesh& mesh, std::span<const Triangle> fa
   tree_.emplace(mesh.points, as_triangles);
 }
 
-void FeatureLines::find_edges(const WorkingMesh& mesh, std::span<const Triangle> faces, double cosine) {
+bool FeatureLines::is_sharp(const Vec3& normal, const Vec3& other) const {
+  return differ_by_more(normal, other, cosine_);
+}
+
+void FeatureLines::find_edges(const WorkingMesh& mesh, std::span<const Triangle> faces) {
   const std::vector<FaceSide> sides = sorted_sides(mesh, faces);
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].ends == sides[i].ends) ++end;
-    if (end - i != 2 || differ_by_more(sides[i].normal, sides[i + 1].normal, cosine)) {
+    if (end - i != 2 || differ_by_more(sides[i].normal, sides[i + 1].normal, cosine_)) {
       edges_.push_back(sides[i].ends);
       link(static_cast<Index>(edges_.size() - 1));
     }
@@ -81,13 +87,13 @@ void FeatureLines::find_edges(const WorkingMesh& mesh, std::span<const Triangle>
   }
 }
 
-void FeatureLines::find_corners(const WorkingMesh& mesh, double cosine) {
+void FeatureLines::find_corners(const WorkingMesh& mesh) {
   for (Index v = 0; v < of_vertex_.size(); ++v) {
     const std::vector<Index>& at = of_vertex_[v];
     if (at.empty()) continue;
     const auto turns = [&] {
       const Vec3 in = mesh.points[v] - mesh.points[other_end(at[0], v)];
-      return differ_by_more(in, mesh.points[other_end(at[1], v)] - mesh.points[v], cosine);
+      return differ_by_more(in, mesh.points[other_end(at[1], v)] - mesh.points[v], cosine_);
     };
     rank_[v] = at.size() != 2 || turns() ? FeatureRank::kCorner : FeatureRank::kOnLine;
   }

@@ -41,6 +41,9 @@ class FeatureLines {
   FeatureRank rank(Index v) const { return v < rank_.size() ? rank_[v] : FeatureRank::kNone; }
   bool is_line(Index a, Index b) const;
 
+  /// Whether two faces with these normals (of any length) meet at a sharp edge.
+  bool is_sharp(const Vec3& normal, const Vec3& other) const;
+
   /// Whether the lines at both ends of the feature edge (a, b) go on straight, to rounding.
   bool is_straight_at(const WorkingMesh& mesh, Index a, Index b) const;
 
@@ -66,8 +69,8 @@ class FeatureLines {
   };
 
   Index other_end(Index e, Index v) const { return edges_[e][edges_[e][0] == v ? 1 : 0]; }
-  void find_edges(const WorkingMesh& mesh, std::span<const Triangle> faces, double cosine);
-  void find_corners(const WorkingMesh& mesh, double cosine);
+  void find_edges(const WorkingMesh& mesh, std::span<const Triangle> faces);
+  void find_corners(const WorkingMesh& mesh);
   void link(Index e);
   void unlink(Index e);
   bool would_fold(Index gone, Index survivor) const;
@@ -75,6 +78,7 @@ class FeatureLines {
   void list_candidates(const WorkingMesh& mesh, Index gone, Index survivor);
   bool input_stays_near();
 
+  double cosine_ = -2.0;         ///< of the angle
   std::vector<LineEdge> edges_;  ///< a dead one has kNoIndex as its first vertex
   std::vector<std::vector<Index>> of_vertex_;
   std::vector<FeatureRank> rank_;

@@ -99,7 +99,12 @@ struct Run {
   double flips_below(double score) const { return scores.far().flip_share * score; }
   double repairs_below(double score) const { return scores.far().repair_share * score; }
 
-  bool has_changed_boundary() const { return report.surface.collapses > 0; }
+  /// Whether skin and inside are evened out for the best shapes. That leads away from sizes that are wanted,
+  /// and from what makes a step longer.
+  bool is_for_shape() const { return options.objective == Objective::kShape && field.is_empty(); }
+
+  /// Whether the skin is worked on: where it was coarsened, or where the bound is there to be spent.
+  bool takes_boundary() const { return report.surface.collapses > 0 || (is_for_shape() && !options.sparing); }
 
   void aim_at(double tets) {
     scores = ScoreRule(scale_of(room / std::max(1.0, tets)), field);
@@ -158,11 +163,21 @@ void coarsen_inside(Run& run, std::uint64_t tets, double longest = std::numeric_
   }
 }
 
-/// Moves in the skin: for the best shapes, or to mend the worst. Evening out leads away from sizes that are
-/// wanted, and from what makes a step longer.
+BoundaryFlipper flipper_of(Run& run) {
+  return {run.mesh, run.boundary, run.scores, run.is_for_shape() ? FlipAim::kSum : FlipAim::kWorst};
+}
+
+void flip_boundary(Run& run, BoundaryFlipper& flipper) {
+  if (!run.options.boundary_flips) return;
+  const double below =
+      run.is_for_shape() ? std::numeric_limits<double>::infinity() : run.flips_below(kPoorScore);
+  run.report.surface.flips += flipper.pass(below);
+}
+
+/// Moves in the skin: for the best shapes, or to mend the worst.
 void move_boundary(Run& run) {
   if (!run.options.boundary_smoothing) return;
-  if (run.options.objective == Objective::kShape && run.field.is_empty())
+  if (run.is_for_shape())
     smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface);
   else
     mend_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
@@ -172,9 +187,9 @@ void move_boundary(Run& run) {
 void even_out(Run& run) {
   Smoother smoother(run.mesh, run.scores);
   smoother.sweep(2);
-  if (!run.has_changed_boundary()) return;
-  BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
-  if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
+  if (!run.takes_boundary()) return;
+  BoundaryFlipper flipper = flipper_of(run);
+  flip_boundary(run, flipper);
   move_boundary(run);
 }
 
@@ -258,16 +273,18 @@ FlipRule window_of(const Run& run, std::uint64_t target) {
   return rule;
 }
 
-/// Last moves in the skin, now that the inside is good, and repairs around them.
+/// Last flips and moves in the skin, now that the inside is good, moves inside and repairs.
 void polish(Run& run, std::uint64_t target) {
   run.aim_at(static_cast<double>(target));
   const FlipRule rule = window_of(run, target);
-  BoundaryFlipper flipper(run.mesh, run.boundary, run.scores);
+  BoundaryFlipper flipper = flipper_of(run);
   flipper.set_range(rule.fewest_tets, rule.most_tets);
+  Smoother smoother(run.mesh, run.scores);
   Repairer repairer(run.mesh, run.scores, rule, run.tools());
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
-    if (run.options.boundary_flips) run.report.surface.flips += flipper.pass(run.flips_below(kPoorScore));
+    flip_boundary(run, flipper);
     move_boundary(run);
+    if (run.is_for_shape()) smoother.sweep(1);
     repairer.round(run.repairs_below(kRepairScore), run.repairs_below(kCompoundScore), 2);
   }
 }
@@ -309,7 +326,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   RefinedOptions inside;
   target = std::max<std::uint64_t>(1, target);
   // Refined may end 0.5% below; some collapses from a little above get closer.
-  const double aim = run.has_changed_boundary() ? kAimOfRefined : 1.0;
+  const double aim = run.takes_boundary() ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
   inside.objective = run.scored;
   inside.tools = run.tools();
@@ -318,7 +335,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   inside.sizing.reach = run.field.reach();
   const RefinedReport refined = refine_inside(run, mesh, inside);
   press_on(run, target);
-  if (run.has_changed_boundary()) polish(run, target);
+  if (run.takes_boundary()) polish(run, target);
   if (options.objective == Objective::kStableStep) {
     run.aim_at(static_cast<double>(target));
     StepLengthener(run.mesh, run.scores, window_of(run, target)).run(kStepRounds);

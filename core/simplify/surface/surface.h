@@ -21,7 +21,7 @@ struct SurfaceOptions {
   double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
   Objective objective = Objective::kShape;
   int effort = 1;                  ///< 0 .. kMostEffort of refined.h: more sweeps, better and slower
-  bool sparing = true;             ///< use up the bound in steps, no more of it than needed
+  bool sparing = true;             ///< the bound in steps, no more than needed; else spent
   double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
   bool boundary_flips = true;      ///< of edges
   bool boundary_smoothing = true;  ///< boundary vertices move along the skin too
@@ -68,7 +68,8 @@ void validate_options(const SurfaceOptions& options);
 /// same bound.
 ///
 /// Sparing: an eighth of the bound is tried first, then a quarter, half and all of it, each only if the one
-/// before did not get the boundary as coarse as wanted.
+/// before did not get the boundary as coarse as wanted. Without it all is taken at once, and (kShape without
+/// sizes) a boundary that is coarse enough is evened out by flips and moves too.
 /// Source: docs/surface.md.
 SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options);
 

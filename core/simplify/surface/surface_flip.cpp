@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "core/mesh/orientation.h"
-#include "core/simplify/tet_operations/flips.h"
+#include "core/simplify/tet_operations/smoothing.h"
 
 namespace palpate::simplify {
 namespace {
 
-/// A flip must better the worst score by this factor, so that flips end.
+/// A flip must better the worst score by this factor, or the sum of gains by so much, so that flips end.
 constexpr double kGrowth = 1.02;
+constexpr double kLeastGrowth = 1e-3;
 
 Index third(const Triangle& t, Index a, Index b) {
   for (const Index v : t) {
@@ -66,14 +67,21 @@ double BoundaryFlipper::worst_score(const EdgeFan& fan) {
   return worst;
 }
 
-/// The worse of the two tets over triangle (i, j, k) of the fan.
-double BoundaryFlipper::score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const {
-  return std::min(score_of(mesh_, scale_, {fan.fan[i], fan.fan[j], fan.fan[k], fan.b}),
-                  score_of(mesh_, scale_, {fan.a, fan.fan[i], fan.fan[j], fan.fan[k]}));
+/// The two tets over triangle (i, j, k) of the fan.
+std::array<Tet, 2> BoundaryFlipper::pair_over(const EdgeFan& fan, std::size_t i, std::size_t j,
+                                              std::size_t k) const {
+  return {Tet{fan.fan[i], fan.fan[j], fan.fan[k], fan.b}, Tet{fan.a, fan.fan[i], fan.fan[j], fan.fan[k]}};
 }
 
-/// Klincsek's dynamic programming for the greatest worst score over the polygon fan[0 .. size].
-double BoundaryFlipper::best_triangulation(const EdgeFan& fan) {
+std::array<double, 2> BoundaryFlipper::score_pair(const EdgeFan& fan, std::size_t i, std::size_t j,
+                                                  std::size_t k) const {
+  const auto [at_b, at_a] = pair_over(fan, i, j, k);
+  return {score_of(mesh_, scale_, at_b), score_of(mesh_, scale_, at_a)};
+}
+
+/// Takes the triangles over the polygon fan[0 .. size] with the greatest worst score, by Klincsek's dynamic
+/// programming, if it is above the worst of now.
+bool BoundaryFlipper::raises_worst(const EdgeFan& fan, double worst) {
   constexpr std::size_t kMost = EdgeFan::kMostTets + 1;
   std::array<std::array<double, kMost>, kMost> best{};
   for (std::size_t i = 0; i < fan.size; ++i) best[i][i + 1] = 1e300;
@@ -82,23 +90,74 @@ double BoundaryFlipper::best_triangulation(const EdgeFan& fan) {
       const std::size_t k = i + span;
       best[i][k] = -1e300;
       for (std::size_t j = i + 1; j < k; ++j) {
-        const double here = std::min({best[i][j], best[j][k], score_pair(fan, i, j, k)});
+        const auto [at_b, at_a] = score_pair(fan, i, j, k);
+        const double here = std::min({best[i][j], best[j][k], std::min(at_b, at_a)});
         if (here <= best[i][k]) continue;
         best[i][k] = here;
         apex_[i][k] = j;
       }
     }
   }
-  return best[0][fan.size];
+  triangles_.clear();
+  list_triangles(0, fan.size);
+  return fan.size == 1 || (best[0][fan.size] > 0.0 && best[0][fan.size] > kGrowth * worst);
 }
 
-void BoundaryFlipper::list_tets(const EdgeFan& fan, std::size_t i, std::size_t k) {
+void BoundaryFlipper::list_triangles(std::size_t i, std::size_t k) {
   if (k < i + 2) return;
   const std::size_t j = apex_[i][k];
-  fresh_.push_back({fan.fan[i], fan.fan[j], fan.fan[k], fan.b});
-  fresh_.push_back({fan.a, fan.fan[i], fan.fan[j], fan.fan[k]});
-  list_tets(fan, i, j);
-  list_tets(fan, j, k);
+  triangles_.push_back({i, j, k});
+  list_triangles(i, j);
+  list_triangles(j, k);
+}
+
+/// Takes the triangles with the greatest sum of gains, if it is above that of now.
+bool BoundaryFlipper::raises_sum(const EdgeFan& fan, double worst) {
+  double before = 0.0;
+  for (std::size_t i = 0; i < fan.size; ++i) before += worth_of_tet(scale_, double{mesh_.score[fan.tets[i]]});
+  triangles_.clear();
+  if (fan.size == 1) return kLeastGrowth < -before;  // nothing is left of it
+  const double least = kLeastOfWorst * worst;
+  const std::size_t corners = fan.size + 1;
+  for (std::size_t i = 0; i + 2 < corners; ++i) {
+    for (std::size_t j = i + 1; j + 1 < corners; ++j) {
+      for (std::size_t k = j + 1; k < corners; ++k) {
+        const auto [at_b, at_a] = score_pair(fan, i, j, k);
+        const double here = std::min(at_b, at_a);
+        value_[i][j][k] = here > 0.0 && here >= least
+                              ? worth_of_tet(scale_, at_b) + worth_of_tet(scale_, at_a)
+                              : kForbidden;
+      }
+    }
+  }
+  const double after = best_ring_filling(value_, corners, triangles_);
+  return after != kForbidden && after > before + kLeastGrowth;
+}
+
+/// Whether one of the edges of the two new faces would be sharp that is on no line and was not.
+bool BoundaryFlipper::makes_edge_sharp(const EdgeFan& fan) const {
+  const FeatureLines& lines = boundary_.lines();
+  const auto normal_of = [&](const Triangle& t) {
+    const Vec3& p = mesh_.points[t[0]];
+    return cross(mesh_.points[t[1]] - p, mesh_.points[t[2]] - p);
+  };
+  const std::array<Vec3, 2> before{normal_of(boundary_.face(fan.faces[0])),
+                                   normal_of(boundary_.face(fan.faces[1]))};
+  const std::array<Vec3, 2> after{normal_of(change_.fresh[0]), normal_of(change_.fresh[1])};  // at a and at b
+  if (lines.is_sharp(after[0], after[1]) && !lines.is_sharp(before[0], before[1])) return true;
+  const std::array<Index, 2> ends{fan.a, fan.b};
+  const std::array<Index, 2> outer{fan.fan[0], fan.fan[fan.size]};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (lines.is_line(ends[i], outer[k])) continue;
+      for (const Index f : boundary_.faces_of(ends[i])) {
+        if (f == fan.faces[0] || f == fan.faces[1] || !has_corner(boundary_.face(f), outer[k])) continue;
+        const Vec3 beyond = normal_of(boundary_.face(f));
+        if (lines.is_sharp(after[i], beyond) && !lines.is_sharp(before[k], beyond)) return true;
+      }
+    }
+  }
+  return false;
 }
 
 /// The new edge must be new on the boundary, and inside too unless a tet is peeled off it.
@@ -115,6 +174,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
   change_.removed.assign(fan.faces.begin(), fan.faces.end());
   change_.fresh = {{fan.a, first, last}, {first, fan.b, last}};
   change_.moved = kNoIndex;
+  if (!boundary_.lines().is_empty() && makes_edge_sharp(fan)) return false;
   return boundary_.check(mesh_, change_) == BoundaryVerdict::kAllowed;
 }
 
@@ -127,12 +187,13 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   if (worst >= threshold) return false;
   if (fan.size == 1 && mesh_.alive <= fewest_tets_) return false;
   if (fan.size > 2 && mesh_.alive + fan.size - 2 > most_tets_) return false;
-  if (fan.size > 1) {
-    const double best = best_triangulation(fan);
-    if (!(best > 0.0 && best > kGrowth * worst)) return false;
-  }
+  if (!(aim_ == FlipAim::kSum ? raises_sum(fan, worst) : raises_worst(fan, worst))) return false;
   fresh_.clear();
-  list_tets(fan, 0, fan.size);
+  for (const auto& [i, j, k] : triangles_) {
+    const auto [at_b, at_a] = pair_over(fan, i, j, k);
+    fresh_.push_back(at_b);
+    fresh_.push_back(at_a);
+  }
   const auto is_positive = [&](const Tet& t) {
     const std::vector<Vec3>& p = mesh_.points;
     return orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) > 0;

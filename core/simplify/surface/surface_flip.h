@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
@@ -24,6 +25,12 @@ struct EdgeFan {
   std::array<Index, 2> faces{};  ///< numbers in the skin, of the first and of the last
 };
 
+/// What flips of boundary edges are for.
+enum class FlipAim {
+  kWorst,  ///< the worst tet around gets better
+  kSum     ///< the sum of gains grows, as for a Flipper, a tet more being one of the usual score
+};
+
 /// Flips boundary edges where the tets around them get better.
 ///
 /// The two faces at the edge (a, b) give way to those at the edge from fan[0] to fan[n], and the n tets to
@@ -31,8 +38,8 @@ struct EdgeFan {
 /// off.
 class BoundaryFlipper {
  public:
-  BoundaryFlipper(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores)
-      : mesh_(mesh), boundary_(boundary), scores_(scores) {}
+  BoundaryFlipper(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, FlipAim aim)
+      : mesh_(mesh), boundary_(boundary), scores_(scores), aim_(aim) {}
 
   /// Peeling takes a tet away, flips of fans of more than two add some: only within this range of counts.
   void set_range(std::uint64_t fewest, std::uint64_t most) {
@@ -43,25 +50,31 @@ class BoundaryFlipper {
   /// One pass over all boundary edges with a tet of a score below `threshold`. Returns how many were flipped.
   std::uint64_t pass(double threshold);
 
-  /// Flips edge (a, b) if it is no feature edge, the worst tet there gets better by it and the skin's guard
-  /// permits it.
+  /// Flips edge (a, b) if it is no feature edge, the tets there get better by it, the skin's guard permits it
+  /// and, where there are feature edges, no other becomes as sharp.
   bool try_flip(Index a, Index b, double threshold);
 
  private:
   bool find_fan(Index a, Index b, EdgeFan& fan) const;
   double worst_score(const EdgeFan& fan);
-  double best_triangulation(const EdgeFan& fan);
-  void list_tets(const EdgeFan& fan, std::size_t i, std::size_t j);
-  double score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
+  bool raises_worst(const EdgeFan& fan, double worst);
+  bool raises_sum(const EdgeFan& fan, double worst);
+  void list_triangles(std::size_t i, std::size_t j);
+  std::array<Tet, 2> pair_over(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
+  std::array<double, 2> score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
   bool is_permitted(const EdgeFan& fan);
+  bool makes_edge_sharp(const EdgeFan& fan) const;
 
   WorkingMesh& mesh_;
   GuardedBoundary& boundary_;
   const ScoreRule& scores_;
+  FlipAim aim_;
   ScoreScale scale_;  ///< at the edge under examination
   std::uint64_t fewest_tets_ = 0;
   std::uint64_t most_tets_ = ~std::uint64_t{0};
   BoundaryChange change_;
+  RingValues value_{};
+  std::vector<RingTriangle> triangles_;  ///< of the fan, in the place of its tets
   std::vector<Tet> fresh_;
   std::vector<Index> added_;
   std::array<std::array<std::size_t, EdgeFan::kMostTets + 1>, EdgeFan::kMostTets + 1> apex_{};

@@ -157,15 +157,11 @@ double Flipper::known_score(Index t) {
   return double{score};
 }
 
-double Flipper::worth(const ScoreScale& scale, double score) const {
-  return gain_of_score(scale, score) - gain_of_score(scale, scale.usual_score);
-}
-
 Flipper::Before Flipper::measure_before(const Index* tets, std::size_t count) {
   Before before{0.0, 1e300};
   for (std::size_t i = 0; i < count; ++i) {
     const double score = known_score(tets[i]);
-    before.sum += worth(scores_.far(), score);
+    before.sum += worth_of_tet(scores_.far(), score);
     before.worst = std::min(before.worst, score);
   }
   return before;
@@ -259,9 +255,9 @@ void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues&
     for (std::size_t k = i + 1; k + 1 < n; ++k) {
       for (std::size_t j = k + 1; j < n; ++j, ++at) {
         const double worst = double{std::min(scores_a_[at], scores_b_[at])};
-        value[i][k][j] = worst > 0.0 && worst >= least_score
-                             ? worth(scale, double{scores_a_[at]}) + worth(scale, double{scores_b_[at]})
-                             : kForbidden;
+        value[i][k][j] = worst > 0.0 && worst >= least_score ? worth_of_tet(scale, double{scores_a_[at]}) +
+                                                                   worth_of_tet(scale, double{scores_b_[at]})
+                                                             : kForbidden;
       }
     }
   }
@@ -318,7 +314,7 @@ bool Flipper::try_remove_face(Index tet, std::size_t corner) {
   for (const float fresh : fresh_scores_) {
     const double score = double{fresh};
     if (score <= 0.0 || score < rule_.least_of_worst * before.worst) return false;
-    sum += worth(scale, score);
+    sum += worth_of_tet(scale, score);
   }
   if (!(sum > before.sum + rule_.least_growth)) return false;
   growth_ = sum - before.sum;
@@ -335,7 +331,7 @@ Index Flipper::flip_with_vertex(std::span<const Index> old, Index vertex) {
   }
   split_vertex_ = vertex;
   growth_ = -before.sum;
-  for (const Index t : added_) growth_ += worth(scores_.far(), known_score(t));
+  for (const Index t : added_) growth_ += worth_of_tet(scores_.far(), known_score(t));
   return vertex;
 }
 

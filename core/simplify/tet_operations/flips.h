@@ -111,7 +111,6 @@ class Flipper {
     double worst = 0.0;
   };
   Before measure_before(const Index* tets, std::size_t count);
-  double worth(const ScoreScale& scale, double score) const;
   bool try_ring(const EdgeRing& ring);
   void take_ring(const EdgeRing& ring);
   bool can_be_filled(const EdgeRing& ring) const;

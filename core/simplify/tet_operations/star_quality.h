@@ -54,6 +54,11 @@ inline double gain_of_score(const ScoreScale& scale, double score) {
   return -1.0 / ((score > 0.0 ? score : 0.0) + scale.gain_offset);
 }
 
+/// What a tet more is worth: one of the usual score nothing, so that counts are not free.
+inline double worth_of_tet(const ScoreScale& scale, double score) {
+  return gain_of_score(scale, score) - gain_of_score(scale, scale.usual_score);
+}
+
 /// How good a star would be: a set of base triangles (a, b, c), such that the tets (apex, a, b, c) are to be
 /// positive.
 ///

@@ -4,81 +4,26 @@
 
 #include <cmath>
 
-#include "core/base/random.h"
-#include "core/judge/mesh/judge.h"
 #include "core/judge/surface/feature_distance.h"
-#include "core/judge/surface/surface.h"
-#include "core/mesh/geometry.h"
-#include "tests/support/small_meshes.h"
+#include "tests/support/rough_skin.h"
 
 namespace palpate::simplify {
 namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-constexpr int kCells = 5;
-
-/// A round block whose vertices, those of the skin too, lie where chance has put them.
-TetMesh make_rough_block(std::uint64_t seed) {
-  TetMesh mesh = make_kuhn_block(kCells, kCells, kCells);
-  SplitMix64 random(seed);
-  const double half = 0.5 * kCells;
-  for (Vec3& p : mesh.points) {
-    const Vec3 q = (1.0 / half) * (p - Vec3{half, half, half});
-    p = half * (1.0 + 0.15 * (3.0 - length_sq(q))) * q +
-        0.15 * Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
-  }
-  return mesh;
-}
-
-/// A mesh under a guard, and sweeps over its skin.
-struct Skin {
-  TetMesh input;
-  SizingField field;
-  WorkingMesh mesh;
-  GuardedBoundary boundary;
-  ScoreRule scores;
-  SurfaceReport report;
-
-  Skin(const TetMesh& given, double bound, double feature_deg = 0.0)
-      : input(given),
-        mesh(build_working_mesh(TetMesh(given), field)),
-        boundary(mesh, bound, feature_deg),
-        scores(scale_of_ideal_volume(total_volume(given) / static_cast<double>(given.tets.size()),
-                                     ScoreForm::kMeanRatio),
-               field) {}
-
-  double gains() const {
-    double sum = 0.0;
-    for (const Tet& t : mesh.tets) {
-      const std::vector<Vec3>& p = mesh.points;
-      sum += gain_of_score(scores.far(), score_tet(scores.far(), p[t[0]], p[t[1]], p[t[2]], p[t[3]]));
-    }
-    return sum;
-  }
-
-  double volume() const { return boundary.volume(mesh); }
-
-  /// Holds the skin against what the guard promises, by the judge's arithmetic, and returns the mesh.
-  TetMesh judged(double bound) const {
-    TetMesh output = extract_mesh(WorkingMesh(mesh));
-    EXPECT_TRUE(judge::check_validity(output).is_valid());
-    const SurfaceMesh skin = judge::build_boundary(output);
-    EXPECT_EQ(judge::count_self_intersections(skin), 0U);
-    EXPECT_LE(judge::measure_surface_distance(skin, judge::build_boundary(input)).upper(), bound + 1e-6);
-    return output;
-  }
-};
+constexpr int kCells = kRoughCells;
+using Skin = GuardedSkin;
 
 TEST(SurfaceSmoothing, EachSweepRaisesTheSumOfGainsWithinTheBound) {
   for (const double bound : {0.02, 0.1, 0.5}) {
     Skin skin(make_rough_block(3), bound);
-    double before = skin.gains();
+    double before = skin.worth();
     const double at_first = before;
     for (int sweep = 0; sweep < 3; ++sweep) {
       const std::uint64_t moves = skin.report.moves;
       smooth_boundary(skin.mesh, skin.boundary, skin.scores, total_volume(skin.input), skin.report);
-      const double now = skin.gains();
+      const double now = skin.worth();
       if (skin.report.moves > moves) {
         EXPECT_GT(now, before) << bound << ", sweep " << sweep;
       }
@@ -109,7 +54,7 @@ TEST(SurfaceSmoothing, ReachesMoreThanMendingTheWorst) {
     mend_boundary(mended.mesh, mended.boundary, mended.scores, mended.report);
   }
   EXPECT_GT(mended.report.moves, 0U);
-  EXPECT_GT(smoothed.gains(), mended.gains());
+  EXPECT_GT(smoothed.worth(), mended.worth());
 }
 
 TEST(SurfaceSmoothing, TheVolumeStaysWithinAThousandthAndAMove) {

@@ -73,6 +73,18 @@ Outcome simplify_and_judge(const TetMesh& input, const SurfaceOptions& options) 
   return outcome;
 }
 
+/// By the mean ratio: what the tets of a mesh are worth, in the mean.
+double mean_gain_of(const TetMesh& mesh) {
+  const auto count = static_cast<double>(mesh.tets.size());
+  const ScoreScale scale = scale_of_ideal_volume(total_volume(mesh) / count, ScoreForm::kMeanRatio);
+  double sum = 0.0;
+  for (const Tet& t : mesh.tets) {
+    const std::vector<Vec3>& p = mesh.points;
+    sum += gain_of_score(scale, double{score_tet(scale, p[t[0]], p[t[1]], p[t[2]], p[t[3]])});
+  }
+  return sum / count;
+}
+
 SurfaceOptions with_bound(double max_error, double ratio = -1.0) {
   SurfaceOptions options;
   options.max_surface_error = max_error;
@@ -149,6 +161,27 @@ TEST(SimplifySurface, LeavesASkinThatIsCoarserThanTheInsideToTheBit) {
   const Outcome outcome = simplify_and_judge(input, options);
   EXPECT_EQ(outcome.report.boundary_faces_out, outcome.report.boundary_faces_in);
   EXPECT_EQ(judge::compare_with_input(outcome.mesh, input).boundary_changed_faces, 0U);
+}
+
+TEST(SimplifySurface, SpendingTheBoundEvensOutASkinThatIsCoarseEnough) {
+  const TetMesh input = make_bulged_block(6, 1);
+  SurfaceOptions options = with_bound(0.3, 0.2);
+  options.boundary_size = 0.5;  // the skin may be twice as fine as the inside: it is coarse enough
+  const Outcome spared = simplify_and_judge(input, options);
+  options.sparing = false;
+  const Outcome spent = simplify_and_judge(input, options);
+  EXPECT_EQ(spared.report.surface.collapses + spent.report.surface.collapses, 0U);
+  EXPECT_EQ(spared.report.surface.moves + spared.report.surface.flips, 0U);
+  EXPECT_GT(spent.report.surface.moves, 20U);
+  EXPECT_GT(mean_gain_of(spent.mesh), mean_gain_of(spared.mesh));
+  options.max_surface_error = 0.0;
+  EXPECT_EQ(judge::compare_with_input(simplify_and_judge(input, options).mesh, input).boundary_missing_faces,
+            0U);
+  options = with_bound(0.3, 0.2);
+  options.boundary_size = 0.5;
+  options.sparing = false;
+  options.objective = Objective::kQuality;  // no evening out
+  EXPECT_EQ(simplify_and_judge(input, options).report.surface.moves, 0U);
 }
 
 TEST(SimplifySurface, ThreeHandlesStay) {

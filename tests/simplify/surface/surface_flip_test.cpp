@@ -1,0 +1,94 @@
+#include "core/simplify/surface/surface_flip.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "core/simplify/surface/surface_smoothing.h"
+#include "tests/support/rough_skin.h"
+
+namespace palpate::simplify {
+namespace {
+
+using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
+
+constexpr double kAnyScore = 1e300;
+constexpr double kBound = 0.3;
+
+/// Each edge of the skin, once.
+std::vector<std::array<Index, 2>> edges_of(const GuardedBoundary& boundary) {
+  std::vector<std::array<Index, 2>> edges;
+  for (Index f = 0; f < boundary.slots(); ++f) {
+    const Triangle& t = boundary.face(f);
+    for (std::size_t k = 0; k < 3 && boundary.is_alive(f); ++k) {
+      if (t[k] < t[(k + 1) % 3]) edges.push_back({t[k], t[(k + 1) % 3]});
+    }
+  }
+  return edges;
+}
+
+TEST(SurfaceFlip, ForTheSumEachFlipRaisesIt) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    GuardedSkin skin(make_rough_block(seed), kBound);
+    BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, FlipAim::kSum);
+    double before = skin.worth();
+    std::size_t flips = 0;
+    for (const auto& [a, b] : edges_of(skin.boundary)) {
+      if (!flipper.try_flip(a, b, kAnyScore)) continue;
+      const double now = skin.worth();
+      EXPECT_GT(now, before) << "seed " << seed << ", edge " << a << " " << b;
+      before = now;
+      ++flips;
+    }
+    EXPECT_GT(flips, 20U) << "seed " << seed;
+    skin.judged(kBound);
+  }
+}
+
+TEST(SurfaceFlip, ForTheSumMoreIsReachedThanForTheWorst) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    GuardedSkin by_sum(make_rough_block(seed), kBound);
+    GuardedSkin by_worst(make_rough_block(seed), kBound);
+    BoundaryFlipper summed(by_sum.mesh, by_sum.boundary, by_sum.scores, FlipAim::kSum);
+    BoundaryFlipper worst(by_worst.mesh, by_worst.boundary, by_worst.scores, FlipAim::kWorst);
+    for (int pass = 0; pass < 3; ++pass) {
+      summed.pass(kAnyScore);
+      worst.pass(kAnyScore);
+    }
+    EXPECT_GT(by_sum.worth(), by_worst.worth()) << "seed " << seed;
+  }
+}
+
+TEST(SurfaceFlip, NoFlipLeavesATetBelowAShareOfTheWorst) {
+  GuardedSkin skin(make_rough_block(4), kBound);
+  BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, FlipAim::kSum);
+  for (const auto& [a, b] : edges_of(skin.boundary)) {
+    const double before = skin.worst();
+    if (flipper.try_flip(a, b, kAnyScore)) {
+      EXPECT_GE(skin.worst(), 0.49 * before);
+    }
+  }
+}
+
+TEST(SurfaceFlip, StaysWithinTheRangeOfCounts) {
+  for (const FlipAim aim : {FlipAim::kSum, FlipAim::kWorst}) {
+    GuardedSkin skin(make_rough_block(2), kBound);
+    BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, aim);
+    const std::uint64_t tets = skin.mesh.alive;
+    flipper.set_range(tets, tets);
+    EXPECT_GT(flipper.pass(kAnyScore), 0U);
+    EXPECT_EQ(skin.mesh.alive, tets);
+    skin.judged(kBound);
+  }
+}
+
+TEST(SurfaceFlip, PassesEnd) {
+  GuardedSkin skin(make_rough_block(1), kBound);
+  BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, FlipAim::kSum);
+  int passes = 0;
+  while (flipper.pass(kAnyScore) > 0) ASSERT_LT(++passes, 30);
+}
+
+}  // namespace
+}  // namespace palpate::simplify
