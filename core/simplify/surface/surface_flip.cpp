@@ -134,9 +134,15 @@ bool BoundaryFlipper::raises_sum(const EdgeFan& fan, double worst) {
   return after != kForbidden && after > before + kLeastGrowth;
 }
 
-/// Whether one of the edges of the two new faces would be sharp that is on no line and was not.
+/// Whether one of the edges of the two new faces would be sharp that is on no line and was not: sharper than
+/// a right angle, for the sum of gains, or sharp enough for a line.
 bool BoundaryFlipper::makes_edge_sharp(const EdgeFan& fan) const {
   const FeatureLines& lines = boundary_.lines();
+  if (aim_ == FlipAim::kWorst && lines.is_empty()) return false;
+  const auto is_sharp = [&](const Vec3& normal, const Vec3& other) {
+    return (aim_ == FlipAim::kSum && dot(normal, other) < 0.0) ||
+           (!lines.is_empty() && lines.is_sharp(normal, other));
+  };
   const auto normal_of = [&](const Triangle& t) {
     const Vec3& p = mesh_.points[t[0]];
     return cross(mesh_.points[t[1]] - p, mesh_.points[t[2]] - p);
@@ -144,16 +150,16 @@ bool BoundaryFlipper::makes_edge_sharp(const EdgeFan& fan) const {
   const std::array<Vec3, 2> before{normal_of(boundary_.face(fan.faces[0])),
                                    normal_of(boundary_.face(fan.faces[1]))};
   const std::array<Vec3, 2> after{normal_of(change_.fresh[0]), normal_of(change_.fresh[1])};  // at a and at b
-  if (lines.is_sharp(after[0], after[1]) && !lines.is_sharp(before[0], before[1])) return true;
+  if (is_sharp(after[0], after[1]) && !is_sharp(before[0], before[1])) return true;
   const std::array<Index, 2> ends{fan.a, fan.b};
   const std::array<Index, 2> outer{fan.fan[0], fan.fan[fan.size]};
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
-      if (lines.is_line(ends[i], outer[k])) continue;
+      if (!lines.is_empty() && lines.is_line(ends[i], outer[k])) continue;
       for (const Index f : boundary_.faces_of(ends[i])) {
         if (f == fan.faces[0] || f == fan.faces[1] || !has_corner(boundary_.face(f), outer[k])) continue;
         const Vec3 beyond = normal_of(boundary_.face(f));
-        if (lines.is_sharp(after[i], beyond) && !lines.is_sharp(before[k], beyond)) return true;
+        if (is_sharp(after[i], beyond) && !is_sharp(before[k], beyond)) return true;
       }
     }
   }
@@ -174,8 +180,7 @@ bool BoundaryFlipper::is_permitted(const EdgeFan& fan) {
   change_.removed.assign(fan.faces.begin(), fan.faces.end());
   change_.fresh = {{fan.a, first, last}, {first, fan.b, last}};
   change_.moved = kNoIndex;
-  if (!boundary_.lines().is_empty() && makes_edge_sharp(fan)) return false;
-  return boundary_.check(mesh_, change_) == BoundaryVerdict::kAllowed;
+  return !makes_edge_sharp(fan) && boundary_.check(mesh_, change_) == BoundaryVerdict::kAllowed;
 }
 
 bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {

@@ -28,7 +28,9 @@ struct EdgeFan {
 /// What flips of boundary edges are for.
 enum class FlipAim {
   kWorst,  ///< the worst tet around gets better
-  kSum     ///< the sum of gains grows, as for a Flipper, a tet more being one of the usual score
+  /// The sum of gains grows, as for a Flipper, a tet more being one of the usual score; no edge of the skin
+  /// gets sharper than a right angle that was not.
+  kSum
 };
 
 /// Flips boundary edges where the tets around them get better.

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "core/simplify/surface/surface_smoothing.h"
+#include "core/judge/surface/feature_distance.h"
 #include "tests/support/rough_skin.h"
 
 namespace palpate::simplify {
@@ -69,6 +69,27 @@ TEST(SurfaceFlip, NoFlipLeavesATetBelowAShareOfTheWorst) {
       EXPECT_GE(skin.worst(), 0.49 * before);
     }
   }
+}
+
+/// Edges of a skin whose faces' normals differ by more than a right angle.
+std::size_t count_folds(const TetMesh& mesh) {
+  return judge::list_sharp_edges(judge::build_boundary(mesh), 90.0).size();
+}
+
+TEST(SurfaceFlip, ForTheSumNoneFoldsTheSkin) {
+  std::size_t flips = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    TetMesh plate = make_kuhn_block(8, 8, 1);
+    SplitMix64 random(seed);
+    for (Vec3& p : plate.points)
+      p = p + 0.3 * Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5};
+    GuardedSkin skin(plate, 1.0);  // as thick as the plate
+    const std::size_t before = count_folds(plate);
+    BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, FlipAim::kSum);
+    flips += flipper.pass(kAnyScore);
+    EXPECT_LE(count_folds(skin.judged(1.0)), before) << "seed " << seed;
+  }
+  EXPECT_GT(flips, 50U);
 }
 
 TEST(SurfaceFlip, StaysWithinTheRangeOfCounts) {
