@@ -98,9 +98,11 @@ bool BoundaryFlipper::raises_worst(const EdgeFan& fan, double worst) {
       }
     }
   }
+  const double reached = best[0][fan.size];
+  if (fan.size > 1 && !(reached > 0.0 && reached > kGrowth * worst)) return false;
   triangles_.clear();
   list_triangles(0, fan.size);
-  return fan.size == 1 || (best[0][fan.size] > 0.0 && best[0][fan.size] > kGrowth * worst);
+  return true;
 }
 
 void BoundaryFlipper::list_triangles(std::size_t i, std::size_t k) {
@@ -155,7 +157,7 @@ bool BoundaryFlipper::makes_edge_sharp(const EdgeFan& fan) const {
   const std::array<Index, 2> outer{fan.fan[0], fan.fan[fan.size]};
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::size_t k = 0; k < 2; ++k) {
-      if (!lines.is_empty() && lines.is_line(ends[i], outer[k])) continue;
+      if (lines.is_line(ends[i], outer[k])) continue;
       for (const Index f : boundary_.faces_of(ends[i])) {
         if (f == fan.faces[0] || f == fan.faces[1] || !has_corner(boundary_.face(f), outer[k])) continue;
         const Vec3 beyond = normal_of(boundary_.face(f));
