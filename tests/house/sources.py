@@ -35,6 +35,7 @@ FOLDERS = ("core", "live", "reference", "experiments", "tests")
 HELD = "tests/house/held.txt"
 RECORDED = ("headers", "tidy")
 KEY_LENGTH = 20
+TOGETHER = 100  # files in one run of clang-format, which takes longer to start than to read one
 # Options for the compiler's own sake, where headers are precompiled and where the sources of a folder are compiled together.
 COMPILER_ALONE = ("-Winvalid-pch", "-Wno-stringop-overflow", "-Wno-array-bounds", "-Wno-subobject-linkage")
 # Left out of tests: what costs half of the time there and asks about paths through a program. They are run, with sanitizers too
@@ -148,6 +149,7 @@ class Check:
         self.suffixes = {"headers": (".h",), "format": (".h", ".cpp"), "tidy": (".cpp",)}[kind]
         self.held = set() if os.environ.get("PALPATE_FULL") == "1" else set(read_held(root, kind).values())
         self.settings = b""
+        self.clean = set()  # by `run_together`
         if kind != "format":
             self.commands = read_commands(build)
         if kind == "tidy":
@@ -187,6 +189,22 @@ class Check:
     def mark(self, key):
         return self.build / "checked" / self.kind / key
 
+    def is_known(self, key):
+        return self.mark(key).exists() or key[:KEY_LENGTH] in self.held
+
+    def run_together(self, names, pool):
+        """Formats alone: many files in one run of the tool. Where it finds nothing in any of them, none needs a run of its own."""
+        if self.kind != "format":
+            return
+        unknown = [name for name in names if not self.is_known(self.key(name, self.command(name)))]
+        parts = [unknown[first:first + TOGETHER] for first in range(0, len(unknown), TOGETHER)]
+
+        def is_clean(part):
+            return subprocess.run([*self.command(part[0])[:-1], *part], capture_output=True, cwd=self.root, check=False).returncode == 0
+
+        for part, clean in zip(parts, pool.map(is_clean, parts)):
+            self.clean.update(part if clean else [])
+
     def hold(self, name):
         """("passed" | "known" | "left out" | "failed", what the tool said)."""
         words = self.command(name)
@@ -194,11 +212,12 @@ class Check:
             return "left out", ""
         key = self.key(name, words)
         mark = self.mark(key)
-        if mark.exists() or key[:KEY_LENGTH] in self.held:
+        if self.is_known(key):
             return "known", ""
-        done = subprocess.run([word for word in words if word != "ccache"], capture_output=True, text=True, cwd=self.root)
-        if done.returncode != 0:
-            return "failed", done.stdout + done.stderr
+        if name not in self.clean:
+            done = subprocess.run([word for word in words if word != "ccache"], capture_output=True, text=True, cwd=self.root)
+            if done.returncode != 0:
+                return "failed", done.stdout + done.stderr
         mark.parent.mkdir(parents=True, exist_ok=True)
         mark.touch()
         return "passed", ""
@@ -206,7 +225,7 @@ class Check:
     def record(self, names):
         """Writes the keys of the files that passed here or were known into the list, beside those of the other kinds; returns their number."""
         keys = {name: self.key(name, words) for name in names if (words := self.command(name)) is not None}
-        keys = {name: key[:KEY_LENGTH] for name, key in keys.items() if self.mark(key).exists() or key[:KEY_LENGTH] in self.held}
+        keys = {name: key[:KEY_LENGTH] for name, key in keys.items() if self.is_known(key)}
         lines = [f"{kind} {name} {key}" for kind in RECORDED
                  for name, key in sorted((keys if kind == self.kind else read_held(self.root, kind)).items())]
         (self.root / HELD).parent.mkdir(parents=True, exist_ok=True)
@@ -240,6 +259,7 @@ def main():
     names = sys.argv[4:] or list_sources(root, check.suffixes)
     counts = {"passed": 0, "known": 0, "left out": 0, "failed": 0}
     with concurrent.futures.ThreadPoolExecutor(max_workers=len(os.sched_getaffinity(0))) as pool:
+        check.run_together(names, pool)
         for name, (outcome, said) in zip(names, pool.map(check.hold, names)):
             counts[outcome] += 1
             if outcome == "failed":
