@@ -37,7 +37,8 @@ bool step_motions(const MotionSearch& search, const FitPlan& check, const Regist
     }
     progress.show_long("motion of " + point.candidate.name());
     SteppingTask task;
-    task.scene = build_fitted_scene(search.placed, point.candidate.model);
+    task.scene = build_fitted_scene(search.placed, point.candidate.model,
+                                    whole_mesh_of(point.candidate, check.folder / "run"));
     task.mesh = check.folder / "run" / "problems" / point.mesh / "in.mesh";
     task.probes_m = choose_probes(search.scene, task.mesh, kTrialProbes);
     task.most_error = search.require.at_most - point.worst_error();

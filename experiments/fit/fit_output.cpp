@@ -385,7 +385,12 @@ void write_fit(const FitResult& result, const fs::path& folder) {
     const Scene placed = place_scene(scene, build_scene_mesh(scene.mesh).mesh);
     const fs::path mesh = result.run / "problems" / result.choice->mesh / "in.mesh";
     write_medit(folder / "organ.mesh", read_medit(mesh, ReadOrientation::kKeep).mesh);
-    json fitted = build_fitted_scene(placed, result.choice->candidate.model);
+    const fs::path whole = whole_mesh_of(result.choice->candidate, result.run);
+    json fitted = build_fitted_scene(placed, result.choice->candidate.model, whole);
+    if (!whole.empty() && placed.whole == nullptr) {
+      write_medit(folder / "whole.mesh", read_medit(whole, ReadOrientation::kKeep).mesh);
+      fitted["mesh"]["regions_from"] = "whole.mesh";
+    }
     if (const auto& chosen = result.choice->stepping)
       chosen->stepping.apply(chosen->is_auto ? json("auto") : json(chosen->step_s), fitted);
     if (!result.frozen_file.empty())

@@ -192,7 +192,8 @@ class Fit {
     const Scene placed = place_scene(result_.scene, build_scene_mesh(result_.scene.mesh).mesh);
     FreezeTask task;
     task.check = check;
-    task.scene = build_fitted_scene(placed, choice.candidate.model);
+    task.scene =
+        build_fitted_scene(placed, choice.candidate.model, whole_mesh_of(choice.candidate, result_.run));
     choice.stepping->stepping.apply(choice.stepping->step_s, task.scene);
     task.probes_m =
         choose_probes(result_.scene, result_.run / "problems" / choice.mesh / "in.mesh", kTrialProbes);

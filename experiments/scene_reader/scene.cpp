@@ -192,7 +192,8 @@ void check_poisson_ratio(const YamlValue& at, double ratio) {
 }
 
 SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& folder) {
-  const YamlFields fields = value.fields(with_shape_keys({"make", "file", "repair", "unit_m", "length_m"}));
+  const YamlFields fields =
+      value.fields(with_shape_keys({"make", "file", "repair", "unit_m", "length_m", "regions_from"}));
   SceneMesh mesh;
   const auto make = fields.find("make");
   const auto file = fields.find("file");
@@ -219,6 +220,14 @@ SceneMesh read_scene_mesh(const YamlValue& value, const std::filesystem::path& f
     std::error_code error;
     if (!std::filesystem::is_regular_file(mesh.file, error))
       file->fail("expected a mesh file, found none at " + mesh.file.string());
+  }
+  if (const auto whole = fields.find("regions_from")) {
+    if (make || is_surface_file(mesh.file) || mesh.unit_m != 1.0)
+      whole->fail("\"regions_from\" belongs to a file with tetrahedra in metres (unit_m: 1)");
+    mesh.regions_from = folder / whole->text();
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(mesh.regions_from, error))
+      whole->fail("expected a mesh file, found none at " + mesh.regions_from.string());
   }
   if (!mesh.unit_m && !mesh.length_m)
     value.fail("how long is the mesh? It needs \"unit_m\" (0.001 for millimetres) or \"length_m\"");

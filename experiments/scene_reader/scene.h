@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/mesh/boundary_problem.h"
+#include "core/mesh/tet_mesh.h"
 #include "experiments/contestants/contestant.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/scene_reader/region.h"
@@ -27,6 +29,9 @@ struct SceneMesh {
   bool repair = false;             ///< mend that surface
   std::optional<double> unit_m;    ///< length of the mesh's unit
   std::optional<double> length_m;  ///< else: what the longest side of its box becomes
+  /// Of a file with tets in metres that was made from another one: that one, in metres too; resolved against
+  /// the scene's folder. What takes hold of its skin is carried over. Empty: regions are the mesh's own.
+  std::filesystem::path regions_from;
 };
 
 /// What holds the body on a region of its skin: elastically, or hard in the directions of `axes`.
@@ -75,6 +80,8 @@ struct Scene {
   /// Of a fitted scene: how far its model may be taken (palpate/envelope/1); resolved against the scene's
   /// folder.
   std::optional<std::filesystem::path> envelope;
+  /// Of a placed scene on a simplified mesh: the whole one, in metres, whose skin the regions belong to.
+  std::shared_ptr<const TetMesh> whole;
 };
 
 /// Reads and checks a scene.

@@ -8,34 +8,30 @@
 #include "core/base/component.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/mesh/face_weights.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/rigid_motion.h"
 #include "core/mesh/topology.h"
 #include "experiments/judging/judge_record.h"
+#include "experiments/judging/patch_carrier.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 namespace {
 
-constexpr int kParts = 16;  // a face's edge is divided into so many
+constexpr int kParts = 16;             // a face's edge is divided into so many
+constexpr double kLeastWeight = 1e-6;  // a face with less is left out
 constexpr double kRounding =
     1e-9;  // of the box's diagonal: a face in the plane of a half-space belongs to it
 
 /// Share of a triangle in a region: of kParts^2 equal parts, those whose centroid lies in it.
 double share_inside(const Region& region, const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {
   int inside = 0;
-  const double step = 1.0 / kParts;
-  const auto count = [&](double u, double v) {
-    inside += is_inside(region, a + (u * step) * (b - a) + (v * step) * (c - a), tolerance) ? 1 : 0;
-  };
-  for (int i = 0; i < kParts; ++i) {
-    for (int j = 0; i + j < kParts; ++j) {
-      count(i + 1.0 / 3.0, j + 1.0 / 3.0);
-      if (i + j + 1 < kParts) count(i + 2.0 / 3.0, j + 2.0 / 3.0);
-    }
-  }
-  return static_cast<double>(inside) / (kParts * kParts);
+  for_each_part([&](double u, double v) {
+    inside += is_inside(region, a + u * (b - a) + v * (c - a), tolerance) ? 1 : 0;
+  });
+  return static_cast<double>(inside) / kPartsOfFace;
 }
 
 double area_of(const TetMesh& mesh, const Triangle& face) {
@@ -63,6 +59,7 @@ class ProblemBuilder {
       : scene_(scene), mesh_(mesh), boundary_(build_boundary(mesh)) {
     const BoundingBox box = bounding_box(mesh.points);
     tolerance_ = kRounding * length(box.high - box.low);
+    if (scene.whole != nullptr) carrier_.emplace(*scene.whole);
   }
 
   BoundaryProblem build() {
@@ -93,19 +90,39 @@ class ProblemBuilder {
                        ") is in the wrong place: " + unit);
   }
 
-  FacePatch patch_of(const Region& region, const std::string& who) const {
-    require_placed(region);
+  /// A region's faces; `scale` multiplies what acts on them, so that no weight is above 1.
+  struct WeighedPatch {
     FacePatch patch;
-    for (const Triangle& face : boundary_) {
-      const double share = share_inside(region, mesh_.points[face[0]], mesh_.points[face[1]],
-                                        mesh_.points[face[2]], tolerance_);
-      if (share <= 0.0) continue;
-      patch.faces.push_back(face);
-      patch.weight.push_back(share);
+    double scale = 1.0;
+  };
+
+  double share_of(const Region& region, const TetMesh& mesh, const Triangle& face) const {
+    return share_inside(region, mesh.points[face[0]], mesh.points[face[1]], mesh.points[face[2]], tolerance_);
+  }
+
+  WeighedPatch patch_of(const Region& region, const std::string& who) const {
+    require_placed(region);
+    WeighedPatch out;
+    if (carrier_) {
+      const auto share = [&](const Triangle& face) { return share_of(region, carrier_->whole(), face); };
+      out.patch = carrier_->carry(share, mesh_, boundary_, out.scale);
+    } else {
+      for (const Triangle& face : boundary_) {
+        const double share = share_of(region, mesh_, face);
+        if (share <= 0.0) continue;
+        out.patch.faces.push_back(face);
+        out.patch.weight.push_back(share);
+      }
     }
-    if (patch.faces.empty()) fail_empty(region, who, "selects nothing of the skin");
+    if (out.patch.faces.empty()) fail_empty(region, who, "selects nothing of the skin");
     check_unit(region, who);
-    return patch;
+    return out;
+  }
+
+  ElasticSupport support_of(const Region& region, const std::string& who, double stiffness_pa_per_m,
+                            const Vec3& by_m) const {
+    WeighedPatch weighed = patch_of(region, who);
+    return {std::move(weighed.patch), weighed.scale * stiffness_pa_per_m, by_m};
   }
 
   std::vector<Triangle> held_faces(const Region& region, const std::string& who) const {
@@ -143,7 +160,7 @@ class ProblemBuilder {
 
   void add_clamp(const SceneClamp& clamp) {
     if (clamp.elastic_pa_per_m) {
-      problem_.supports.push_back({patch_of(clamp.region, "clamp"), *clamp.elastic_pa_per_m, {}});
+      problem_.supports.push_back(support_of(clamp.region, "clamp", *clamp.elastic_pa_per_m, {}));
       return;
     }
     hold({held_faces(clamp.region, "clamp"), clamp.axes, {}}, clamp.region, "clamp");
@@ -157,14 +174,14 @@ class ProblemBuilder {
       case SceneLoad::Kind::kDisplace:
         if (load.elastic_pa_per_m) {
           problem_.supports.push_back(
-              {patch_of(load.region, "displace"), *load.elastic_pa_per_m, load.vector});
+              support_of(load.region, "displace", *load.elastic_pa_per_m, load.vector));
         } else {
           hold({held_faces(load.region, "displace"), {true, true, true}, load.vector}, load.region,
                "displace");
         }
         return;
       case SceneLoad::Kind::kForce: {
-        Traction traction{patch_of(load.region, "force"), {}, 0.0};
+        Traction traction{patch_of(load.region, "force").patch, {}, 0.0};
         double area = 0.0;
         for (std::size_t i = 0; i < traction.patch.faces.size(); ++i)
           area += traction.patch.weight[i] * area_of(mesh_, traction.patch.faces[i]);
@@ -185,6 +202,7 @@ class ProblemBuilder {
   const TetMesh& mesh_;
   std::vector<Triangle> boundary_;
   double tolerance_ = 0.0;
+  std::optional<PatchCarrier> carrier_;
   BoundaryProblem problem_;
   std::map<std::pair<Index, std::size_t>, Hold> held_;
 };
@@ -234,17 +252,28 @@ void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
 }  // namespace
 
 Scene place_scene(Scene scene, const TetMesh& mesh) {
-  for (SceneClamp& clamp : scene.clamps) clamp.region = place_region(clamp.region, mesh);
+  if (!scene.mesh.regions_from.empty() && scene.whole == nullptr) {
+    SceneMesh whole = scene.mesh;
+    whole.file = scene.mesh.regions_from;
+    scene.whole = std::make_shared<const TetMesh>(build_scene_mesh(whole).mesh);
+  }
+  const TetMesh& placed_on = scene.whole != nullptr ? *scene.whole : mesh;
+  for (SceneClamp& clamp : scene.clamps) clamp.region = place_region(clamp.region, placed_on);
   for (SceneLoad& load : scene.loads) {
-    if (load.kind != SceneLoad::Kind::kGravity) load.region = place_region(load.region, mesh);
+    if (load.kind != SceneLoad::Kind::kGravity) load.region = place_region(load.region, placed_on);
     if (load.kind == SceneLoad::Kind::kDisplace) check_tool_stays(load, mesh);
   }
   if (scene.require) {
     for (ErrorPlace& place : scene.require->places) {
-      if (!place.probe) place.region = place_region(place.region, mesh);
+      if (!place.probe) place.region = place_region(place.region, placed_on);
     }
   }
   return scene;
+}
+
+Scene on_whole(Scene placed, const TetMesh& whole) {
+  if (placed.whole == nullptr) placed.whole = std::make_shared<const TetMesh>(whole);
+  return placed;
 }
 
 BoundaryProblem resolve_problem(const Scene& placed, const TetMesh& mesh) {

@@ -22,12 +22,17 @@ MadeMesh build_scene_mesh(const SceneMesh& mesh, std::optional<std::uint64_t> ve
 /// Throws: InputError for a region far from the mesh, and a tool that is moved farther than the mesh is long.
 Scene place_scene(Scene scene, const TetMesh& mesh);
 
+/// A placed scene for meshes that are made from `whole` by simplifying: what takes hold of its skin is
+/// carried over to theirs. One that has a whole mesh already keeps it.
+Scene on_whole(Scene placed, const TetMesh& whole);
+
 /// A placed scene on a mesh in metres, by its boundary faces.
 ///
-/// The weight of a face in a region is the share of 256 equal parts of it whose centroids lie in the region,
-/// so that a region means nearly the same on every mesh. A hard clamp or displacement holds the boundary
-/// faces all of whose vertices lie in the region. A total force becomes a uniform traction over the weighted
-/// area, so that the total is kept whatever the mesh.
+/// The weight of a face in a region is the share of 256 equal parts of it whose centroids lie in the region.
+/// On a simplified mesh (a scene with `whole`) it is what the whole mesh's skin has there, carried over by
+/// PatchCarrier; a support's stiffness is then higher by what that scales weights by. A hard clamp or
+/// displacement holds the boundary faces all of whose vertices lie in the region. A total force becomes a
+/// uniform traction over the weighted area, so that the total is kept whatever the mesh.
 ///
 /// Requires: points in metres, positive tets.
 /// Throws: InputError that starts with the region's place for one that takes hold of no face (or lies so far

@@ -37,6 +37,9 @@ void put_places(const std::vector<ErrorPlace>& places, json& error) {
 json placed_scene(const Scene& placed, const std::string& mesh) {
   json out = read_yaml(placed.file).json();
   out["mesh"] = {{"file", mesh}, {"unit_m", 1}};
+  if (!placed.mesh.regions_from.empty())
+    out["mesh"]["regions_from"] =
+        std::filesystem::absolute(placed.mesh.regions_from).lexically_normal().string();
   for (std::size_t k = 0; k < placed.clamps.size(); ++k) put_region(placed.clamps[k].region, out["clamp"][k]);
   for (std::size_t k = 0; k < placed.loads.size(); ++k) {
     json& load = out["load"][k];

@@ -154,7 +154,10 @@ double difference_at_rows(const ProbeHistory& of, const ProbeHistory& truth) {
 PlacedTrial place_trial(const json& scene_json, const TrialSettings& settings) {
   create_folder(settings.folder);
   json placed = scene_json;
-  placed["mesh"] = {{"file", fs::absolute(settings.mesh).lexically_normal().string()}, {"unit_m", 1}};
+  const auto absolute = [](const fs::path& file) { return fs::absolute(file).lexically_normal().string(); };
+  const std::string whole = placed.value("/mesh/regions_from"_json_pointer, "");
+  placed["mesh"] = {{"file", absolute(settings.mesh)}, {"unit_m", 1}};
+  if (!whole.empty()) placed["mesh"]["regions_from"] = absolute(settings.mesh.parent_path() / whole);
   for (const char* key : {"envelope", "require", "probes_m"}) placed.erase(key);
   if (placed["model"].contains("frozen"))  // beside the mesh, unless it says where
     placed["model"]["frozen"] =

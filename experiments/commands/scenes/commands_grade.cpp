@@ -157,6 +157,7 @@ int grade(const GradeArguments& arguments) {
   create_folder(out);
   const Scene placed = place_scene(scene, whole.mesh);
   json on_graded = placed_scene(placed, "organ.mesh");
+  if (placed.whole == nullptr) on_graded["mesh"]["regions_from"] = "whole.mesh";
   on_graded.erase("envelope");
   write_medit(out / "organ.mesh", graded.mesh);
   write_medit(out / "whole.mesh", whole.mesh);

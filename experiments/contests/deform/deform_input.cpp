@@ -213,7 +213,7 @@ SimplifiedInput simplify_input(const DeformInput& input, const PlanContestant& s
   if (!made.failure.empty()) return simplified;
   simplified.files.mesh = std::move(made.mesh);
   try {
-    simplified.files.problem = build_problem(input.placed, simplified.files.mesh);
+    simplified.files.problem = build_problem(on_whole(input.placed, input.own.mesh), simplified.files.mesh);
     write_problem(simplified.files, folder);
   } catch (const InputError& error) {
     simplified.failure = "on the mesh of " + simplifier.label + ": " + error.what();

@@ -10,6 +10,7 @@
 #include "experiments/contests/simplified_mesh.h"
 #include "experiments/files/output_file.h"
 #include "experiments/scene_reader/scene_motion.h"
+#include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_reader/swept_scene.h"
 
 namespace palpate::experiments {
@@ -149,7 +150,7 @@ MotionInput simplify_motion_input(const MotionInput& whole, const Case& run_case
   if (!input.failure.empty()) return input;
   input.files.mesh = std::move(made.mesh);
   try {
-    input.problem = build_compared_problem(whole.placed, input.files.mesh);
+    input.problem = build_compared_problem(on_whole(whole.placed, whole.files.mesh), input.files.mesh);
     check_probes(whole, input);
     write_problem(input.files, reference::motion_to_json(input.problem), folder);
   } catch (const InputError& error) {

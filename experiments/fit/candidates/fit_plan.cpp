@@ -210,13 +210,21 @@ json static_scene(const Scene& scene) {
   for (const char* key : {"model", "envelope"}) out.erase(key);
   keep_error_places(scene, out);
   out["analysis"] = "static";
-  if (!scene.mesh.shape) out["mesh"]["file"] = fs::absolute(scene.mesh.file).lexically_normal().string();
+  const auto absolute = [](const fs::path& file) { return fs::absolute(file).lexically_normal().string(); };
+  if (!scene.mesh.shape) out["mesh"]["file"] = absolute(scene.mesh.file);
+  if (!scene.mesh.regions_from.empty()) out["mesh"]["regions_from"] = absolute(scene.mesh.regions_from);
   for (json& load : out["load"]) load = static_load(load);
   return out;
 }
 
-json build_fitted_scene(const Scene& placed, const FitModel& model) {
+fs::path whole_mesh_of(const FitCandidate& candidate, const fs::path& run) {
+  return candidate.simplifier == kNoSimplifier ? fs::path() : run / "problems" / "scene_0" / "in.mesh";
+}
+
+json build_fitted_scene(const Scene& placed, const FitModel& model, const fs::path& whole) {
   json scene = placed_scene(placed, "organ.mesh");
+  if (!whole.empty() && placed.whole == nullptr)
+    scene["mesh"]["regions_from"] = fs::absolute(whole).lexically_normal().string();
   const std::size_t dot = model.method.find('.');
   const std::string kind = model.method.substr(0, dot);
   scene["model"] = model.set;

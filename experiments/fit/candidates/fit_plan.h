@@ -51,8 +51,13 @@ nlohmann::json perturbed_scene(const nlohmann::json& scene, std::uint64_t number
                                LoadRange range = LoadRange::kBorder, bool moves_places = true);
 
 /// The scene with the model and `organ.mesh` (metres) beside it. Regions are in metres: they stay where the
-/// scene's own mesh had them. `placed` is the scene on that (place_scene).
-nlohmann::json build_fitted_scene(const Scene& placed, const FitModel& model);
+/// scene's own mesh had them. `placed` is the scene on that (place_scene). `whole` is the whole mesh's file,
+/// in metres, where organ.mesh is a simplified one, or empty.
+nlohmann::json build_fitted_scene(const Scene& placed, const FitModel& model,
+                                  const std::filesystem::path& whole);
+
+/// The file of the whole mesh, in metres, in the run of a fit; empty for a candidate on that mesh itself.
+std::filesystem::path whole_mesh_of(const FitCandidate& candidate, const std::filesystem::path& run);
 
 /// One plan of a fit and where it goes.
 struct FitPlan {
