@@ -9,6 +9,7 @@
 
 #include "experiments/contestants/contestant.h"
 #include "experiments/envelope/envelope_search.h"
+#include "experiments/scene_reader/scene.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 
@@ -83,6 +84,10 @@ TEST_F(FitCommand, FindsAModelProvesItAndLeavesAReadyScene) {
   ASSERT_EQ(solved.exit_code, 0) << solved.error;
   EXPECT_EQ(json::parse(solved.out).at("tets"), choice.at("tets"));
   EXPECT_TRUE(std::filesystem::exists(folder() / "fit" / "fit.md"));
+  // What takes hold of a simplified mesh is carried over from the whole one, in the fit as here.
+  const bool is_simplified = choice.at("simplify") != "none";
+  EXPECT_EQ(std::filesystem::exists(folder() / "fit" / "whole.mesh"), is_simplified);
+  EXPECT_EQ(!read_scene(folder() / "fit" / "scene.yaml").mesh.regions_from.empty(), is_simplified);
 }
 
 /// The far end of a bar that hangs from its other one: a tolerance there holds there, in the search, on other

@@ -11,6 +11,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "core/simplify/sizing/size_file.h"
+#include "experiments/scene_reader/scene.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 #include "tests/support/scratch_folder.h"
@@ -107,6 +108,7 @@ TEST_F(GradeCommand, MakesAMeshThatIsFineNearThePadAndASceneOnIt) {
       run_program({"simulate", path("graded/scene.yaml"), "-o", path("answer"), "--json"});
   ASSERT_EQ(simulated.exit_code, 0) << simulated.error;
   EXPECT_EQ(json::parse(simulated.out).at("tets"), graded.tets.size());
+  EXPECT_EQ(read_scene(path("graded/scene.yaml")).mesh.regions_from.filename(), "whole.mesh");
 }
 
 TEST_F(GradeCommand, ACountThatIsNotReachedIsSaidWithWhatHeldIt) {
