@@ -45,7 +45,7 @@ struct SimulateArguments {
 /// Throws: InputError if what an earlier run left in the folder, and goes, is not of such a run, or is what
 /// the scene reads: its mesh, or a file of its model.
 void require_replaceable_results(const Scene& scene, const fs::path& folder) {
-  std::vector<fs::path> inputs{scene.mesh.file};
+  std::vector<fs::path> inputs{scene.mesh.file, scene.mesh.regions_from};
   if (scene.model) {
     for (const auto& [name, given] : scene.model->set) inputs.emplace_back(given.text);
   }

@@ -251,11 +251,26 @@ void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
 
 }  // namespace
 
+namespace {
+
+/// What is carried over is for the same body: boxes agree to a tenth of their diagonal.
+void check_same_body(const SceneMesh& mesh, const BoundingBox& whole, const BoundingBox& own) {
+  const double most = 0.1 * length(own.high - own.low);
+  if (length(whole.low - own.low) <= most && length(whole.high - own.high) <= most) return;
+  throw InputError(mesh.regions_from.string(), 0,
+                   "the mesh that " + mesh.file.string() + " was made from, in metres",
+                   "one whose box is elsewhere: " + short_number(length(whole.high - whole.low)) +
+                       " m across, not " + short_number(length(own.high - own.low)));
+}
+
+}  // namespace
+
 Scene place_scene(Scene scene, const TetMesh& mesh) {
   if (!scene.mesh.regions_from.empty() && scene.whole == nullptr) {
     SceneMesh whole = scene.mesh;
     whole.file = scene.mesh.regions_from;
     scene.whole = std::make_shared<const TetMesh>(build_scene_mesh(whole).mesh);
+    check_same_body(scene.mesh, bounding_box(scene.whole->points), bounding_box(mesh.points));
   }
   const TetMesh& placed_on = scene.whole != nullptr ? *scene.whole : mesh;
   for (SceneClamp& clamp : scene.clamps) clamp.region = place_region(clamp.region, placed_on);

@@ -45,7 +45,8 @@ class PatchCarrierTest : public testing::Test {
   std::string error_of(const std::string& mesh) {
     text_.mesh = mesh;
     try {
-      read();
+      const Scene scene = read();
+      place_scene(scene, build_scene_mesh(scene.mesh).mesh);
     } catch (const InputError& error) {
       return error.what();
     }
@@ -111,6 +112,11 @@ TEST_F(PatchCarrierTest, ASceneMayNameTheMeshThatItsRegionsAreFrom) {
               HasSubstr("in metres"));
   EXPECT_THAT(error_of("{file: coarse.mesh, unit_m: 1, regions_from: none.mesh}"), HasSubstr("none.mesh"));
   EXPECT_THAT(error_of("{make: bar, regions_from: fine.mesh}"), HasSubstr("regions_from"));
+  TetMesh other = fine_;
+  for (Vec3& p : other.points) p = 1000.0 * p;
+  write_medit(folder_ / "other.mesh", other);
+  EXPECT_THAT(error_of("{file: coarse.mesh, unit_m: 1, regions_from: other.mesh}"),
+              HasSubstr("other.mesh: expected the mesh that"));
 }
 
 }  // namespace
