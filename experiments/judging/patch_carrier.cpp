@@ -14,6 +14,7 @@ constexpr double kLeastWeight = 1e-6;  // a face with less is left out
 
 std::vector<judge::Corners> corners_of(const TetMesh& mesh, const std::vector<Triangle>& faces) {
   std::vector<judge::Corners> corners;
+  corners.reserve(faces.size());
   for (const Triangle& t : faces)
     corners.push_back({mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]});
   return corners;
