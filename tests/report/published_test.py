@@ -98,7 +98,7 @@ def plain(text):
 def table_behind(page, words):
     """The rows of the first table behind some words, each a list of cells, without its head. Raises: AssertionError if there is none."""
     assert page.count(words) == 1, f"{page.count(words)} times on its page: {words}"
-    lines = page.partition(words)[2].splitlines()[1:]
+    lines = [line.lstrip() for line in page.partition(words)[2].splitlines()[1:]]  # a table may stand in a list
     begin = next((at for at, line in enumerate(lines) if line.startswith("|")), None)
     assert begin is not None, f"no table behind: {words}"
     rows = []
