@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/mesh/face_weights.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
 
@@ -48,6 +47,39 @@ PatchCarrier::PatchCarrier(const TetMesh& whole)
   for (std::size_t f = 0; f < skin_.size(); ++f) number_.emplace(places_of(whole, skin_[f]), f);
 }
 
+FaceCover PatchCarrier::cover_of(const TetMesh& mesh, const Triangle& face,
+                                 const std::vector<double>& density, const judge::Box& patch_box,
+                                 Index& hint) const {
+  const Vec3& a = mesh.points[face[0]];
+  const Vec3& b = mesh.points[face[1]];
+  const Vec3& c = mesh.points[face[2]];
+  FaceCover cover{face, 0.5 * length(cross(b - a, c - a)), 0.0, {}};
+  const auto same = number_.find(places_of(mesh, face));
+  if (same != number_.end()) {
+    cover.share = density[same->second];
+    cover.corners.fill(cover.share / 3.0);
+    return cover;
+  }
+  if (!box_around(a, b, c).meets(patch_box)) return cover;
+  double least = 1.0;
+  double most = 0.0;
+  for_each_part([&](double u, double v) {
+    hint = tree_.nearest(a + u * (b - a) + v * (c - a), hint).triangle;
+    const double here = density[hint] / kPartsOfFace;
+    least = std::min(least, density[hint]);
+    most = std::max(most, density[hint]);
+    cover.share += here;
+    cover.corners[1] += u * here;
+    cover.corners[2] += v * here;
+  });
+  cover.corners[0] = cover.share - cover.corners[1] - cover.corners[2];
+  if (least == most) {
+    cover.share = most;
+    cover.corners.fill(most / 3.0);
+  }
+  return cover;
+}
+
 FacePatch PatchCarrier::carry(const std::function<double(const Triangle&)>& share, const TetMesh& mesh,
                               std::span<const Triangle> boundary, double& scale) const {
   std::vector<double> density;
@@ -59,32 +91,7 @@ FacePatch PatchCarrier::carry(const std::function<double(const Triangle&)>& shar
   std::vector<FaceCover> covers;
   Index hint = kNoIndex;
   for (const Triangle& face : boundary) {
-    const Vec3& a = mesh.points[face[0]];
-    const Vec3& b = mesh.points[face[1]];
-    const Vec3& c = mesh.points[face[2]];
-    FaceCover cover{face, 0.5 * length(cross(b - a, c - a)), 0.0, {}};
-    const auto same = number_.find(places_of(mesh, face));
-    if (same != number_.end()) {
-      cover.share = density[same->second];
-      cover.corners.fill(cover.share / 3.0);
-    } else if (box_around(a, b, c).meets(patch_box)) {
-      double least = 1.0;
-      double most = 0.0;
-      for_each_part([&](double u, double v) {
-        hint = tree_.nearest(a + u * (b - a) + v * (c - a), hint).triangle;
-        const double here = density[hint] / kPartsOfFace;
-        least = std::min(least, density[hint]);
-        most = std::max(most, density[hint]);
-        cover.share += here;
-        cover.corners[1] += u * here;
-        cover.corners[2] += v * here;
-      });
-      cover.corners[0] = cover.share - cover.corners[1] - cover.corners[2];
-      if (least == most) {
-        cover.share = most;
-        cover.corners.fill(most / 3.0);
-      }
-    }
+    const FaceCover cover = cover_of(mesh, face, density, patch_box, hint);
     if (cover.share > 0.0) covers.push_back(cover);
   }
   const std::vector<double> weights = match_moments(covers);

@@ -9,6 +9,7 @@
 
 #include "core/judge/surface/triangle_tree.h"
 #include "core/mesh/boundary_problem.h"
+#include "core/mesh/face_weights.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::experiments {
@@ -34,6 +35,10 @@ class PatchCarrier {
   using Places = std::array<std::array<double, 3>, 3>;
 
   static Places places_of(const TetMesh& mesh, const Triangle& face);
+
+  /// What the whole skin's densities come to on a face; `hint` is the face of the last place looked at.
+  FaceCover cover_of(const TetMesh& mesh, const Triangle& face, const std::vector<double>& density,
+                     const judge::Box& patch_box, Index& hint) const;
 
   const TetMesh& whole_;
   std::vector<Triangle> skin_;
