@@ -249,10 +249,6 @@ void check_tool_stays(const SceneLoad& load, const TetMesh& mesh) {
                      " m, and the organ is " + short_number(longest) + " m long");
 }
 
-}  // namespace
-
-namespace {
-
 /// What is carried over is for the same body: boxes agree to a tenth of their diagonal.
 void check_same_body(const SceneMesh& mesh, const BoundingBox& whole, const BoundingBox& own) {
   const double most = 0.1 * length(own.high - own.low);
