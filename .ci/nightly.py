@@ -1,7 +1,7 @@
 """The nightly mode of continuous integration: `.ci/run full`.
 
     .ci/run full [STAGE...] [--folder DIR] [--list] [--no-build] [--seed N] [--audited N] [--operations N] [--fuzz-seconds S]
-                         [--readers NAME...] [--soak-wall S]
+                         [--readers NAME...] [--fit-scenes N] [--soak-wall S]
 
 Every stage by itself, one after another: one that fails, crashes or hangs does not stop the others. Without names all of them;
 with names those, in the order of the list. DIR (made; build/nightly/DATE by default) gets a log a stage, what a stage leaves, and
@@ -9,7 +9,8 @@ the summary as summary.txt and summary.json, written anew after each stage. A DI
 is named is done anew, the rest keeps its row.
 
 The last lines are the summary. Exit code 1 if any row of it is not `passed`, 2 for bad usage, 130 after Ctrl-C (what was done is
-in the summary). Seeds of what is drawn at random come from --seed, by default the date as a number, so that each night looks elsewhere.
+in the summary). Seeds of what is drawn at random come from --seed, by default the date as a number, so that each night looks elsewhere; so does
+which scenes are fitted.
 """
 
 import argparse
@@ -28,6 +29,7 @@ PYTHON = [sys.executable, "-B"]
 BUILD = ROOT / "build" / "release"
 TESTS = str(BUILD / "bin" / "palpate_tests")
 HOUR = 3600
+FIT_SCENES = 40  # that tests/experiments/fit/fit_scenes.py has
 PASSED, FAILED, TIMED_OUT, INTERRUPTED = "passed", "failed", "timed out", "interrupted"
 STOPS = []  # not empty once somebody wants it to end
 
@@ -52,6 +54,9 @@ def list_stages(options, folder):
     soak = [*PYTHON, str(ROOT / "tests" / "soak" / "soak.py"), str(BUILD), "--seed", seed, "--wall", str(options.soak_wall)]
     fuzz = [*PYTHON, str(ROOT / "tests" / "fuzz" / "fuzz.py"), str(BUILD), str(options.fuzz_seconds), *options.readers, "--seed", seed, "--keep", str(folder / "fuzz")]
     foreign = [*PYTHON, str(ROOT / "tests" / "fuzz" / "foreign.py"), str(BUILD), str(options.fuzz_seconds), "--seed", seed]
+    every = max(1, FIT_SCENES // options.fit_scenes)
+    fits = [*PYTHON, str(ROOT / "tests" / "experiments" / "fit" / "fit_scenes.py"), str(BUILD / "bin" / "palpate"), str(folder / "fits"),
+            "--first", str(options.seed % every), "--every", str(every), "--scenes", str(options.fit_scenes)]
     return [
         Stage("build", "everything is built", [palpate, "test", "--full", "-N"]),
         Stage("contests", "small contests and their gates", [str(ROOT / ".ci" / "run"), "contests", str(folder / "contests")]),
@@ -66,8 +71,7 @@ def list_stages(options, folder):
         Stage("foreign", f"{options.fuzz_seconds} s a reader of a vendor's", foreign),
         Stage("sanitize", "the tests of C++ under the sanitizers", [palpate, "test", "-E", without_cpp], {"PALPATE_PRESET": "sanitize"},
               8 * HOUR),
-        Stage("fits", "thirty scenes are fitted, and held to what was promised", [*PYTHON, str(ROOT / "tests" / "experiments" / "fit" / "fit_scenes.py"),
-                                                                                 str(BUILD / "bin" / "palpate"), str(folder / "fits")], limit_s=8 * HOUR),
+        Stage("fits", f"{options.fit_scenes} of {FIT_SCENES} scenes are fitted, and held to what was promised", fits, limit_s=8 * HOUR),
         Stage("bench", "all benchmarks, the large ones too", [str(BUILD / "bin" / "palpate_bench"), f"--benchmark_out={folder / 'bench.json'}",
                                                              "--benchmark_out_format=json"], {"PALPATE_BENCH_LARGE": "1"}),
         Stage("soak", "24 simulated hours of palpation, springs", [*soak, "--model", "springs", "-o", str(folder / "soak")]),
@@ -201,6 +205,7 @@ def read_options(arguments):
     parser.add_argument("--operations", type=int, default=20_000_000, metavar="N", help="of the stage operations (20000000)")
     parser.add_argument("--fuzz-seconds", type=int, default=30, help="a reader (30)")
     parser.add_argument("--readers", nargs="+", default=[], metavar="NAME", help="that are fuzzed (all)")
+    parser.add_argument("--fit-scenes", type=int, default=10, choices=range(1, FIT_SCENES + 1), metavar="N", help="of the stage fits, others each night (10)")
     parser.add_argument("--soak-wall", type=float, default=float(HOUR), help="seconds that a soak may take (3600)")
     options = parser.parse_args(arguments)
     options.folder = options.folder.resolve()

@@ -66,6 +66,19 @@ class Nightly(unittest.TestCase):
         refused = subprocess.run([sys.executable, "-B", str(ROOT / "tests" / "fuzz" / "fuzz.py"), "x", "1", "--seed", "0"], capture_output=True, text=True, check=False)
         self.assertEqual(refused.returncode, 2)
 
+    def test_nights_in_a_row_fit_all_scenes(self):
+        sys.path.insert(0, str(ROOT / "tests" / "experiments" / "fit"))
+        import fit_scenes
+        self.assertEqual(len(list(fit_scenes.scenes())), nightly.FIT_SCENES)
+        for count in (10, 40):
+            fitted = []
+            for seed in range(nightly.FIT_SCENES // count):
+                options = nightly.read_options(["--seed", str(seed), "--fit-scenes", str(count)])
+                words = next(stage.command for stage in nightly.list_stages(options, self.folder) if stage.name == "fits")
+                first, every, scenes = (int(words[words.index(name) + 1]) for name in ("--first", "--every", "--scenes"))
+                fitted += [each["scene"] for each in fit_scenes.scenes()][first::every][:scenes]
+            self.assertEqual(sorted(fitted), list(range(nightly.FIT_SCENES)))
+
     def test_the_summary_is_there_after_each_stage(self):
         seen = []
 
@@ -149,7 +162,7 @@ class Nightly(unittest.TestCase):
             self.assertIn("expected an earlier summary", said.getvalue())
 
     def test_usage(self):
-        for words in (["nonsense"], ["--soak-wall", "long"]):
+        for words in (["nonsense"], ["--soak-wall", "long"], ["--fit-scenes", "0"]):
             with contextlib.redirect_stderr(io.StringIO()) as said, self.assertRaises(SystemExit) as end:
                 nightly.read_options(words)
             self.assertEqual(end.exception.code, 2)

@@ -29,7 +29,9 @@ SnapshotBasis find_snapshot_basis(std::span<const std::vector<Vec3>> snapshots, 
       throw InputError("snapshots", 0, "displacements of one body", "unlike lengths");
     all.col(static_cast<Eigen::Index>(s)) = flatten(snapshots[s]);
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(all, Eigen::ComputeThinU);
+  // One-sided rotations: some times as long as divide and conquer, seconds at a few hundred snapshots, of
+  // which each took a solve.
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(all, Eigen::ComputeThinU);
   const Eigen::VectorXd& values = svd.singularValues();
   if (!(values.allFinite() && values[0] > 0.0))
     throw InputError("snapshots", 0, "displacements that are finite and not all zero", "others");

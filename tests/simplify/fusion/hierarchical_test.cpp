@@ -10,6 +10,7 @@
 #include "core/mesh/geometry.h"
 #include "core/mesh/orientation.h"
 #include "core/mesh/shapes/shapes.h"
+#include "tests/support/full_mode.h"
 #include "tests/support/naive_hierarchical.h"
 
 namespace palpate::simplify {
@@ -45,12 +46,15 @@ void expect_same_as_naive(const TetMesh& input, const SimplifyOptions& options, 
 }
 
 TEST(Hierarchical, SameBytesAsTheNaiveRescanWithEveryOption) {
+  int number = 0;
   for (const NamedMesh& c : meshes_to_compare()) {
     for (const LevelAdjacency levels :
          {LevelAdjacency::kVertex, LevelAdjacency::kEdge, LevelAdjacency::kFace}) {
       for (const IdealVolume ideal : {IdealVolume::kFixed, IdealVolume::kUpdated}) {
         for (const double drop : {0.0, 0.01, 0.5, 0.9}) {
           for (const bool skip_touched : {false, true}) {
+            if (!test::is_full() && number++ % 5 != 0)
+              continue;  // 5 divides no number of values: each meets each other's
             SimplifyOptions options;
             options.levels = levels;
             options.ideal_volume = ideal;
