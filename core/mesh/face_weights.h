@@ -12,7 +12,7 @@ namespace palpate {
 
 /// A face is divided into so many equal parts where a region's share of it is looked for: 16 along a side.
 constexpr int kPartsAlongSide = 16;
-constexpr int kPartsOfFace = kPartsAlongSide * kPartsAlongSide;
+constexpr int kPartsOfFace = kPartsAlongSide * kPartsAlongSide;  ///< all of them
 
 /// Calls visit(u, v) with the centroid of each part, a + u (b - a) + v (c - a).
 template <typename Visit>

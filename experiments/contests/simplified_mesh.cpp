@@ -16,7 +16,6 @@ namespace {
 constexpr double kSimplifierTimeout = 1800.0;  // s
 // Simplifiers get millimetres, as in their own contest: VTK's, in single precision, removes nothing from an
 // organ in metres.
-constexpr double kSimplifierUnit = 1e-3;  // m
 
 TetMesh scaled(TetMesh mesh, double factor) {
   for (Vec3& point : mesh.points) point = factor * point;
@@ -116,8 +115,8 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   SimplifiedMesh simplified;
   create_folder(folder);
   ContestantTask task = start_task(simplifier.method, fs::absolute(folder / "whole_mm.mesh"), setting);
-  write_medit(task.mesh_in, scaled(whole, 1.0 / kSimplifierUnit));
-  task.options = resolve_options(*task.method.method, simplifier.set);
+  write_medit(task.mesh_in, scaled(whole, 1.0 / kSimplifierUnitM));
+  task.options = resolve_simplifier_options(*task.method.method, simplifier.set);
   task.stop = stop;
   task.timeout_s = kSimplifierTimeout;
   if (simplifier.grade) {
@@ -136,7 +135,7 @@ SimplifiedMesh simplify_mesh(const TetMesh& whole, const PlanContestant& simplif
   simplified.report = answer.report;
   simplified.kernel_s = answer.kernel_s;
   try {
-    simplified.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnit);
+    simplified.mesh = scaled(read_medit(answer.output, ReadOrientation::kKeep).mesh, kSimplifierUnitM);
     if (stop.kind != StopKind::kLimit && simplified.mesh.tets.size() >= whole.tets.size())
       throw InputError("no tetrahedra were removed");
     const Judgement judgement = judge_mesh(simplified.mesh);

@@ -5,6 +5,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/stopwatch.h"
+#include "core/mesh/geometry.h"
 #include "core/simplify/sizing/size_file.h"
 #include "experiments/contestants/stop.h"
 #include "experiments/files/output_file.h"
@@ -50,6 +51,8 @@ class Planner {
     find_error_points(*place_scene(task_.scene, mesh).require, mesh);  // refuses places without a vertex
     for (std::size_t k = 1; k <= kOtherLoads + kFurtherLoads; ++k)
       found_.others.push_back(other_scene(k, mesh));
+    const BoundingBox box = bounding_box(mesh.points);
+    set_skin_bounds(candidates_, length(box.high - box.low));
     grade(mesh);
     plan.levels = mesh.tets.size() <= kMostTetsForThirdLevel ? 3 : 2;
     plan.enough = kEnoughShare * require.at_most;

@@ -13,7 +13,6 @@ namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kSimplifierUnitM = 1e-3;  // as in the contests
 constexpr double kGraderTimeout = 3600.0;  // s
 
 TetMesh in_unit(TetMesh mesh, double factor) {
@@ -22,6 +21,14 @@ TetMesh in_unit(TetMesh mesh, double factor) {
 }
 
 }  // namespace
+
+nlohmann::json resolve_simplifier_options(const MethodSpec& method,
+                                          const std::map<std::string, GivenOption>& given) {
+  nlohmann::json options = resolve_options(method, given);
+  if (method.find_option("unit_m") != nullptr && given.count("unit_m") == 0)
+    options["unit_m"] = kSimplifierUnitM;
+  return options;
+}
 
 std::uint64_t tets_after(const Stop& stop, std::uint64_t tets) {
   if (stop.kind == StopKind::kTets) return static_cast<std::uint64_t>(stop.value);
@@ -51,10 +58,8 @@ GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const
   write_medit(task.mesh_in, in_unit(body.mesh, 1.0 / kSimplifierUnitM));
   const fs::path sizes = scratch.file("sizes.csv");
   simplify::write_sizes(sizes, graded.wanted.sizes);
-  task.options = resolve_options(method, options);
+  task.options = resolve_simplifier_options(method, options);
   if (!wish.near.empty() || !wish.pilot.empty()) task.options["sizes"] = sizes.string();
-  if (method.find_option("unit_m") != nullptr && options.count("unit_m") == 0)
-    task.options["unit_m"] = kSimplifierUnitM;
   task.stop = stop;
   task.threads = setting.threads;
   task.timeout_s = kGraderTimeout;

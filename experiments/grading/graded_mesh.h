@@ -17,6 +17,13 @@ struct GradedMesh {
   std::vector<std::string> notes;
 };
 
+/// Metres in a unit of the meshes that simplifiers get, here and in contests with `simplify`.
+inline constexpr double kSimplifierUnitM = 1e-3;
+
+/// What resolve_options makes of them, with that unit in an option `unit_m` that was not given.
+nlohmann::json resolve_simplifier_options(const MethodSpec& method,
+                                          const std::map<std::string, GivenOption>& given);
+
 /// The tets that a stop leaves of so many. Throws: InputError for a stop without a count.
 std::uint64_t tets_after(const Stop& stop, std::uint64_t tets);
 

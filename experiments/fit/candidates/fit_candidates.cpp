@@ -14,6 +14,8 @@
 namespace palpate::experiments {
 namespace {
 
+constexpr const char* kSkinBound = "max_surface_error_m";
+
 const std::vector<std::string>& known_works() {
   static const std::vector<std::string> works{work_name(FitWork::kFirst), work_name(FitWork::kFurther),
                                               work_name(FitWork::kSecond)};
@@ -27,7 +29,7 @@ void require_known(const YamlValue& at, const char* what, const std::string& nam
 }
 
 FitSimplifier read_fit_simplifier(const YamlValue& value, const Registry& registry) {
-  const YamlFields fields = value.fields({"label", "method", "set", "ratios", "grade"});
+  const YamlFields fields = value.fields({"label", "method", "set", "ratios", "grade", "skin_within"});
   FitSimplifier simplifier;
   simplifier.label = fields.need("label").identifier();
   const YamlValue method = fields.need("method");
@@ -40,6 +42,15 @@ FitSimplifier read_fit_simplifier(const YamlValue& value, const Registry& regist
   for (const YamlValue& ratio : fields.need("ratios").items())
     simplifier.ratios.push_back(ratio.number(0.0, 0.999));
   if (simplifier.ratios.empty()) fields.need("ratios").fail_expected("at least one share");
+  if (const auto within = fields.find("skin_within")) {
+    constexpr double kMost = 0.1;  // what strays farther is another body
+    if (entry.method->find_option(kSkinBound) == nullptr)
+      within->fail("method " + simplifier.method + " has no option \"" + kSkinBound +
+                   "\": its skin has no bound");
+    if (simplifier.set.contains(kSkinBound))
+      within->fail(std::string("the option \"") + kSkinBound + "\" is set too: one bound, or the other");
+    simplifier.skin_within = within->number(0.0, kMost);
+  }
   if (const auto grade = fields.find("grade")) {
     simplifier.grade = read_grade(*grade, registry);
     if (entry.method->find_option("sizes") == nullptr)
@@ -190,6 +201,12 @@ FitCandidates read_candidates(const std::filesystem::path& path, const Registry&
     fields.need("steppings").fail_expected("at least one that is not of modes");
   if (candidates.models.empty()) fields.need("models").fail_expected("at least one model");
   return candidates;
+}
+
+void set_skin_bounds(FitCandidates& candidates, double diagonal_m) {
+  for (FitSimplifier& simplifier : candidates.simplifiers) {
+    if (simplifier.skin_within) simplifier.set[kSkinBound] = *simplifier.skin_within * diagonal_m;
+  }
 }
 
 void drop_steppings(std::vector<FitStepping>& steppings, const std::vector<std::string>& needs,

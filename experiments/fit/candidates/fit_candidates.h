@@ -35,8 +35,10 @@ double budget_of(const SceneRequirement& require);
 struct FitSimplifier {
   std::string label;
   std::string method;
-  std::vector<double> ratios;                     ///< shares of the tetrahedra to remove
-  std::optional<GradeWish> grade;                 ///< how its mesh is graded by the scene
+  std::vector<double> ratios;      ///< shares of the tetrahedra to remove
+  std::optional<GradeWish> grade;  ///< how its mesh is graded by the scene
+  /// How far its skin may stray: a share of the diagonal of the body's box. None: as `set` says.
+  std::optional<double> skin_within;
   nlohmann::json set = nlohmann::json::object();  ///< options; of a graded one the file of its sizes too
 };
 
@@ -59,6 +61,10 @@ struct FitCandidates {
 /// Reads palpate/candidates/1. Throws: InputError with file and line, also for an unknown method (with the
 /// nearest) or option.
 FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry);
+
+/// Gives each simplifier with `skin_within` its bound on a body with that diagonal, in metres (its option
+/// `max_surface_error_m`).
+void set_skin_bounds(FitCandidates& candidates, double diagonal_m);
 
 /// Takes out the steppings that cannot keep possible what a scene needs; `dropped` gets their labels with
 /// the reason (of modes, whose model says it itself, nothing).

@@ -12,6 +12,7 @@
 
 #include "core/base/error.h"
 #include "core/base/types.h"
+#include "experiments/grading/graded_mesh.h"
 #include "experiments/plan_reader/case_list.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
@@ -248,6 +249,41 @@ TEST_F(FitPlans, BadCandidatesAreRefusedWithTheirPlace) {
               HasSubstr("did you mean \"first\"?"));
   EXPECT_THAT(message("{label: a, method: smoothed.edge_node, works: {first: [cut]}}"),
               HasSubstr("did you mean \"cuts\"?"));
+}
+
+TEST_F(FitPlans, ASkinsBoundIsAShareOfTheBody) {
+  const auto read = [&](const std::string& simplifier) {
+    return read_text("schema: palpate/candidates/1\nsimplifiers:\n  - " + simplifier +
+                     "\nmodels: [{label: m, method: smoothed.edge_node, works: {first: []}}]\n");
+  };
+  const auto message = [&](const std::string& simplifier) {
+    try {
+      read(simplifier);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("no error");
+  };
+  FitCandidates own = read("{label: a, method: palpate.surface, skin_within: 0.02, ratios: [0.5]}");
+  set_skin_bounds(own, 0.15);
+  EXPECT_DOUBLE_EQ(own.simplifiers.front().set.at("max_surface_error_m").get<double>(), 0.003);
+  EXPECT_THAT(message("{label: a, method: palpate.refined, skin_within: 0.02, ratios: [0.5]}"),
+              AllOf(HasSubstr("candidates.yaml:3:"), HasSubstr("its skin has no bound")));
+  EXPECT_THAT(message("{label: a, method: palpate.surface, skin_within: 0.2, ratios: [0.5]}"),
+              HasSubstr("0.2"));
+  EXPECT_THAT(message("{label: a, method: palpate.surface, set: {max_surface_error_m: 0.001}, skin_within: "
+                      "0.02, ratios: [0.5]}"),
+              HasSubstr("one bound"));
+}
+
+TEST_F(FitPlans, SimplifiersAreToldThatTheirMeshesAreInMillimetres) {
+  const auto unit_of = [&](const char* method, const std::map<std::string, GivenOption>& given) {
+    const nlohmann::json options = resolve_simplifier_options(*registry_.find(method)->method, given);
+    return options.value("unit_m", -1.0);
+  };
+  EXPECT_DOUBLE_EQ(unit_of("palpate.surface", {}), 0.001);
+  EXPECT_DOUBLE_EQ(unit_of("palpate.surface", {{"unit_m", {"0.5", "here"}}}), 0.5);
+  EXPECT_DOUBLE_EQ(unit_of("palpate.refined", {}), -1.0);
 }
 
 TEST_F(FitPlans, AModelThatCannotDoItIsDroppedWithTheReason) {
