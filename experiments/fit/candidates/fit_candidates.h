@@ -35,11 +35,11 @@ double budget_of(const SceneRequirement& require);
 struct FitSimplifier {
   std::string label;
   std::string method;
-  std::vector<double> ratios;      ///< shares of the tetrahedra to remove
-  std::optional<GradeWish> grade;  ///< how its mesh is graded by the scene
-  /// How far its skin may stray: a share of the diagonal of the body's box. None: as `set` says.
-  std::optional<double> skin_within;
+  std::vector<double> ratios;                     ///< shares of the tetrahedra to remove
+  std::optional<GradeWish> grade;                 ///< how its mesh is graded by the scene
   nlohmann::json set = nlohmann::json::object();  ///< options; of a graded one the file of its sizes too
+  /// How far its skin may stray: a share of the diagonal of the body's box. None: as `set` says.
+  std::optional<double> skin_within{};
 };
 
 struct FitModel {
