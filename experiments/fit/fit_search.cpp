@@ -1,11 +1,16 @@
 #include "experiments/fit/fit_search.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/topology.h"
 #include "core/simplify/sizing/size_file.h"
 #include "experiments/contestants/stop.h"
 #include "experiments/files/output_file.h"
@@ -51,6 +56,7 @@ class Planner {
     find_error_points(*place_scene(task_.scene, mesh).require, mesh);  // refuses places without a vertex
     for (std::size_t k = 1; k <= kOtherLoads + kFurtherLoads; ++k)
       found_.others.push_back(other_scene(k, mesh));
+    drop_straying(mesh);
     const BoundingBox box = bounding_box(mesh.points);
     set_skin_bounds(candidates_, length(box.high - box.low));
     grade(mesh);
@@ -83,6 +89,25 @@ class Planner {
     const auto& left = candidates_.steppings;
     if (std::all_of(left.begin(), left.end(), [](const FitStepping& one) { return one.modes.has_value(); }))
       refuse("no stepping can do all of it");
+  }
+
+  /// Leaves out skins that stray where few vertices lie on the skin: there is little to be won, and what is
+  /// looked at in vain takes the time of what is confirmed.
+  void drop_straying(const TetMesh& mesh) {
+    constexpr double kFineShare = 0.5;
+    const std::vector<std::uint8_t> is_skin = build_boundary_vertex_flags(mesh);
+    const auto count = static_cast<double>(std::count(is_skin.begin(), is_skin.end(), 1));
+    const double share = count / static_cast<double>(is_skin.size());
+    if (share >= kFineShare) return;
+    auto& known = candidates_.simplifiers;
+    for (const FitSimplifier& one : known) {
+      if (one.skin_within)
+        found_.dropped.push_back(one.label + " (" + one.method + ") is not tried: the skin is coarse, " +
+                                 short_number(std::round(100.0 * share)) + "% of the vertices");
+    }
+    known.erase(std::remove_if(known.begin(), known.end(),
+                               [](const FitSimplifier& one) { return one.skin_within.has_value(); }),
+                known.end());
   }
 
   [[noreturn]] void refuse(const std::string& why) const {
