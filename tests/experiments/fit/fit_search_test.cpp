@@ -1,6 +1,7 @@
 // What a fit plans before it runs anything: the other loads take hold of the scene's own mesh.
 #include "experiments/fit/fit_search.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -44,10 +45,11 @@ class FitSearchPlan : public testing::Test {
     text_.load = "[{displace: {sphere: " + sphere.dump() + ", by_m: [0, -0.001, 0]}}]";
   }
 
-  FitSearch plan() {
+  FitSearch plan(const std::vector<FitSimplifier>& simplifiers = {}) {
     const Scene scene = read_scene(folder_.add("scene.yaml", text_.yaml()));
     FitCandidates candidates;
     candidates.models.push_back({"edge_node", "smoothed.edge_node", json::object(), {{"first", {}}}});
+    candidates.simplifiers = simplifiers;
     Progress progress(true);
     const std::filesystem::path out = folder_ / "fit";
     return plan_search({out, scene, FitWork::kFirst, 60.0, false, nullptr}, registry_, progress, candidates);
@@ -75,6 +77,21 @@ TEST_F(FitSearchPlan, APadOfManyFacesMoves) {
   press_a_face(4.0);
   const FitSearch found = plan();
   for (const json& other : found.others) EXPECT_NE(place(other), place(found.plan.scenes.front()));
+}
+
+TEST_F(FitSearchPlan, SkinsThatStrayAreTriedWhereTheSkinIsFine) {
+  FitSimplifier strays;
+  strays.label = "strays";
+  strays.method = "palpate.surface";
+  strays.ratios = {0.5};
+  strays.skin_within = 0.01;
+  const FitSearch fine = plan({strays});  // a bar of 200 vertices, most of them on its skin
+  EXPECT_EQ(fine.plan.candidates.size(), 2U);
+  EXPECT_THAT(fine.dropped, testing::IsEmpty());
+  text_.mesh = "{make: bar, vertices: 8000, length_m: 0.1}";
+  const FitSearch coarse = plan({strays});
+  EXPECT_EQ(coarse.plan.candidates.size(), 1U);
+  EXPECT_THAT(coarse.dropped, testing::ElementsAre(testing::HasSubstr("the skin is coarse")));
 }
 
 }  // namespace
