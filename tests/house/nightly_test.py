@@ -70,9 +70,9 @@ class Nightly(unittest.TestCase):
         sys.path.insert(0, str(ROOT / "tests" / "experiments" / "fit"))
         import fit_scenes
         self.assertEqual(len(list(fit_scenes.scenes())), nightly.FIT_SCENES)
-        for count in (10, 40):
+        for count in (10, 15, 40):
             fitted = []
-            for seed in range(nightly.FIT_SCENES // count):
+            for seed in range(-(-nightly.FIT_SCENES // count)):
                 options = nightly.read_options(["--seed", str(seed), "--fit-scenes", str(count)])
                 words = next(stage.command for stage in nightly.list_stages(options, self.folder) if stage.name == "fits")
                 first, every, scenes = (int(words[words.index(name) + 1]) for name in ("--first", "--every", "--scenes"))
