@@ -99,15 +99,14 @@ class Planner {
     const auto count = static_cast<double>(std::count(is_skin.begin(), is_skin.end(), 1));
     const double share = count / static_cast<double>(is_skin.size());
     if (share >= kFineShare) return;
-    auto& known = candidates_.simplifiers;
-    for (const FitSimplifier& one : known) {
+    const auto strays = [&](const FitSimplifier& one) {
       if (one.skin_within)
         found_.dropped.push_back(one.label + " (" + one.method + ") is not tried: the skin is coarse, " +
                                  short_number(std::round(100.0 * share)) + "% of the vertices");
-    }
-    known.erase(std::remove_if(known.begin(), known.end(),
-                               [](const FitSimplifier& one) { return one.skin_within.has_value(); }),
-                known.end());
+      return one.skin_within.has_value();
+    };
+    auto& known = candidates_.simplifiers;
+    known.erase(std::remove_if(known.begin(), known.end(), strays), known.end());
   }
 
   [[noreturn]] void refuse(const std::string& why) const {
