@@ -132,9 +132,11 @@ struct Run {
   }
 };
 
+/// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
-/// Takes what a small part of the bound permits first, and more of it only if that is not enough.
+/// Takes what a small part of the bound permits first, and more of it only if that is not enough. Tets that
+/// are all but flat are left only where all of the bound is not enough: a smaller part of it is not worth them.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
                       double longest = std::numeric_limits<double>::infinity()) {
   SurfaceCollapseOptions options;
@@ -142,13 +144,15 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
   options.face_target = faces;
   options.tet_target = tets;
   for (;; ++run.level) {
+    const bool is_last = run.level + 1 == kErrorLevels.size();
     run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
     for (const double least : kLeastScores) {
       if (run.boundary.size() <= faces || run.mesh.alive <= tets) return;
+      if (least == kLeastScores.back() && !is_last) continue;
       options.least_score = least;
       collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
     }
-    if (run.level + 1 == kErrorLevels.size()) return;
+    if (is_last) return;
   }
 }
 
