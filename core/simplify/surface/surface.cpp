@@ -135,24 +135,23 @@ struct Run {
 /// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
-/// Takes what a small part of the bound permits first, and more of it only if that is not enough. Tets that
-/// are all but flat are left only where all of the bound is not enough: a smaller part of it is not worth them.
+/// Takes what a small part of the bound permits first, and more of it only if that is not enough; poor tets
+/// only where all of the bound is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
                       double longest = std::numeric_limits<double>::infinity()) {
   SurfaceCollapseOptions options;
   options.longest = longest;
   options.face_target = faces;
   options.tet_target = tets;
-  for (;; ++run.level) {
-    const bool is_last = run.level + 1 == kErrorLevels.size();
-    run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
-    for (const double least : kLeastScores) {
-      if (run.boundary.size() <= faces || run.mesh.alive <= tets) return;
-      if (least == kLeastScores.back() && !is_last) continue;
-      options.least_score = least;
+  const auto is_enough = [&] { return run.boundary.size() <= faces || run.mesh.alive <= tets; };
+  for (const double least : kLeastScores) {
+    options.least_score = least;
+    for (;; ++run.level) {
+      if (is_enough()) return;
+      run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
       collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
+      if (run.level + 1 == kErrorLevels.size()) break;
     }
-    if (is_last) return;
   }
 }
 

@@ -120,19 +120,6 @@ TEST(SimplifySurface, StopsAtTheCountAndSaysSo) {
   EXPECT_GE(outcome.report.tets_out, 480U);
 }
 
-TEST(SimplifySurface, SparingUsesLessOfTheBound) {
-  const TetMesh input = make_bulged_block(8, 9);
-  SurfaceOptions options = with_bound(1.0, 0.8);
-  const SurfaceMesh skin = judge::build_boundary(input);
-  const auto distance_of = [&](bool sparing) {
-    options.sparing = sparing;
-    const Outcome outcome = simplify_and_judge(input, options);
-    EXPECT_EQ(outcome.report.stop, "ratio");
-    return judge::measure_surface_distance(judge::build_boundary(outcome.mesh), skin).upper();
-  };
-  EXPECT_LT(distance_of(true), 0.6 * distance_of(false));
-}
-
 TEST(SimplifySurface, SaysLimitWhereTheBoundPermitsNoMore) {
   const TetMesh input = make_bulged_block(6, 5);
   const Outcome outcome = simplify_and_judge(input, with_bound(1e-4, 0.99));
