@@ -130,6 +130,16 @@ class FitPlans : public testing::Test {
     return read_candidates(folder_.add("candidates.yaml", text), registry_);
   }
 
+  /// What the text is refused with.
+  std::string refusal_of(const std::string& text) const {
+    try {
+      read_text(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
   test::ScratchFolder folder_;
   Registry registry_ = load_registry();
 };
@@ -216,14 +226,7 @@ TEST_F(FitPlans, ASteppingThatKeepsFactorsIsDroppedWhereTheyMayChange) {
   EXPECT_THAT(dropped, testing::ElementsAre("some (velocity_verlet steps) are not tried: they need a new "
                                             "set-up for a change of supports",
                                             HasSubstr("factored (bdf2 steps)")));
-  const auto message = [&](const std::string& line) {
-    try {
-      steppings("  - " + line + "\n");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
+  const auto message = [&](const std::string& line) { return refusal_of(head + "  - " + line + "\n"); };
   EXPECT_THAT(message("{label: a, integrator: symplectic_euler, may_change: [support]}"),
               AllOf(HasSubstr("candidates.yaml:5:"), HasSubstr("did you mean \"supports\"?")));
   EXPECT_THAT(message("{label: a, integrator: symplectic_euler, may_change: [cuts, cuts]}"),
@@ -234,12 +237,7 @@ TEST_F(FitPlans, ASteppingThatKeepsFactorsIsDroppedWhereTheyMayChange) {
 
 TEST_F(FitPlans, BadCandidatesAreRefusedWithTheirPlace) {
   const auto message = [&](const std::string& model) {
-    try {
-      read_text("schema: palpate/candidates/1\nsimplifiers: []\nmodels:\n  - " + model + "\n");
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
+    return refusal_of("schema: palpate/candidates/1\nsimplifiers: []\nmodels:\n  - " + model + "\n");
   };
   EXPECT_THAT(message("{label: a, method: smoothed.edgenode, works: {first: []}}"),
               AllOf(HasSubstr("candidates.yaml:4:"), HasSubstr("smoothed.edge_node")));
@@ -252,19 +250,13 @@ TEST_F(FitPlans, BadCandidatesAreRefusedWithTheirPlace) {
 }
 
 TEST_F(FitPlans, ASkinsBoundIsAShareOfTheBody) {
-  const auto read = [&](const std::string& simplifier) {
-    return read_text("schema: palpate/candidates/1\nsimplifiers:\n  - " + simplifier +
-                     "\nmodels: [{label: m, method: smoothed.edge_node, works: {first: []}}]\n");
+  const auto text_of = [](const std::string& simplifier) {
+    return "schema: palpate/candidates/1\nsimplifiers:\n  - " + simplifier +
+           "\nmodels: [{label: m, method: smoothed.edge_node, works: {first: []}}]\n";
   };
-  const auto message = [&](const std::string& simplifier) {
-    try {
-      read(simplifier);
-    } catch (const InputError& error) {
-      return std::string(error.what());
-    }
-    return std::string("no error");
-  };
-  FitCandidates own = read("{label: a, method: palpate.surface, skin_within: 0.02, ratios: [0.5]}");
+  const auto message = [&](const std::string& simplifier) { return refusal_of(text_of(simplifier)); };
+  FitCandidates own =
+      read_text(text_of("{label: a, method: palpate.surface, skin_within: 0.02, ratios: [0.5]}"));
   set_skin_bounds(own, 0.15);
   EXPECT_DOUBLE_EQ(own.simplifiers.front().set.at("max_surface_error_m").get<double>(), 0.003);
   EXPECT_THAT(message("{label: a, method: palpate.refined, skin_within: 0.02, ratios: [0.5]}"),
