@@ -15,7 +15,7 @@ import pathlib
 import sys
 from dataclasses import dataclass
 
-from deform import convergence, cost, counts, deform, deform_page, deform_tables, frontier, standing, targets
+from deform import convergence, cost, counts, deform, deform_page, deform_tables, element_steps, frontier, standing, targets
 from engine import engine, engine_page
 from motion import motion, motion_page, stages
 from page import write_page
@@ -116,8 +116,10 @@ def report_displacements(run):
     points = frontier.read_points(run) if frontier.asked(run) else {}
     equals = frontier.equal_error_rows(run, points) if points else []
     standings = standing.read_standings(run, points) if points else []
+    steps = element_steps.read_rows(run, points) if points else []
     names = deform_tables.write_tables(run, sections, folder)
     names |= frontier.write_frontier(points, equals, folder) | standing.write_standings(standings, folder) if points else set()
+    names |= element_steps.write_rows(steps, folder) if steps else set()
     names |= cost.write_cost(costs, folder) if costs else set()
     names |= convergence.write_convergence(series, folder) if series else set()
     curves = counts.read_curves(run, sections)
@@ -128,6 +130,8 @@ def report_displacements(run):
         say(f"{run.plan_data['question']}\n")
     # With a frontier its points are many: the tables have them one by one.
     say(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
+    if steps:
+        say(f"\n{element_steps.rows_text(run, points, steps)}")
     if standings:
         say(f"\n{standing.standing_text(standings)}")
     if costs and not points:

@@ -1,6 +1,6 @@
 """What a contest of displacements has for the page of its run."""
 
-from deform import counts, frontier, targets
+from deform import counts, element_steps, frontier, targets
 from deform.deform import COARSE, ERRORS, MAIN, MARGIN, TIMES, problem_of, root_mean_square, sweep_of
 from deform.deform_tables import TITLES, reference_text, set_rows, setting_text
 from shared.page_parts import BAD, GOOD, OPEN, PLAIN, Axis, Body, Chart, Column, Field, PageParts, Section, Table
@@ -228,6 +228,17 @@ def equal_table(run, points):
     return Table("The fastest of each family at equal error", columns, rows, file="tables/equal_error.csv", note="Median over the scenes (least to most).")
 
 
+def element_step_tables(run, points):
+    """What a mesh costs whatever the machine is; none where families are models."""
+    rows = element_steps.read_rows(run, points)
+    if not rows:
+        return []
+    against = [str(name) for name in frontier.asked(run).get("against", [])]
+    columns = [Column("family"), Column("error at most", "%"), Column("millions of them"), *(Column(f"times as few as {name}") for name in against)]
+    shown = [[row[1], percent(row[0]), *element_steps.cells(row, against, len(points))[2:]] for row in rows]
+    return [Table("Tetrahedra times steps at equal error", columns, shown, file="tables/element_steps.csv", note="Median over the scenes (least to most); no time is in it.")]
+
+
 def reference_table(sections):
     rows = [[section.title, reference_text(section)] for section in sections]
     return Table("What it is judged by", [Column("problem"), Column("reference")], list(map(list, dict.fromkeys(map(tuple, rows)))), file="tables/references.csv")
@@ -292,6 +303,6 @@ def page_parts(run, found):
     charts += count_charts(counts.read_curves(run, sections))
     chart = convergence_chart(series) if series else None
     tables = [target_table(outcomes)] if outcomes else []
-    tables += [frontier_table(points), equal_table(run, points)] if points else []
+    tables += [frontier_table(points), equal_table(run, points), *element_step_tables(run, points)] if points else []
     tables += [error_table(sections), set_table(run, sections), reference_table(sections)]
     return PageParts(sentence, state, [Section("", [*charts, *([chart] if chart else [])]), Section("", tables)], lambda: bodies_of(run, on_frontier))

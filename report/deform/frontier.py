@@ -55,6 +55,7 @@ class Point:
     works: dict  # by the names of WORKS; None where there is none
     note: str = ""
     engine: str = ""  # that steps a simulated second
+    explicit_step_s: float | None = None
     halved_by: str = ""  # the case that beat it when its other repeats were left out
     on: set = field(default_factory=set)  # (work, measure) of the frontiers that it is on
 
@@ -137,7 +138,7 @@ def read_point(group, references, families, of_simplifiers):
                  tets if tets is not None else figure(record, "mesh", "tets"), str(record.get("case", "")),
                  {name: median(group.figures("judge", name)) for name, _, _ in ERRORS},
                  own_errors_of(references.get(problem), record), works_of(group), note,
-                 str((record.get("report") or {}).get("step_engine") or ""))
+                 str((record.get("report") or {}).get("step_engine") or ""), explicit_step_s=figure(record, "report", "explicit_step_s"))
 
 
 def is_beaten(point, other, work, measure):

@@ -140,6 +140,26 @@ class OfSimplifiers(FrontierTest):
         self.assertEqual(set(rows), {"as it is", "ours", "theirs"})
         self.assertAlmostEqual(float(rows["theirs"]["time_s"]) / float(rows["ours"]["time_s"]), 4, delta=0.1)
         self.assertIn("ours", out)
+        self.assertFalse((self.folder / "tables" / "element_steps.csv").exists())
+
+    def test_elements_times_steps_are_counted_without_a_time(self):
+        frontier = {**PLAN["frontier"], "of": "simplifiers", "families": {"as it is": ["none"], "ours": ["one"], "theirs": ["other"]}}
+        lines = [reference(), *repeats("quick", 0.01, 1.0)]
+        for simplify, error in (("one", 0.08), ("other", 0.05)):
+            lines += repeats("quick", error, 0.1, sweep={"simplify": simplify, "tets_removed_ratio": 0.5})
+        counts = {None: (9000, 1e-4), "one": (3000, 2e-4), "other": (4500, 1e-4)}
+        for line in lines[1:]:
+            tets, step = counts[line.get("sweep", {}).get("simplify")]
+            line["solved_on"] = {**line.get("solved_on", {}), "tets": tets}
+            line["report"]["explicit_step_s"] = step
+        _, out = self.run_frontier(lines, frontier=frontier)
+        rows = {(row["family"], float(row["error"])): row for row in self.table("element_steps.csv")}
+        self.assertEqual({family for family, error in rows if error == 0.1}, {"as it is", "ours", "theirs"})
+        self.assertEqual({family for family, error in rows if error == 0.02}, {"as it is"})  # too far off is not counted
+        self.assertAlmostEqual(float(rows[("ours", 0.1)]["element_steps"]), 3000 / (0.9 * 2e-4), places=3)
+        self.assertEqual(rows[("ours", 0.1)]["times_as_few_as"], "theirs=3")
+        self.assertEqual(rows[("theirs", 0.1)]["times_as_few_as"], "")
+        self.assertIn("times as few as theirs", out)
 
 
 class EqualError(FrontierTest):
