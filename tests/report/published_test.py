@@ -10,7 +10,8 @@ An entry:
         - {text: "1.8", of: verdict.csv, column: difference, where: {mesh: [kidney, bean]}, take: least, times: -1}
 
 A figure is a column of a table that the report writes, over the rows that `where` leaves: `take` is only (one row; the default), least, greatest, median,
-mean, sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by; `inverse: true` is one over it. It has to be `text` to the last digit that `text` has.
+mean, sum, count (of rows) or rms, of more than one row without its empty cells; `times` and `plus` go upon it; `over` is the same again, divided by, with `same: true` but for what it names; `inverse: true` is one over it. It has to be
+`text` to the last digit that `text` has.
 
 In tables.yaml, every number of a table of a page:
 
@@ -73,6 +74,15 @@ def number(cell):
     return float(re.match(r"[+-]?[\d,.]+(?:e[+-]?\d+)?", cell)[0].replace(",", ""))
 
 
+def below(figure):
+    """What a figure is divided by. `same` takes over its table, column, rows and what is taken of them."""
+    over = dict(figure["over"])
+    if not over.pop("same", False):
+        return over
+    kept = {key: figure[key] for key in ("of", "column", "take") if key in figure}
+    return {**kept, **over, "where": {**figure.get("where", {}), **over.get("where", {})}}
+
+
 def value_of(figure, tables):
     """The figure out of the tables. Raises: AssertionError if no row is left, or several where one is meant."""
     rows = rows_of(tables / figure["of"], figure.get("where", {}))
@@ -85,7 +95,7 @@ def value_of(figure, tables):
         assert values and (take != "only" or len(values) == 1), f"{len(values)} rows: {figure}"
         value = values[0] if take == "only" else TAKE[take](values)
     if "over" in figure:
-        value /= value_of(figure["over"], tables)
+        value /= value_of(below(figure), tables)
     if figure.get("inverse"):
         value = 1 / value
     return value * figure.get("times", 1) + figure.get("plus", 0)
@@ -197,6 +207,11 @@ class Published(unittest.TestCase):
         for wrong in ({**entry, "unless": ["nobody"]}, {**entry, "columns": entry["columns"][:1]}, {**entry, "after": "No such words"}, {**entry, "colums": []},
                       {**entry, "columns": [{"column": "rms"}, {"column": "b"}]}):
             self.assertRaises(AssertionError, figures_of_table, wrong, page)
+
+    def test_what_it_is_divided_by_takes_over_what_it_does_not_name(self):
+        figure = {"of": "t.csv", "column": "s", "take": "least", "where": {"scene": "bar", "family": "theirs"}, "times": 2, "over": {"same": True, "where": {"family": "ours"}}}
+        self.assertEqual(below(figure), {"of": "t.csv", "column": "s", "take": "least", "where": {"scene": "bar", "family": "ours"}})
+        self.assertEqual(below({**figure, "over": {"of": "u.csv", "column": "s"}}), {"of": "u.csv", "column": "s"})
 
     def test_every_archive_is_behind_a_figure_or_a_table(self):
         used = {entry["run"] for entry in self.entries} | {part["run"] for entry in self.whole_tables for part in (entry, *filter(None, entry["columns"])) if "run" in part} | set(make_methods.PLANS)
