@@ -21,7 +21,7 @@ struct SurfaceOptions {
   double max_surface_error = 0.0;  ///< two-sided Hausdorff distance of the skins, in the mesh's unit
   Objective objective = Objective::kShape;
   int effort = 1;                  ///< 0 .. kMostEffort of refined.h: more sweeps, better and slower
-  bool sparing = true;             ///< the bound in steps, no more than needed; else spent
+  bool sparing = true;             ///< the bound in steps, no more than good tets need; else spent
   double boundary_size = 1.0;      ///< edges of the boundary over those inside, to aim at
   bool boundary_flips = true;      ///< of edges
   bool boundary_smoothing = true;  ///< boundary vertices move along the skin too
