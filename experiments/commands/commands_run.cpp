@@ -221,10 +221,40 @@ int check(const std::vector<std::string>& files) {
   return code;
 }
 
+/// Refuses a long option that ctest does not have: it would pass over it in silence, and run everything.
+void require_options_of_ctest(const std::vector<std::string>& words) {
+  const auto is_long = [](const std::string& word) { return word.size() > 2 && word.rfind("--", 0) == 0; };
+  if (std::none_of(words.begin(), words.end(), is_long)) return;
+  const ScratchFolder folder;
+  ProcessSpec spec;
+  spec.arguments = {"/usr/bin/env", "ctest", "--help"};
+  spec.standard_output = folder.file("help.txt");
+  run_process(spec);
+  const std::string help = read_bytes(spec.standard_output).value_or("");
+  if (help.empty()) return;  // there is no ctest: said where it is started
+  const auto is_listed = [&](const std::string& word) {
+    const std::size_t length = std::min(word.size(), word.find('='));
+    const std::string name = word.substr(0, length);
+    for (std::size_t at = help.find(name); at != std::string::npos; at = help.find(name, at + 1)) {
+      const std::string behind = help.substr(at + length, 2);
+      const bool takes = behind.rfind('=', 0) == 0 || behind == "[=";
+      if (length < word.size() ? takes : behind.find_first_of(" ,\n=[") == 0) return true;
+    }
+    return false;
+  };
+  for (const std::string& word : words) {
+    if (is_long(word) && !is_listed(word)) {
+      throw InputError("test: ctest has no option \"" + word +
+                       "\"; ctest --help has those that there are, and -N lists the tests");
+    }
+  }
+}
+
 /// Runs ctest on the build that this program comes from, with its output passed through. `full` takes nothing
 /// as known.
 int test(bool full, const std::vector<std::string>& extra) {
   if (install_prefix()) throw UnavailableError("the tests run in the sources; an installed palpate has none");
+  require_options_of_ctest(extra);
   const fs::path build = fs::path(program_folder()).parent_path();
   std::vector<std::string> arguments{"ctest",
                                      "--test-dir",

@@ -47,6 +47,17 @@ TEST(CommandLine, HelpAndVersion) {
   EXPECT_EQ(help.out.find('\033'), std::string::npos);
 }
 
+/// ctest passes over what it does not know and runs everything.
+TEST(CommandLine, AnOptionThatCtestDoesNotHaveIsRefused) {
+  expect_refusal(run_program({"test", "--list"}), 2, "ctest has no option \"--list\"");
+  expect_refusal(run_program({"test", "-N", "--tests-regex=x"}), 2,
+                 "ctest has no option \"--tests-regex=x\"");
+  const ProgramResult known =
+      run_program({"test", "-N", "--no-tests=ignore", "--tests-regex", "^CommandLine.HelpAndVersion$"});
+  EXPECT_EQ(known.exit_code, 0) << known.error;
+  EXPECT_THAT(known.out, HasSubstr("Total Tests: 1"));
+}
+
 /// The launcher prints these files in the program's place, so that help needs no build.
 TEST(CommandLine, HelpIsWhatTheLauncherKeeps) {
   const std::filesystem::path folder = std::filesystem::path(source_folder()) / "experiments/commands/help";
