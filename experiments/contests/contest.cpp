@@ -16,6 +16,10 @@ nlohmann::json mesh_facts(const std::string& name, const TetMesh& mesh, const st
           {"ideal_volume", total_volume(mesh) / static_cast<double>(mesh.tets.size())}};
 }
 
+void require_going_on(const ContestSetting& setting) {
+  if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw PreparationInterrupted();
+}
+
 ContestantTask start_task(const std::string& method, const std::filesystem::path& mesh,
                           const ContestSetting& setting) {
   ContestantTask task;

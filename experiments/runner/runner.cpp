@@ -54,7 +54,12 @@ class Runner {
   }
 
   RunResult run() {
-    prepare();
+    try {
+      prepare();
+    } catch (const PreparationInterrupted&) {
+      result_.interrupted = true;
+      return result_;
+    }
     if (options_.prepare_only) {
       result_.interrupted = !train_springs() || !contest_->record_inputs({}, [](const json&) {});
       return result_;

@@ -39,6 +39,7 @@ class EngineContest : public Contest {
   json prepare(const std::vector<const Case*>& cases, const json& earlier) override {
     json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
     for (const Case* c : cases) {
+      require_going_on(setting_);
       const std::string id = id_of(*c);
       if (inputs_.count(id) == 0) {
         setting_.progress.show("scene " + id);

@@ -85,6 +85,7 @@ class MotionContest : public Contest {
   json prepare(const std::vector<const Case*>& cases, const json& earlier) override {
     json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
     for (const Case* c : cases) {
+      require_going_on(setting_);
       const std::string id = id_of(*c);
       if (!setting_.plan.contestants[c->contestant].own_limit.empty()) limited_.push_back(*c);
       if (inputs_.count(id) == 0) {

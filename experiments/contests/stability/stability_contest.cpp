@@ -40,6 +40,7 @@ class StabilityContest : public Contest {
       described.push_back(describe_mesh(meshes_.back()));
     }
     for (const Case* c : cases) {
+      require_going_on(setting_);
       if (c->simplifier && simplified_.count(simplified_id(*c)) == 0) simplify(*c);
     }
     return earlier.is_null() ? json{{"meshes", described}} : json::object();

@@ -66,6 +66,7 @@ class VerifyContest : public Contest {
   json prepare(const std::vector<const Case*>& cases, const json& earlier) override {
     json described = earlier.is_null() ? json::object() : earlier.value("problems", json::object());
     for (const Case* c : cases) {
+      require_going_on(setting_);
       prepare_input(*c, described);
       if (const auto coarser = coarser_case(*c)) prepare_input(*coarser, described);
     }

@@ -77,6 +77,22 @@ TEST_F(DeformRun, HalvingLeavesOutWhatCannotBeOnTheFrontier) {
   EXPECT_EQ(count(), expected) << "gone on with, the same is left out";
 }
 
+TEST_F(DeformRun, AnInterruptWhileMeshesAreMadeLeavesNoneToTheRestAndItGoesOn) {
+  const auto plan = add_plan("[{method: test.field, label: off}]",
+                             "simplify: [{method: test.copy, label: copied, stop: {limit: true}}]\n");
+  const volatile std::sig_atomic_t raised = 1;
+  const Plan read = read_plan(plan, fixture_.registry());
+  RunOptions options;
+  options.folder = fixture_.folder() / "run";
+  options.stop_flag = &raised;
+  Progress progress(true);
+  const RunResult result = run_plan(read, fixture_.registry(), options, progress);
+  EXPECT_TRUE(result.interrupted);
+  EXPECT_FALSE(std::filesystem::exists(fixture_.folder() / "run/records.jsonl"));
+  EXPECT_TRUE(fixture_.run(plan, true).is_whole);
+  EXPECT_EQ(fixture_.records().at("block/off/simplify=copied").at("outcome"), "accepted");
+}
+
 TEST_F(DeformRun, AnErrorOfATenthIsFoundToBeOne) {
   const auto plan = add_plan(
       "\n  - {method: test.field, label: exact}\n  - {method: test.field, label: stiff, set: {factor: 0.9}}"
