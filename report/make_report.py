@@ -131,7 +131,7 @@ def report_displacements(run):
     # With a frontier its points are many: the tables have them one by one.
     say(frontier.frontier_text(run, points, equals) if points else deform_tables.summary_text(run, sections))
     if steps:
-        say(f"\n{element_steps.rows_text(run, points, steps)}")
+        say(f"\n{element_steps.rows_text(run, steps)}")
     if standings:
         say(f"\n{standing.standing_text(standings)}")
     if costs and not points:

@@ -235,7 +235,7 @@ def element_step_tables(run, points):
         return []
     against = [str(name) for name in frontier.asked(run).get("against", [])]
     columns = [Column("family"), Column("error at most", "%"), Column("millions of them"), *(Column(f"times as few as {name}") for name in against)]
-    shown = [[row[1], percent(row[0]), *element_steps.cells(row, against, len(points))[2:]] for row in rows]
+    shown = [[row["family"], percent(row["error"]), *element_steps.cells(row, against)[2:]] for row in rows]
     return [Table("Tetrahedra times steps at equal error", columns, shown, file="tables/element_steps.csv", note="Median over the scenes (least to most); no time is in it.")]
 
 

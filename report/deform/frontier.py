@@ -193,11 +193,11 @@ def scene_text(key):
     return scene if ratio is None else f"{scene}, nu {ratio:g}"
 
 
-def equal_error_rows(run, scenes):
+def equal_error_rows(run, scenes, works=tuple(work for work, _ in WORKS)):
     """One entry a work, family and error: the fastest point on each scene that has one, and its ratio to each family that the plan
     holds the others against."""
     rows = []
-    for work, _ in WORKS:
+    for work in works:
         for family in families_of(run):
             for error in asked(run)["at"]:
                 times, ratios = {}, {str(name): {} for name in asked(run).get("against", []) if str(name) != family}
@@ -227,14 +227,19 @@ def short_seconds(value):
     return f"{value / 1e-6:.2g} us"
 
 
-def family_cell(row):
-    """The time over the scenes, and the factors over the families that it is held against."""
+def family_cell(row, text_of=short_seconds):
+    """The work over the scenes."""
     if not row["times"]:
         return "-"
-    text = span_text([point.works[row["work"]].median for point in row["times"].values()], short_seconds)
+    text = span_text([point.works[row["work"]].median for point in row["times"].values()], text_of)
     if len(row["times"]) < row["scenes"]:
         text += f" on {len(row['times'])} of {row['scenes']}"
     return text
+
+
+def ratios_text(row, key):
+    """Of one scene, for a table of comma-separated values: "CGAL=1.5 gmsh=2"."""
+    return " ".join(f"{name}={found[key]:.4g}" for name, found in row["ratios"].items() if key in found)
 
 
 def ratio_cell(row, name):
@@ -359,6 +364,6 @@ def write_frontier(scenes, rows, folder):
     write_csv(folder / "frontier.csv", POINT_HEADER, [point_row(point) for points in scenes.values() for point in points])
     write_csv(folder / "equal_error.csv", ["work", "family", "error", "scene", "poisson_ratio", "label", "mesh", "case", "time_s", "times_as_fast_as"],
               [[row["work"], row["family"], row["error"], *key, point.label, point.mesh, point.case, point.works[row["work"]].median,
-                " ".join(f"{name}={found[key]:.4g}" for name, found in row["ratios"].items() if key in found)]
+                ratios_text(row, key)]
                for row in rows for key, point in row["times"].items()])
     return {"frontier.csv", "equal_error.csv"}
