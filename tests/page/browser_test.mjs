@@ -15,7 +15,7 @@ import { findBarriers, startReader } from "./reader.mjs";
 const [root, build, wanted = ""] = process.argv.slice(2);
 const python = "/usr/bin/python3";
 const scripts = join(build, "page");
-const { browser, chromium, flags, look, open, PATIENCE, seeBodies, settle } = await startReader(root);
+const { browser, chromium, drawCharts, flags, look, open, PATIENCE, seeBodies, settle } = await startReader(root);
 const EVIL_MESH = "<script>alert(1)</script>";
 const EVIL_LABEL = "</script><img src=x onerror=alert(2)>";
 
@@ -41,11 +41,7 @@ for (const file of [...named, ...realPages]) {
     assert.ok((await page.locator("h1").innerText()).length > 5);
     assert.deepEqual(await page.locator("main > section > h2").allInnerTexts(), ["Verdict", "What was not accepted", "Charts", "Tables", "In 3D", "Provenance"]);
     assert.ok((await page.locator(".verdict p").first().innerText()).endsWith("."));
-    const charts = page.locator("[data-chart]");
-    for (let i = 0; i < (await charts.count()); i++) {
-      await charts.nth(i).scrollIntoViewIfNeeded();
-      await charts.nth(i).locator("svg").first().waitFor();
-    }
+    await drawCharts(page);
     if (await page.locator("[data-bodies]").count()) {
       await seeBodies(page);
       const { drawn, of } = await look(page);
@@ -135,8 +131,7 @@ test("markup in a record stays text, in tables, charts, data and the plan", asyn
   assert.ok((await page.locator("h1").innerText()).includes(EVIL_MESH));
   assert.ok((await page.locator("#not-accepted tbody tr").first().innerText()).includes(EVIL_LABEL));
   assert.ok((await page.locator("#tables").innerText()).includes(EVIL_MESH));
-  await page.locator("[data-chart]").first().scrollIntoViewIfNeeded();
-  await page.locator("[data-chart] svg").first().waitFor();
+  await drawCharts(page);
   assert.ok((await page.locator(".panel-title").allInnerTexts()).includes(EVIL_MESH));
   await page.locator("details", { hasText: "The plan" }).locator("summary").click();
   assert.ok((await page.locator("details pre").innerText()).includes(EVIL_LABEL));
@@ -151,6 +146,7 @@ test("markup in a record stays text, in tables, charts, data and the plan", asyn
 
 test("hovering a point shows its record; a click opens it with the command that repeats it", async () => {
   const { page, trouble, close } = await open(at("frontier"));
+  await drawCharts(page); // a chart that is drawn later moves those below it away from the mouse
   const chart = page.locator("figure", { hasText: "What accuracy costs: first answer" });
   await chart.scrollIntoViewIfNeeded();
   const dot = chart.locator(".panels g[aria-label=dot] path").first();

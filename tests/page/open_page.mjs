@@ -12,25 +12,21 @@ if (!root || !files.length) {
   console.error("usage: node open_page.mjs ROOT PAGE.html...");
   process.exit(2);
 }
-const { browser, look, open, seeBodies } = await startReader(root);
+const { browser, drawCharts, look, open, seeBodies } = await startReader(root);
 let failed = 0;
 for (const file of files) {
   const began = performance.now();
   const { page, trouble, close } = await open(file);
   const verdict = await page.locator(".verdict p").first().innerText();
   const opened_s = Number(((performance.now() - began) / 1000).toFixed(2));
-  const charts = page.locator("[data-chart]");
-  for (let i = 0; i < (await charts.count()); i++) {
-    await charts.nth(i).scrollIntoViewIfNeeded();
-    await charts.nth(i).locator("svg").first().waitFor();
-  }
+  const charts = await drawCharts(page);
   let bodies = 0;
   if (await page.locator("[data-bodies]").count()) {
     await seeBodies(page);
     bodies = await page.locator("canvas.organ-canvas").count();
     if ((await look(page)).drawn === 0) trouble.push("a body is not drawn");
   }
-  const said = { page: file, verdict, opened_s, charts: await charts.count(), bodies, tables: await page.locator("table").count(), trouble,
+  const said = { page: file, verdict, opened_s, charts, bodies, tables: await page.locator("table").count(), trouble,
     faults: await page.locator(".fault").allInnerTexts(), barriers: await findBarriers(root, page) };
   console.log(JSON.stringify(said));
   if (said.trouble.length || said.faults.length || said.barriers.length) failed++;

@@ -73,6 +73,17 @@ export async function startReader(root) {
     await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
   }
 
+  /** Scrolls to each chart and waits until it is drawn: they are, each by itself, once a reader comes near. Returns how many there are. */
+  async function drawCharts(page) {
+    const charts = page.locator("[data-chart]");
+    const count = await charts.count();
+    for (let i = 0; i < count; i++) {
+      await charts.nth(i).scrollIntoViewIfNeeded();
+      await charts.nth(i).locator("svg").first().waitFor();
+    }
+    return count;
+  }
+
   /** Scrolls to the bodies and waits until they are drawn. */
   async function seeBodies(page) {
     await page.locator("#organs").scrollIntoViewIfNeeded();
@@ -87,5 +98,5 @@ export async function startReader(root) {
     return readPixels(page, shot);
   }
 
-  return { browser, chromium, flags, look, open, PATIENCE, seeBodies, settle };
+  return { browser, chromium, drawCharts, flags, look, open, PATIENCE, seeBodies, settle };
 }
