@@ -1,7 +1,23 @@
 # Sources of one folder are compiled together: what they include is read, and what they instantiate is compiled, once a folder and not
 # once a source, which halves the build. So the names that a source keeps to itself (in its unnamed namespace) are the only ones of its
 # folder. Sources with compile options of their own stay alone, and those below that say why. -D PALPATE_UNITE=OFF compiles each by itself.
+# In experiments/ and in its tests, which are not optimised in full, most of a folder's time goes into what they all instantiate: several
+# folders are compiled together there, as palpate_hall says.
 option(PALPATE_UNITE "Compile the sources of each folder together" ON)
+
+# Sets `out` to the name under which the sources of `folder` (relative to the project) are compiled: its own, or that of several folders.
+function(palpate_hall folder out)
+  set(${out} ${folder} PARENT_SCOPE)
+  foreach(hall "contests=contests(/[a-z]+)?" "judging=envelope|fit|fit/candidates|gates|judging|live|trials"
+               "plans=grading|meshes|plan_reader|scene_reader|scene_writer|spring_training|text"
+               "running=campaign|contestants|files|processes|records|rounds|runner")
+    string(REGEX MATCH "^([a-z]+)=(.*)$" parts ${hall})
+    set(name ${CMAKE_MATCH_1})
+    if(folder MATCHES "^((tests/)?experiments)/(${CMAKE_MATCH_2})$")
+      set(${out} ${CMAKE_MATCH_1}/${name} PARENT_SCOPE)
+    endif()
+  endforeach()
+endfunction()
 
 # Unites the sources of all targets of `folder` and of the folders below it.
 function(palpate_unite folder)
@@ -23,6 +39,7 @@ function(palpate_unite folder)
         elseif(path MATCHES "\\.cpp$" AND is_ours)
           cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR} OUTPUT_VARIABLE name)
           cmake_path(GET name PARENT_PATH group)
+          palpate_hall(${group} group)
           string(REPLACE "/" "_" group "${group}")
           set_property(SOURCE ${path} DIRECTORY ${folder} PROPERTY UNITY_GROUP ${group})
         endif()

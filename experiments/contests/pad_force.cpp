@@ -17,7 +17,6 @@ namespace palpate::experiments {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kReferenceTimeout = 7200.0;  // s
 constexpr std::size_t kMostTets = 120'000;
 /// Share of a force or an energy that the solver may leave open: it stops at 1e-10 of the force out of
 /// balance, a sum over 1e6 unknowns of which is at most 1e-7 of the force.

@@ -10,6 +10,7 @@
 #include "experiments/envelope/fitted_difference.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/plain_file.h"
+#include "experiments/text/figure_text.h"
 #include "experiments/text/yaml_value.h"
 #include "reference/door/json_file.h"
 
@@ -80,10 +81,6 @@ EnvelopePlace read_place(const json& value) {
   place.rise_s = number_at(value, "rise_s");
   place.step_s = number_at(value, "time_step_s");
   return place;
-}
-
-std::string percent_of(const json& share) {
-  return share.is_number() ? three_digits(100.0 * share.get<double>()) + "%" : "-";
 }
 
 /// "error" as people say it.

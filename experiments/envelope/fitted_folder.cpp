@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kLargestFile = std::size_t{64} << 20U;
+constexpr std::size_t kLargestFit = std::size_t{64} << 20U;
 constexpr std::size_t kDepth = 64;
 
 /// The simplifier of that label in the plan of the fit's search; the sizes of a graded one lie in the fit's
@@ -45,7 +45,7 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
     throw InputError(folder.string(), 0, "a folder that palpate fit has written", "no fit.json in it");
   FittedFolder out;
   out.folder = folder;
-  out.fit = reference::read_json_file(fit_file, {kLargestFile, kDepth});
+  out.fit = reference::read_json_file(fit_file, {kLargestFit, kDepth});
   const fs::path plan_file = folder / "search" / "plan.yaml";
   try {
     const json schema = out.fit.is_object() ? out.fit.value("schema", json()) : json();

@@ -13,6 +13,7 @@
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/placed_text.h"
+#include "experiments/text/figure_text.h"
 #include "reference/door/json_file.h"
 
 namespace palpate::experiments {
@@ -20,10 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using nlohmann::json;
-
-json finite_or_null(double value) {
-  return std::isfinite(value) ? json(value) : json(nullptr);
-}
+using reference::number_or_null;
 
 json describe_stepping(const SteppingTry& tried) {
   const FitStepping& own = tried.stepping;
@@ -31,8 +29,8 @@ json describe_stepping(const SteppingTry& tried) {
            {"integrator", own.integrator},
            {"precision", own.single_precision ? "single" : "double"},
            {"time_step_s", tried.step_s},
-           {"motion_error", tried.error ? finite_or_null(*tried.error) : json(nullptr)},
-           {"cost_s", finite_or_null(tried.cost())},
+           {"motion_error", tried.error ? number_or_null(*tried.error) : json(nullptr)},
+           {"cost_s", number_or_null(tried.cost())},
            {"cost_samples_s", tried.cost_s},
            {"why_not", tried.why_not}};
   if (!own.solver.is_null()) out["solver"] = own.solver;
@@ -46,8 +44,8 @@ json describe_frozen_try(const FrozenTry& tried) {
   return {{"share_of_tolerance", tried.share},
           {"vertices", tried.vertices},
           {"tets", tried.tets},
-          {"worst_error", tried.error ? finite_or_null(*tried.error) : json(nullptr)},
-          {"motion_error", tried.motion_error ? finite_or_null(*tried.motion_error) : json(nullptr)},
+          {"worst_error", tried.error ? number_or_null(*tried.error) : json(nullptr)},
+          {"motion_error", tried.motion_error ? number_or_null(*tried.motion_error) : json(nullptr)},
           {"cost_before_s", tried.cost_before_s},
           {"cost_s", tried.cost_s},
           {"most_force_n", tried.most_force_n},
@@ -66,12 +64,12 @@ json describe_point(const FitPoint& point) {
            {"tets", point.tets},
            {"error", point.error},
            {"reference_error", json::array()},
-           {"worst_error", finite_or_null(point.worst_error())},
-           {"estimated_error", finite_or_null(point.estimated_error())},
-           {"cost_s", finite_or_null(point.cost())},
+           {"worst_error", number_or_null(point.worst_error())},
+           {"estimated_error", number_or_null(point.estimated_error())},
+           {"cost_s", number_or_null(point.cost())},
            {"cost_samples_s", point.cost_s},
            {"memory_bytes", point.memory_bytes}};
-  for (const double own_error : point.own_error) out["reference_error"].push_back(finite_or_null(own_error));
+  for (const double own_error : point.own_error) out["reference_error"].push_back(number_or_null(own_error));
   if (point.explicit_step_s) out["explicit_step_s"] = *point.explicit_step_s;
   if (point.answer_s) out["answer_s"] = *point.answer_s;
   if (point.stepping) out["stepping"] = describe_stepping(*point.stepping);
@@ -83,8 +81,8 @@ json describe_point(const FitPoint& point) {
 json describe_saving(const std::string& what, const FitPoint& before, const FitPoint& after) {
   return {{"what", what},
           {"from", before.candidate.name()},
-          {"cost_before_s", finite_or_null(before.cost())},
-          {"cost_after_s", finite_or_null(after.cost())},
+          {"cost_before_s", number_or_null(before.cost())},
+          {"cost_after_s", number_or_null(after.cost())},
           {"error_before", before.error.empty() ? json(nullptr) : json(before.error.front())},
           {"error_after", after.error.empty() ? json(nullptr) : json(after.error.front())}};
 }
@@ -100,8 +98,8 @@ std::optional<json> describe_stepping_saving(const FitPoint& choice) {
     const auto error_of = [](const SteppingTry& of) { return of.error ? json(*of.error) : json(nullptr); };
     return json{{"what", "integrator and step, on the scene's motion: " + taken->stepping.label},
                 {"from", own.label},
-                {"cost_before_s", finite_or_null(tried.cost())},
-                {"cost_after_s", finite_or_null(taken->cost())},
+                {"cost_before_s", number_or_null(tried.cost())},
+                {"cost_after_s", number_or_null(taken->cost())},
                 {"error_before", error_of(tried)},
                 {"error_after", error_of(*taken)}};
   }
@@ -175,10 +173,6 @@ std::string places_text(const json& at) {
   std::string text;
   for (const json& place : at) text += (text.empty() ? " at " : ", ") + place.get<std::string>();
   return text;
-}
-
-std::string percent_of(const json& share) {
-  return share.is_number() ? three_digits(100.0 * share.get<double>()) + "%" : "-";
 }
 
 std::string seconds_of(const json& seconds) {
@@ -307,7 +301,7 @@ json describe_fit(const FitResult& result) {
            {"at_most", require.at_most},
            {"at", describe_places(require.places)},
            {"work", work_name(result.work)},
-           {"budget_s", finite_or_null(budget_of(require))},
+           {"budget_s", number_or_null(budget_of(require))},
            {"needs", require.needs},
            {"complete", result.is_complete},
            {"wall_s", result.wall_s},

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::size_t kLargestFile = 64U << 20U;
+constexpr std::size_t kLargestAccepted = 64U << 20U;
 constexpr const char* kNoTimes =
     "a time by itself says as much of the machine and its load as of the code; accept the kind time_ratio, "
     "one "
@@ -226,7 +226,7 @@ std::string AcceptedFigure::name() const {
 AcceptedFile read_accepted(const std::filesystem::path& path, const std::string& plan) {
   const char* expected = "accepted figures (palpate/accepted/2 or 1)";
   if (!std::filesystem::exists(path)) throw InputError(path.string(), 0, expected, "no such file");
-  const std::string text = reference::read_text_file(path, kLargestFile);
+  const std::string text = reference::read_text_file(path, kLargestAccepted);
   AcceptedFile file;
   file.data = reference::parse_ordered_json(text, path.string());
   const ordered_json schema =

@@ -1,11 +1,11 @@
 #include "experiments/gates/gate_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string_view>
 
 #include "core/base/number_text.h"
 #include "experiments/text/terminal.h"
+#include "reference/door/json_file.h"
 
 namespace palpate::experiments {
 namespace {
@@ -214,7 +214,7 @@ json describe_gate(const GateResult& result, const std::vector<AcceptedChange>& 
                   {"holds", line.problem.empty()},
                   {"problem", line.problem},
                   {"by", line.by},
-                  {"shortfall", std::isfinite(line.shortfall) ? json(line.shortfall) : json()}};
+                  {"shortfall", reference::number_or_null(line.shortfall)}};
     if (!figure.other_case.empty()) entry["other_case"] = figure.other_case;
     if (figure.kind == FigureKind::kComparison) entry["by_factor"] = figure.by_factor;
     if (figure.at_least) entry["at_least"] = *figure.at_least;

@@ -10,7 +10,7 @@ namespace palpate::experiments {
 namespace {
 
 constexpr double kLeastSize = 0.01;
-constexpr double kLongest = 1e3;  // m
+constexpr double kLargestReach = 1e3;  // m
 
 const std::vector<std::string>& near_words() {
   static const std::vector<std::string> words{"loads", "pads", "forces", "supports", "probes"};
@@ -76,8 +76,8 @@ GradeWish read_grade(const YamlValue& value, const Registry& registry) {
     if (const auto given = fields.find(key)) target = given->number(low, high);
   };
   number("near_size", kLeastSize, 1.0, wish.near_size);
-  number("radius_m", 0.0, kLongest, wish.radius_m);
-  if (const auto reach = fields.find("reach_m")) wish.reach_m = reach->number(1e-9, kLongest);
+  number("radius_m", 0.0, kLargestReach, wish.radius_m);
+  if (const auto reach = fields.find("reach_m")) wish.reach_m = reach->number(1e-9, kLargestReach);
   number("least_size", kLeastSize, 1.0, wish.least_size);
   number("growth", 0.01, 10.0, wish.growth);
   return wish;

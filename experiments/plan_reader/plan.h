@@ -129,15 +129,6 @@ const Part& part_of(const Plan& plan) {
   return dynamic_cast<const Part&>(*plan.part);
 }
 
-/// The names of meshes or scenes.
-template <typename Named>
-std::vector<std::string> names_of(const std::vector<Named>& all) {
-  std::vector<std::string> names;
-  names.reserve(all.size());
-  for (const Named& each : all) names.push_back(each.name);
-  return names;
-}
-
 /// The simplifier that leaves the mesh as it is: its method is empty.
 inline constexpr const char* kNoSimplifier = "none";
 

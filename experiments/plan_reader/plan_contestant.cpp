@@ -5,13 +5,12 @@
 #include "core/base/error.h"
 #include "experiments/judging/kept_regions.h"
 #include "experiments/plan_reader/plan_report.h"
+#include "experiments/scene_reader/shape_fields.h"
 #include "experiments/spring_training/training_plan.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 namespace {
-
-constexpr std::int64_t kLargestSeed = std::int64_t{1} << 40;
 
 /// A contestant as read, with the places of the parts that are checked later.
 struct Entry {

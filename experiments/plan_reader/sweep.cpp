@@ -4,12 +4,12 @@
 #include <set>
 
 #include "experiments/scene_reader/scene.h"
+#include "experiments/scene_reader/shape_fields.h"
 #include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 namespace {
 
-constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
 constexpr std::int64_t kLargestCount = std::int64_t{1} << 40;
 
 /// A value of an axis that is no option, checked.

@@ -15,7 +15,7 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr double kLongest = 1e6;   // m
+constexpr double kFarthest = 1e6;  // m
 constexpr double kFarAway = 10.0;  // longest sides of the mesh's box
 
 Vec3 read_direction(const YamlValue& value) {
@@ -45,7 +45,7 @@ void read_sphere(const YamlValue& value, Region& region) {
   const auto relative = fields.find("radius_relative");
   if (radius.has_value() == relative.has_value())
     value.fail("a sphere needs one of \"radius_m\" and \"radius_relative\"");
-  if (radius) region.radius = read_positive(*radius, kLongest);
+  if (radius) region.radius = read_positive(*radius, kFarthest);
   if (relative) region.radius_relative = read_positive(*relative, kFarAway);
 }
 
@@ -57,7 +57,7 @@ void read_half_space(const YamlValue& value, Region& region) {
   const auto share = fields.find("share");
   if (offset.has_value() == share.has_value())
     value.fail("a half_space needs one of \"offset_m\" and \"share\"");
-  if (offset) region.offset = offset->number(-kLongest, kLongest);
+  if (offset) region.offset = offset->number(-kFarthest, kFarthest);
   if (share) region.share = share->number(0.0, 1.0);
 }
 

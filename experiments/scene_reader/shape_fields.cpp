@@ -8,9 +8,6 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
-constexpr std::int64_t kLargestSeed = std::int64_t{1} << 40;
-
 /// What the shape says of a key's value, with the key's line.
 void check_key(const YamlValue& value, const ShapeRequest& shape) {
   const std::string complaint = shape_complaint(shape);

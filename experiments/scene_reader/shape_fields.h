@@ -1,6 +1,7 @@
 // The keys of a mesh that is made, as plans, scenes and trainings share them.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,10 @@
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
+
+/// The most vertices that a mesh may be made of, and the largest seed of anything drawn at random.
+inline constexpr std::int64_t kMostVertices = std::int64_t{1} << 29;
+inline constexpr std::int64_t kLargestSeed = std::int64_t{1} << 40;
 
 /// vertices, edge_length, skin, seed, jitter: what may stand beside `make`.
 const std::vector<std::string>& shape_keys();

@@ -10,14 +10,6 @@ namespace {
 constexpr double kSpringRatio = 0.25;  // Poisson's ratio of springs alone
 constexpr std::size_t kMostCases = 1000;
 
-template <typename Named>
-std::vector<std::string> names_of(const std::vector<Named>& items) {
-  std::vector<std::string> names;
-  names.reserve(items.size());
-  for (const Named& item : items) names.push_back(item.name);
-  return names;
-}
-
 void require_new_name(const YamlValue& at, const std::string& name, const std::vector<std::string>& known) {
   if (std::find(known.begin(), known.end(), name) != known.end()) at.fail("\"" + name + "\" twice");
 }

@@ -15,6 +15,15 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// the list of them: `; known are a, b, c`.
 std::string nearest_hint(std::string_view name, std::span<const std::string> known);
 
+/// The names of what has one.
+template <typename Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> names;
+  names.reserve(all.size());
+  for (const Named& each : all) names.push_back(each.name);
+  return names;
+}
+
 /// The names joined with commas: "a, b, c".
 std::string joined(std::span<const std::string> names);
 

@@ -4,18 +4,18 @@
 #include <cmath>
 #include <limits>
 
-#include "core/base/number_text.h"
 #include "experiments/records/record_file.h"
 #include "experiments/scene_reader/scene_require.h"
+#include "experiments/text/figure_text.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 namespace {
 
-constexpr double kRounding = 1e-9;  // a halved step may miss the shortest one by that share
+constexpr double kStepRounding = 1e-9;  // a halved step may miss the shortest one by that share
 
 std::string error_text(const SteppingTry& tried) {
-  return tried.error ? "leaves " + three_digits(100.0 * *tried.error) + "% of the motion" : "does not end";
+  return tried.error ? "leaves " + percent_text(*tried.error) + " of the motion" : "does not end";
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ SteppingTry find_step(const FitStepping& stepping, double longest_s, double shor
   tried.why_not = "its longest step, " + time_text(longest_s) +
                   ", is shorter than the shortest that is tried, " + time_text(shortest_s);
   double step_s = longest_s;
-  while (step_s >= shortest_s * (1.0 - kRounding)) {
+  while (step_s >= shortest_s * (1.0 - kStepRounding)) {
     const SteppedMotion found = run(step_s);
     tried.step_s = step_s;
     tried.error = found.error;

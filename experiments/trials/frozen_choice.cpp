@@ -5,6 +5,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "experiments/text/figure_text.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/json_file.h"
 
@@ -39,8 +40,7 @@ std::string why_not_frozen(const FrozenTry& tried, std::size_t of_tets, double m
     return "only " + std::to_string(tried.tets) + " of " + std::to_string(of_tets) + " tetrahedra are still";
   if (!tried.error || !tried.motion_error) return "its motion did not end";
   const double error = *tried.error + *tried.motion_error;
-  if (!(error <= most_error))
-    return "error up to " + three_digits(100.0 * error) + "% of " + three_digits(100.0 * most_error) + "%";
+  if (!(error <= most_error)) return "error up to " + percent_text(error) + " of " + percent_text(most_error);
   if (!(tried.cost_s < tried.cost_before_s))
     return "takes " + time_text(tried.cost_s) + ", the whole model " + time_text(tried.cost_before_s);
   return "";

@@ -6,11 +6,11 @@
 #include <numeric>
 
 #include "core/base/error.h"
-#include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "experiments/contests/moving_task.h"
 #include "experiments/processes/deadline.h"
 #include "experiments/scene_reader/scene_motion.h"
+#include "experiments/text/figure_text.h"
 #include "experiments/text/terminal.h"
 #include "experiments/trials/motion_trial.h"
 
@@ -24,10 +24,6 @@ constexpr double kRestOfOrderTwo = 1.0 / 3.0;
 constexpr double kTruthRoom = 0.25;  ///< of the error that may be left: elements that are so good do
 constexpr double kWholeShare = 0.6;  ///< of the time, for the elements stepped whole
 constexpr int kFurtherRuns = 3;
-
-std::string percent_text(double share) {
-  return three_digits(100.0 * share) + "%";
-}
 
 class ModalTrials {
  public:

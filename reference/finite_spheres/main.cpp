@@ -1,5 +1,4 @@
 // Adapter of the method of finite spheres, in Galerkin form and by point collocation.
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "core/dynamics/elasticity/loads.h"
 #include "core/dynamics/linear_algebra/vertex_field.h"
 #include "reference/door/deform_problem.h"
+#include "reference/door/json_file.h"
 #include "reference/door/request_options.h"
 #include "reference/finite_spheres/collocation.h"
 #include "reference/finite_spheres/sphere_field.h"
@@ -163,8 +163,7 @@ Response answer_by_collocation(const Request& request) {
                      {"unknowns", 3 * field.moving_spheres},
                      {"matrix_entries", found.entries},
                      {"factor_entries", found.factor_entries},
-                     {"net_force_share",
-                      std::isfinite(found.net_force_share) ? json(found.net_force_share) : json(nullptr)}};
+                     {"net_force_share", number_or_null(found.net_force_share)}};
   if (!is_given) return response;
   response.report["support_forces_n"] = support_forces(task, found.displacement_m);
   write_displacement(request.output, found.displacement_m);

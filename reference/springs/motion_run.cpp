@@ -184,7 +184,7 @@ Response run_motion_request(const Request& request) {
   runner.report(response.report);
   response.report["setup_s"] = setup_s;
   response.report["frequencies_s"] = moving.modes_s;
-  response.report["stable_step_s"] = std::isfinite(stable_step_s) ? json(stable_step_s) : json(nullptr);
+  response.report["stable_step_s"] = number_or_null(stable_step_s);
   response.report["spring_damping_n_s_per_m"] = moving.spring_damping_n_s_per_m;
   response.report["vertex_damping_n_s_per_m"] = moving.vertex_damping_n_s_per_m;
   if (task.problem.frequencies > 0) response.report["frequencies_hz"] = moving.modes.frequency_hz;

@@ -22,8 +22,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kReferenceTimeout = 7200.0;  // s
-constexpr int kLevelsOfAll = 2;               // that every reference has
+constexpr int kLevelsOfAll = 2;  // that every reference has
 
 void fail(DeformReference& reference, const std::string& outcome, const std::string& why) {
   reference.outcome = outcome;

@@ -9,6 +9,7 @@
 #include "experiments/plan_reader/plan_reference.h"
 #include "experiments/plan_reader/plan_report.h"
 #include "experiments/plan_reader/plan_scene.h"
+#include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 void read_deform_plan(const YamlFields& fields, Plan& plan, const Registry& registry) {

@@ -21,7 +21,7 @@ using nlohmann::json;
 using reference::MotionLoad;
 using reference::MotionProblem;
 
-constexpr double kReferenceTimeout = 14400.0;  // s
+constexpr double kMotionTimeout = 14400.0;  // s
 
 /// What the door has no words for.
 void check_scene(const Scene& scene) {
@@ -54,7 +54,7 @@ JudgedMotion solve_run(const MotionInput& input, const ReferenceRun& run, const 
   task.options = resolve_options(*task.method.method, plan.set);
   task.options["refine"] = run.refine;
   task.options["time_step_s"] = run.time_step_s;
-  task.timeout_s = kReferenceTimeout;
+  task.timeout_s = kMotionTimeout;
   const Solution solution = solve(task, "completed");
   const std::string which = "the reference at level " + std::to_string(run.refine) + " ";
   const auto fail = [&](const std::string& outcome, const std::string& why) {
@@ -166,7 +166,7 @@ OwnLimit solve_own_limit(const MotionInput& input, const Case& run_case, const C
   task.options = run_case.options;
   const json over = resolve_options(*task.method.method, contestant.own_limit);
   for (const auto& [name, given] : contestant.own_limit) task.options[name] = over.at(name);
-  task.timeout_s = kReferenceTimeout;
+  task.timeout_s = kMotionTimeout;
   const Solution solution = solve(task, "completed");
   OwnLimit limit;
   limit.interrupted = solution.interrupted;

@@ -4,6 +4,7 @@
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_reference.h"
 #include "experiments/plan_reader/plan_scene.h"
+#include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 

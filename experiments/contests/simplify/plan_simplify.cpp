@@ -5,6 +5,7 @@
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/plan_reader/plan_mesh.h"
 #include "experiments/plan_reader/plan_report.h"
+#include "experiments/text/nearest_name.h"
 
 namespace palpate::experiments {
 namespace {

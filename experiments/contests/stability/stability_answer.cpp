@@ -14,7 +14,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kSchema = "palpate/stability_answer/1";
+constexpr const char* kAnswerSchema = "palpate/stability_answer/1";
 constexpr std::size_t kLargestFile = std::size_t{256} << 20U;
 constexpr std::size_t kDepth = 16;
 constexpr std::size_t kMostRuns = 16;
@@ -131,7 +131,7 @@ StabilityAnswer read_stability_answer(const std::filesystem::path& file, const T
   const std::string where = file.string();
   const json value = reference::read_json_file(file, {kLargestFile, kDepth});
   object(value, {"schema", "rounding", "runs", "bracket"}, where);
-  if (value.at("schema") != kSchema) fail(where + ": schema", kSchema, value.at("schema"));
+  if (value.at("schema") != kAnswerSchema) fail(where + ": schema", kAnswerSchema, value.at("schema"));
   StabilityAnswer out;
   out.rounding = number(value.at("rounding"), where + ": rounding");
   if (!(out.rounding > 0.0) || !(out.rounding <= kMostRounding))

@@ -21,7 +21,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSimplifierTimeout = 300.0;
+constexpr double kShortTimeout = 300.0;
 
 class StabilityContest : public Contest {
  public:
@@ -123,7 +123,7 @@ class StabilityContest : public Contest {
         start_task(simplifier.method, fs::absolute(meshes_[run_case.subject].file), setting_);
     task.stop = run_case.simplifier_stop;
     task.options = resolve_options(*task.method.method, simplifier.set);
-    task.timeout_s = kSimplifierTimeout;
+    task.timeout_s = kShortTimeout;
     const ContestantAnswer answer = run_contestant(task);
     Simplified& out = simplified_[id];
     if (answer.outcome != "ok") {

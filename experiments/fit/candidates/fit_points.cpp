@@ -5,9 +5,9 @@
 #include <limits>
 #include <map>
 
-#include "core/base/number_text.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/record_file.h"
+#include "experiments/text/figure_text.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/moving_body.h"
 
@@ -173,10 +173,10 @@ std::string why_not(const FitPoint& point, const SceneRequirement& require) {
   std::string why;
   const auto add = [&](const std::string& text) { why += (why.empty() ? "" : "; ") + text; };
   if (point.worst_error() > require.at_most)
-    add("error up to " + three_digits(100.0 * point.worst_error()) + "%");
+    add("error up to " + percent_text(point.worst_error()));
   else if (point.is_confirmed() && point.estimated_error() > require.at_most)
-    add("error estimated to reach " + three_digits(100.0 * point.estimated_error()) +
-        "% on loads like these (up to " + three_digits(100.0 * point.worst_error()) + "% seen)");
+    add("error estimated to reach " + percent_text(point.estimated_error()) + " on loads like these (up to " +
+        percent_text(point.worst_error()) + " seen)");
   if (point.cost() > budget_of(require))
     add("takes " + time_text(point.cost()) + " of " + time_text(budget_of(require)));
   if (require.memory_bytes && point.memory_bytes > *require.memory_bytes)

@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 
 /// A file by its name, and what has to stand in its refusal; nothing for a good one.
-struct Claim {
+struct SurfaceClaim {
   std::string name;
   std::string bytes;
   std::string expected;
@@ -69,9 +69,9 @@ std::string ply_header(const std::string& form, const std::string& count, const 
 }
 
 /// Each in one line that says which, and what our own walk found, before CGAL saw the file.
-void expect_refusals(const std::vector<Claim>& claims) {
+void expect_refusals(const std::vector<SurfaceClaim>& claims) {
   const test::ScratchFolder folder;
-  for (const Claim& claim : claims) {
+  for (const SurfaceClaim& claim : claims) {
     std::string message;
     try {
       mesh_surface({folder.add(claim.name, claim.bytes), {}});
@@ -84,9 +84,9 @@ void expect_refusals(const std::vector<Claim>& claims) {
   }
 }
 
-void expect_tetrahedra(const std::vector<Claim>& claims) {
+void expect_tetrahedra(const std::vector<SurfaceClaim>& claims) {
   const test::ScratchFolder folder;
-  for (const Claim& claim : claims) {
+  for (const SurfaceClaim& claim : claims) {
     SCOPED_TRACE(claim.name);
     const MadeMesh made = mesh_surface({folder.add(claim.name, claim.bytes), {}});
     EXPECT_NEAR(total_volume(made.mesh), 1.0 / 6.0, 1e-9);

@@ -19,15 +19,15 @@ using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::filesystem::path add_plan(const test::ExperimentFixture& fixture, const std::string& contestants,
-                               const std::string& cases, const std::string& rest = "") {
+std::filesystem::path add_verify_plan(const test::ExperimentFixture& fixture, const std::string& contestants,
+                                      const std::string& cases, const std::string& rest = "") {
   return fixture.folder().add(
       "plan.yaml", "schema: palpate/plan/1\nquestion: Is it right?\ncontest: verify\ncontestants: " +
                        contestants + "\ncases: " + cases + "\n" + rest);
 }
 
 /// A plan whose error is known. Contestants stand on line 4, cases on line 5, the rest on line 6.
-struct BadPlan {
+struct BadVerifyPlan {
   const char* name;
   const char* contestants;
   const char* cases;
@@ -36,15 +36,15 @@ struct BadPlan {
   const char* message;
 };
 
-void PrintTo(const BadPlan& plan, std::ostream* out) {
+void PrintTo(const BadVerifyPlan& plan, std::ostream* out) {
   *out << plan.name;
 }
 
-class VerifyPlanErrors : public testing::TestWithParam<BadPlan> {};
+class VerifyPlanErrors : public testing::TestWithParam<BadVerifyPlan> {};
 
 TEST_P(VerifyPlanErrors, NamesLineAndReason) {
   const test::ExperimentFixture fixture;
-  const auto plan = add_plan(fixture, GetParam().contestants, GetParam().cases, GetParam().rest);
+  const auto plan = add_verify_plan(fixture, GetParam().contestants, GetParam().cases, GetParam().rest);
   const std::string message = fixture.error_of_plan(plan);
   EXPECT_THAT(message, HasSubstr("plan.yaml:" + std::to_string(GetParam().line) + ":"));
   EXPECT_THAT(message, HasSubstr(GetParam().message));
@@ -53,7 +53,7 @@ TEST_P(VerifyPlanErrors, NamesLineAndReason) {
 constexpr const char* kGoodCase =
     "[{case: patch_test, cells: [2], expect: [{contestants: [tensor_mass], solution_l2: {max: 1}}]}]";
 
-const BadPlan kBadPlans[] = {
+const BadVerifyPlan kBadVerifyPlans[] = {
     {"unknown_case", "[tensor_mass]",
      "[{case: patch_tets, cells: [2], expect: [{contestants: [tensor_mass], solution_l2: {max: 1}}]}]", "", 5,
      "did you mean \"patch_test\"?"},
@@ -93,17 +93,18 @@ const BadPlan kBadPlans[] = {
     {"scenes", "[tensor_mass]", kGoodCase, "scenes: [bar]", 6, "belongs to the contest deform"},
 };
 
-INSTANTIATE_TEST_SUITE_P(All, VerifyPlanErrors, testing::ValuesIn(kBadPlans),
+INSTANTIATE_TEST_SUITE_P(All, VerifyPlanErrors, testing::ValuesIn(kBadVerifyPlans),
                          [](const auto& plan) { return std::string(plan.param.name); });
 
 TEST(VerifyContest, CasesAreThoseOfWhichSomethingIsExpectedFromCoarseToFine) {
   const test::ExperimentFixture fixture;
-  const Plan plan = read_plan(add_plan(fixture, "[tensor_mass, test.field]",
-                                       "\n  - {case: patch_test, cells: [2, 4], expect: [{contestants: "
-                                       "[tensor_mass], solution_l2: {max: 1}}]}"
-                                       "\n  - {case: bar_tension, cells: [1], expect: [{contestants: "
-                                       "[test.field], solution_l2: {max: 1}}]}"),
-                              fixture.registry());
+  const Plan plan =
+      read_plan(add_verify_plan(fixture, "[tensor_mass, test.field]",
+                                "\n  - {case: patch_test, cells: [2, 4], expect: [{contestants: "
+                                "[tensor_mass], solution_l2: {max: 1}}]}"
+                                "\n  - {case: bar_tension, cells: [1], expect: [{contestants: "
+                                "[test.field], solution_l2: {max: 1}}]}"),
+                fixture.registry());
   const std::vector<Case> cases = build_cases(plan, fixture.registry());
   std::vector<std::string> ids;
   ids.reserve(cases.size());
@@ -116,8 +117,8 @@ TEST(VerifyContest, CasesAreThoseOfWhichSomethingIsExpectedFromCoarseToFine) {
 }
 
 /// Runs a plan and returns its records by case.
-std::map<std::string, json> run(const std::filesystem::path& plan, const std::filesystem::path& out,
-                                int exit_code) {
+std::map<std::string, json> run_verify(const std::filesystem::path& plan, const std::filesystem::path& out,
+                                       int exit_code) {
   const test::ProgramResult result =
       test::run_program({"run", plan.string(), "--out", out.string(), "--no-report"});
   EXPECT_EQ(result.exit_code, exit_code) << result.out << result.error;
@@ -128,14 +129,15 @@ std::map<std::string, json> run(const std::filesystem::path& plan, const std::fi
 
 TEST(VerifyContest, ARightAnswerPassesAndItsOrderIsObserved) {
   const test::ExperimentFixture fixture;
-  const auto plan = add_plan(fixture, "[{method: tensor_mass, set: {rtol: 1.0e-12}}]",
-                             "\n  - {case: patch_test, cells: [2], expect: [{contestants: [tensor_mass], "
-                             "solution_l2: {max: 1.0e-10}}]}"
-                             "\n  - {case: manufactured, cells: [2, 4, 8], expect: [{contestants: "
-                             "[tensor_mass], solution_order: {min: 1.8}}]}"
-                             "\n  - {case: cantilever, cells: [2], expect: [{contestants: [tensor_mass], "
-                             "value_error: {max: 0.5}}]}");
-  const auto records = run(plan, fixture.folder() / "run", 0);
+  const auto plan =
+      add_verify_plan(fixture, "[{method: tensor_mass, set: {rtol: 1.0e-12}}]",
+                      "\n  - {case: patch_test, cells: [2], expect: [{contestants: [tensor_mass], "
+                      "solution_l2: {max: 1.0e-10}}]}"
+                      "\n  - {case: manufactured, cells: [2, 4, 8], expect: [{contestants: "
+                      "[tensor_mass], solution_order: {min: 1.8}}]}"
+                      "\n  - {case: cantilever, cells: [2], expect: [{contestants: [tensor_mass], "
+                      "value_error: {max: 0.5}}]}");
+  const auto records = run_verify(plan, fixture.folder() / "run", 0);
   ASSERT_EQ(records.size(), 5U);
   for (const auto& [id, record] : records) EXPECT_EQ(record.at("outcome"), "accepted") << id;
   EXPECT_FALSE(records.at("patch_test/tensor_mass/cells=2").at("judge").contains("solution_order"));
@@ -153,14 +155,15 @@ TEST(VerifyContest, ARightAnswerPassesAndItsOrderIsObserved) {
 
 TEST(VerifyContest, AWrongAnswerIsRejected) {
   const test::ExperimentFixture fixture;
-  const auto plan = add_plan(fixture,
-                             "\n  - test.field\n  - {method: tensor_mass, set: {rtol: 0.1}}\n  - {method: "
-                             "tensor_mass, label: impatient, set: "
-                             "{iterations: 1}}",
-                             "\n  - {case: bar_tension, cells: [2], expect: [{contestants: [test.field, "
-                             "tensor_mass, impatient], solution_l2: "
-                             "{max: 1.0e-10}}]}");
-  const auto records = run(plan, fixture.folder() / "run", 1);
+  const auto plan =
+      add_verify_plan(fixture,
+                      "\n  - test.field\n  - {method: tensor_mass, set: {rtol: 0.1}}\n  - {method: "
+                      "tensor_mass, label: impatient, set: "
+                      "{iterations: 1}}",
+                      "\n  - {case: bar_tension, cells: [2], expect: [{contestants: [test.field, "
+                      "tensor_mass, impatient], solution_l2: "
+                      "{max: 1.0e-10}}]}");
+  const auto records = run_verify(plan, fixture.folder() / "run", 1);
   const auto why = [&](const char* label) {
     const json& record = records.at(std::string("bar_tension/") + label + "/cells=2");
     EXPECT_EQ(record.at("outcome"), "rejected") << label;
@@ -173,10 +176,11 @@ TEST(VerifyContest, AWrongAnswerIsRejected) {
 
 TEST(VerifyContest, GoesOnWhereItWasStoppedWithTheSameOrder) {
   const test::ExperimentFixture fixture;
-  const auto plan = add_plan(fixture, "[tensor_mass]",
-                             "[{case: manufactured, cells: [2, 4], expect: [{contestants: [tensor_mass], "
-                             "solution_order: {min: 1}}]}]");
-  const auto whole = run(plan, fixture.folder() / "whole", 0);
+  const auto plan =
+      add_verify_plan(fixture, "[tensor_mass]",
+                      "[{case: manufactured, cells: [2, 4], expect: [{contestants: [tensor_mass], "
+                      "solution_order: {min: 1}}]}]");
+  const auto whole = run_verify(plan, fixture.folder() / "whole", 0);
   const auto folder = fixture.folder() / "parts";
   test::run_program({"run", plan.string(), "--out", folder.string(), "--no-report", "--case",
                      "manufactured/tensor_mass/cells=2"});
