@@ -22,7 +22,7 @@ constexpr std::size_t kMostTets = 120'000;
 /// balance, a sum over 1e6 unknowns of which is at most 1e-7 of the force.
 constexpr double kSolverRounding = 1e-6;
 
-void fail(PadForce& force, const std::string& outcome, const std::string& why) {
+void fail_force(PadForce& force, const std::string& outcome, const std::string& why) {
   force.outcome = outcome;
   force.failure = why;
 }
@@ -66,8 +66,8 @@ nlohmann::json describe_level(const PadLevel& level, int refine, const Contestan
 }
 
 /// Solves the problem on these files' mesh; false where that failed or was interrupted.
-bool solve_level(const ProblemFiles& files, int refine, const ContestSetting& setting, PadForce& force,
-                 std::vector<PadLevel>& levels) {
+bool solve_pad_level(const ProblemFiles& files, int refine, const ContestSetting& setting, PadForce& force,
+                     std::vector<PadLevel>& levels) {
   const PlanReference& plan = *setting.plan.reference;
   ContestantTask task = start_task(plan.method, files.mesh_file, setting);
   task.problem_in = files.problem_file;
@@ -78,7 +78,7 @@ bool solve_level(const ProblemFiles& files, int refine, const ContestSetting& se
   if (solution.interrupted) return false;
   const std::string which = "level " + std::to_string(refine) + " of the reference ";
   if (!solution.failure.empty()) {
-    fail(force, solution.outcome, which + solution.failure);
+    fail_force(force, solution.outcome, which + solution.failure);
     return false;
   }
   const ContestantAnswer& answer = solution.answer;
@@ -89,10 +89,10 @@ bool solve_level(const ProblemFiles& files, int refine, const ContestSetting& se
     if (field.size() != vertices + edges) throw InputError("no values at edge midpoints");
     levels.push_back(measure_level(files, field, answer.report));
   } catch (const InputError& error) {
-    fail(force, "bad_answer", which + "cannot be read: " + error.what());
+    fail_force(force, "bad_answer", which + "cannot be read: " + error.what());
     return false;
   } catch (const nlohmann::json::exception&) {
-    fail(force, "bad_answer", which + "has no energies (energy_j, support_energy_j)");
+    fail_force(force, "bad_answer", which + "has no energies (energy_j, support_energy_j)");
     return false;
   }
   force.levels.push_back(describe_level(levels.back(), refine, answer, solution.was_kept));
@@ -194,7 +194,7 @@ PadForce solve_pad_force(const Scene& placed, const TetMesh& mesh, const fs::pat
                          const ContestSetting& setting) {
   PadForce force;
   if (mesh.tets.size() > kMostTets) {
-    fail(force, "unavailable", "the mesh has more than 120,000 tetrahedra");
+    fail_force(force, "unavailable", "the mesh has more than 120,000 tetrahedra");
     return force;
   }
   ProblemFiles files;
@@ -205,14 +205,14 @@ PadForce solve_pad_force(const Scene& placed, const TetMesh& mesh, const fs::pat
   for (int k = 0; k < setting.plan.reference->levels; ++k) {
     if (k > 0 && 8 * files.mesh.tets.size() > kMostTets) break;
     if (k > 0) files = refine_files(files, folder / ("refined_" + std::to_string(k)));
-    if (!solve_level(files, k, setting, force, levels)) return force;
+    if (!solve_pad_level(files, k, setting, force, levels)) return force;
   }
   force.force_n = levels.back().force_n;
   if (levels.size() > 1)
     force.change = length(force.force_n - levels[levels.size() - 2].force_n) / length(force.force_n);
   force.faults = find_pad_faults(files.problem, levels);
   if (!force.faults.empty())
-    fail(force, "rejected", "the reference contradicts itself: " + force.faults.front());
+    fail_force(force, "rejected", "the reference contradicts itself: " + force.faults.front());
   return force;
 }
 

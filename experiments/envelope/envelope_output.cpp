@@ -66,7 +66,7 @@ json describe_place(const EnvelopePlace& place) {
           {"time_step_s", optional_number(place.step_s)}};
 }
 
-std::optional<double> number_at(const json& value, const char* key) {
+std::optional<double> figure_at(const json& value, const char* key) {
   const json found = value.value(key, json());
   return found.is_number() ? std::optional(found.get<double>()) : std::nullopt;
 }
@@ -78,8 +78,8 @@ EnvelopePlace read_place(const json& value) {
   place.poisson_ratio = value.at("poisson_ratio").get<double>();
   place.load_kinds = value.at("load_kinds").get<std::vector<std::string>>();
   place.load_sizes = value.at("load_sizes").get<std::vector<double>>();
-  place.rise_s = number_at(value, "rise_s");
-  place.step_s = number_at(value, "time_step_s");
+  place.rise_s = figure_at(value, "rise_s");
+  place.step_s = figure_at(value, "time_step_s");
   return place;
 }
 
@@ -100,7 +100,7 @@ std::string border_text(const json& axis) {
 
 /// What is beyond the border of one axis; empty if nothing is.
 std::string beyond(const json& axis, double factor) {
-  const auto holds = number_at(axis, "holds_to");
+  const auto holds = figure_at(axis, "holds_to");
   if (factor <= (1.0 + kRounding) * holds.value_or(0.0)) return "";
   if (factor <= 1.0 + kRounding && !holds) return "";  // the fit itself does not hold: said once, not here
   const bool is_known = !axis.at("fails_at").is_null();

@@ -39,7 +39,8 @@ SurfaceMesh make_skin(const BodySurface& body, double edge_length, std::uint64_t
   return skin;
 }
 
-std::string describe(const ShapeRequest& request, const BodySurface& body, const FilledSurface& filled) {
+std::string describe_organ(const ShapeRequest& request, const BodySurface& body,
+                           const FilledSurface& filled) {
   std::array<char, 320> text{};
   std::snprintf(text.data(), text.size(),
                 "%s: %s, mesh %.1f ml; skin of %zu vertices scaled to %s; interior edges about %.3g mm%s",
@@ -77,7 +78,7 @@ MadeMesh make_body(const ShapeRequest& request) {
     filled = fill_with_skin(skin, vertices, start, request.name);
   }
   MadeMesh made;
-  made.notes.push_back(describe(request, body, filled));
+  made.notes.push_back(describe_organ(request, body, filled));
   made.mesh = std::move(filled.mesh);
   return made;
 }

@@ -32,7 +32,7 @@ std::optional<double> number_of(const json& record, const char* block, const cha
 }
 
 /// The values of a sweep that `names` has, after the scene's name.
-std::string key_of(const std::string& scene, const json& sweep, std::initializer_list<const char*> names) {
+std::string group_key(const std::string& scene, const json& sweep, std::initializer_list<const char*> names) {
   std::string key = scene;
   for (const char* name : names) {
     if (sweep.is_object() && sweep.contains(name)) key += "/" + sweep.at(name).dump();
@@ -41,8 +41,8 @@ std::string key_of(const std::string& scene, const json& sweep, std::initializer
 }
 
 std::string problem_of(const json& record) {
-  return key_of(record.value("/scene/name"_json_pointer, std::string()), record.value("sweep", json()),
-                {"poisson_ratio", "vertices"});
+  return group_key(record.value("/scene/name"_json_pointer, std::string()), record.value("sweep", json()),
+                   {"poisson_ratio", "vertices"});
 }
 
 double largest_of(const std::vector<double>& values) {
@@ -121,7 +121,7 @@ HalvingRecords::HalvingRecords(const Plan& plan, const std::vector<Case>& cases)
                                   ? plan.simplifiers[*c.simplifier].label
                                   : plan.contestants[c.contestant].label;
     const auto family = plan.families.find(label);
-    cases_[i].group = key_of(std::to_string(c.subject), c.sweep, {"poisson_ratio"}) + "/" +
+    cases_[i].group = group_key(std::to_string(c.subject), c.sweep, {"poisson_ratio"}) + "/" +
                       (family == plan.families.end() ? label : family->second);
   }
 }

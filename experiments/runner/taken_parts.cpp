@@ -20,7 +20,7 @@ using nlohmann::json;
 constexpr std::array<const char*, 4> kNodeKeys{"processor", "processors", "memory", "system"};
 constexpr const char* kTakenTimes = "times_are_of_parts";  // of a provenance
 
-std::pair<std::string, int> key_of(const json& record) {
+std::pair<std::string, int> repeat_key(const json& record) {
   return {record.at("case").get<std::string>(), record.at("repeat").get<int>()};
 }
 
@@ -96,7 +96,7 @@ PartTaker::PartTaker(const RunPaths& paths, std::map<std::string, fs::path> kept
       provenance_(provenance),
       save_(std::move(save)) {
   for_each_record(paths.records(), [this](const json& record) {
-    recorded_.insert(key_of(record));
+    recorded_.insert(repeat_key(record));
     is_timed_ = is_timed_ || is_answer(record);
   });
 }
@@ -170,7 +170,7 @@ std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {
   bool is_new = false;
   bool brings_times = false;
   for_each_record(theirs_file, [&](const json& record) {
-    const auto key = key_of(record);
+    const auto key = repeat_key(record);
     if (key.second == 0) hashes[key.first] = record.value("output_hash", json());
     if (is_answer(record) && kept_.count(key.first) == 0)
       throw InputError(theirs_file.string(), 0, "cases of the plan", key.first);
@@ -191,7 +191,7 @@ std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {
   save_();
   std::size_t taken = 0;
   for_each_record(theirs_file, [&](json record) {
-    const auto key = key_of(record);
+    const auto key = repeat_key(record);
     if (recorded_.count(key) > 0) return;
     if (is_answer(record) && record.value("mesh_file", json()).is_string()) {
       const fs::path& kept = kept_.at(key.first);

@@ -25,7 +25,7 @@ Vec3 read_direction(const YamlValue& value) {
   return (1.0 / size) * direction;
 }
 
-double read_positive(const YamlValue& value, double most) {
+double read_positive_up_to(const YamlValue& value, double most) {
   const double number = value.number();
   if (!(number > 0.0) || number > most)
     value.fail_expected("a positive number, at most " + short_number(most));
@@ -45,8 +45,8 @@ void read_sphere(const YamlValue& value, Region& region) {
   const auto relative = fields.find("radius_relative");
   if (radius.has_value() == relative.has_value())
     value.fail("a sphere needs one of \"radius_m\" and \"radius_relative\"");
-  if (radius) region.radius = read_positive(*radius, kFarthest);
-  if (relative) region.radius_relative = read_positive(*relative, kFarAway);
+  if (radius) region.radius = read_positive_up_to(*radius, kFarthest);
+  if (relative) region.radius_relative = read_positive_up_to(*relative, kFarAway);
 }
 
 void read_half_space(const YamlValue& value, Region& region) {

@@ -35,7 +35,7 @@ std::vector<SkinFace> read_skin(const TetMesh& mesh) {
   return skin;
 }
 
-double area_of(const std::vector<SkinFace>& skin) {
+double skin_area(const std::vector<SkinFace>& skin) {
   double area = 0.0;
   for (const SkinFace& face : skin) area += length(face.area);
   return area;
@@ -65,7 +65,7 @@ Vec3 area_vector_of(const TetMesh& mesh, const Triangle& t) {
   return 0.5 * cross(mesh.points[t[1]] - a, mesh.points[t[2]] - a);
 }
 
-double area_of(const FacePatch& patch, const TetMesh& mesh) {
+double skin_area(const FacePatch& patch, const TetMesh& mesh) {
   double area = 0.0;
   for (std::size_t i = 0; i < patch.faces.size(); ++i)
     area += patch.weight[i] * length(area_vector_of(mesh, patch.faces[i]));
@@ -77,7 +77,7 @@ Vec3 mean_normal(const FacePatch& patch, const TetMesh& mesh) {
   for (std::size_t i = 0; i < patch.faces.size(); ++i)
     sum = sum + patch.weight[i] * area_vector_of(mesh, patch.faces[i]);
   const double size = length(sum);
-  if (!(size > 1e-9 * area_of(patch, mesh)))
+  if (!(size > 1e-9 * skin_area(patch, mesh)))
     throw InputError("the pad on top", 0, "a part of the skin that has a front",
                      "the whole of it: its faces are as long as the body; finer ones have room for a pad");
   return (1.0 / size) * sum;
@@ -179,7 +179,7 @@ RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
   for (const Vec3& p : mesh.points) extent.add(dot(up, p));
   std::sort(skin.begin(), skin.end(),
             [&](const SkinFace& a, const SkinFace& b) { return dot(up, a.centroid) < dot(up, b.centroid); });
-  const double whole = area_of(skin);
+  const double whole = skin_area(skin);
   double area = 0.0;
   RestingRegion found;
   for (const SkinFace& face : skin) {
@@ -198,7 +198,7 @@ RestingRegion find_resting_region(const TetMesh& mesh, const Vec3& up) {
     if (found.stands) break;
   }
   found.faces = patch.faces.size();
-  found.area_share = area_of(patch, mesh) / whole;
+  found.area_share = skin_area(patch, mesh) / whole;
   return found;
 }
 
@@ -216,7 +216,7 @@ PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
   constexpr double kSmaller = 0.85;
   constexpr double kWidestShare = 0.25;  // of the longest side
   const std::vector<SkinFace> skin = read_skin(mesh);
-  const double whole = area_of(skin);
+  const double whole = skin_area(skin);
   PadRegion pad;
   pad.mean_edge_m = mean_skin_edge(skin, mesh);
   if (const auto top = find_top(mesh, up)) {
@@ -244,7 +244,7 @@ PadRegion find_pad_region(const TetMesh& mesh, const Vec3& up) {
     pad.radius_m = smaller;
   }
   pad.faces = patch.faces.size();
-  pad.area_share = area_of(patch, mesh) / whole;
+  pad.area_share = skin_area(patch, mesh) / whole;
   pad.thickness_m = measure_thickness(mesh, pad);
   return pad;
 }

@@ -24,7 +24,7 @@ void read_clamps(const YamlValue& value, TrainingPlan& plan) {
   }
 }
 
-void read_loads(const YamlValue& value, TrainingPlan& plan) {
+void read_named_loads(const YamlValue& value, TrainingPlan& plan) {
   for (const auto& [name, list] : value.entries()) {
     require_new_name(list, name, names_of(plan.loads));
     NamedLoads named{name, {}};
@@ -174,7 +174,7 @@ TrainingPlan read_training_plan(const std::filesystem::path& path) {
     plan.refine = static_cast<int>(reference->fields({"refine"}).need("refine").integer(0, 3));
   read_fit(fields.need("fit"), plan);
   read_clamps(fields.need("clamps"), plan);
-  read_loads(fields.need("loads"), plan);
+  read_named_loads(fields.need("loads"), plan);
   for (TrainingSplit* split : {&plan.train, &plan.validate, &plan.test_loads, &plan.test_clamps})
     read_split(fields, plan, *split);
   check_splits(fields, plan);

@@ -16,7 +16,7 @@ using nlohmann::json;
 constexpr std::array kSets{"train", "validate", "test_loads", "test_clamps"};
 constexpr std::array kModels{"start", "calibrated_opposite", "fem_p1", "trained"};
 
-std::string percent(const json& error) {
+std::string error_percent(const json& error) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.2f", 100.0 * error.get<double>());
   return text.data();
@@ -32,8 +32,8 @@ std::string verdict(const json& report) {
     return a.at("validate_rms").get<double>() < b.at("validate_rms").get<double>();
   });
   return "Training did not help: on the validation set the start is at " +
-         percent(report.at("start_validate_rms")) + "%, the best fit at " +
-         percent(best->at("validate_rms")) + "%. The start was written, untrained.\n";
+         error_percent(report.at("start_validate_rms")) + "%, the best fit at " +
+         error_percent(best->at("validate_rms")) + "%. The start was written, untrained.\n";
 }
 
 }  // namespace
@@ -49,14 +49,14 @@ std::string training_tables(const json& report) {
       const auto errors = found.at("errors").get<std::vector<double>>();
       const auto at = std::max_element(errors.begin(), errors.end()) - errors.begin();
       table.add({is_first ? set : "", is_first ? std::to_string(cases.size()) : "", model,
-                 percent(found.at("rms")), percent(found.at("worst")),
+                 error_percent(found.at("rms")), error_percent(found.at("worst")),
                  cases.at(static_cast<std::size_t>(at)).get<std::string>()});
     }
   }
   TextTable ridges({"ridge", "train rms %", "validate rms %", "iterations"}, "rrrr");
   for (const json& result : report.at("ridges"))
-    ridges.add({short_number(result.at("ridge").get<double>()), percent(result.at("train_rms")),
-                percent(result.at("validate_rms")),
+    ridges.add({short_number(result.at("ridge").get<double>()), error_percent(result.at("train_rms")),
+                error_percent(result.at("validate_rms")),
                 std::to_string(result.at("iterations").get<std::size_t>())});
   return "Relative L2 error of the displacement against quadratic elements\n" + table.text() + '\n' +
          ridges.text() + verdict(report);

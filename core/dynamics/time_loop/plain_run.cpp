@@ -39,8 +39,8 @@ void describe_bad(const MotionModel& model, const MotionState& state, double esc
   }
 }
 
-void observe(const MotionModel& model, const MotionState& state, const MotionObserver& observer,
-             MotionReport& report) {
+void observe_plain(const MotionModel& model, const MotionState& state, const MotionObserver& observer,
+                   MotionReport& report) {
   report.inverted_tets = count_volume(model, state).inverted;
   report.inverted_tets_most = std::max(report.inverted_tets_most, report.inverted_tets);
   if (report.inverted_tets > 0 && report.first_inversion_s < 0.0) report.first_inversion_s = state.time_s;
@@ -75,7 +75,7 @@ MotionReport run(const MotionModel& model, MotionState& state, const PlainRunOpt
   Engine engine(model, own);
   engine.set_state(state);
   MotionReport report;
-  observe(model, state, observer, report);
+  observe_plain(model, state, observer, report);
   bool is_good = true;
   bool is_stopped = false;
   Stretch stretch;
@@ -95,15 +95,15 @@ MotionReport run(const MotionModel& model, MotionState& state, const PlainRunOpt
     is_good = !part.diverged;
     if (is_good && part.steps < due) continue;
     state = engine.state();
-    if (is_good) observe(model, state, observer, report);
+    if (is_good) observe_plain(model, state, observer, report);
   }
   if (is_stopped && state.time_s != engine.state().time_s) {
     state = engine.state();
-    observe(model, state, observer, report);
+    observe_plain(model, state, observer, report);
   }
   if (!is_good) {
     describe_bad(model, state, own.escape_m, report);
-    if (report.is_finite) observe(model, state, observer, report);
+    if (report.is_finite) observe_plain(model, state, observer, report);
   }
   report.outcome = name_end(report, is_good, is_stopped);
   report.state_hash = hash_state(state);

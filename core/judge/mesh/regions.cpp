@@ -147,7 +147,7 @@ void for_each_met(const std::vector<RegionTest>& tests, const TetMesh& mesh, Vis
 /// The bit patterns of a tet's points in order, then 1 if sorting them took an odd number of swaps.
 using TetBits = std::array<std::uint64_t, 13>;
 
-TetBits bits_of(std::array<Vec3, 4> corners) {
+TetBits corner_bits(std::array<Vec3, 4> corners) {
   std::array<std::array<std::uint64_t, 3>, 4> points;
   for (std::size_t i = 0; i < 4; ++i) {
     points[i] = {std::bit_cast<std::uint64_t>(corners[i].x), std::bit_cast<std::uint64_t>(corners[i].y),
@@ -175,9 +175,9 @@ RegionFigures compare_in_regions(const TetMesh& output, const TetMesh& input,
   std::vector<RegionTest> tests;
   for (const Region& region : regions) tests.emplace_back(region, input);
   std::vector<TetBits> wanted;
-  for_each_met(tests, input, [&](const auto& corners) { wanted.push_back(bits_of(corners)); });
+  for_each_met(tests, input, [&](const auto& corners) { wanted.push_back(corner_bits(corners)); });
   std::vector<TetBits> found;
-  for_each_met(tests, output, [&](const auto& corners) { found.push_back(bits_of(corners)); });
+  for_each_met(tests, output, [&](const auto& corners) { found.push_back(corner_bits(corners)); });
   figures.input_tets = wanted.size();
   figures.output_tets = found.size();
   std::sort(wanted.begin(), wanted.end());

@@ -24,7 +24,7 @@ json scene_facts(const MotionInput& input) {
           {"window_s", window}};
 }
 
-json describe_reference(const MotionReference& reference) {
+json describe_motion(const MotionReference& reference) {
   if (!reference.failure.empty()) return nullptr;
   return {{"valid", true},
           {"findings", json::array()},
@@ -181,7 +181,7 @@ class MotionContest : public Contest {
                                          mesh_facts(input.scene, input.files.mesh, input.files.mesh_hash),
                                          input.scene, input.sweep, reference.outcome, reference.failure);
     record["scene"] = scene_facts(input);
-    record["judge"] = describe_reference(reference);
+    record["judge"] = describe_motion(reference);
     if (reference.failure.empty())
       record["mesh_file"] =
           reference.history_file.lexically_relative(setting_.folder.paths().folder).string();

@@ -14,7 +14,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kNearMiss = 1.05;  // of the tolerance
 
-bool is_same(const FitCandidate& a, const FitCandidate& b) {
+bool is_same_candidate(const FitCandidate& a, const FitCandidate& b) {
   return plan_label(a) == plan_label(b);
 }
 
@@ -35,7 +35,7 @@ void lower_costs(std::vector<KnownShare>& shares, std::vector<FitProspect>& foun
   for (KnownShare& share : shares) {
     if (std::isfinite(share.cost_s)) share.cost_s = share.lowered_s;
     for (FitProspect& each : found) {
-      if (is_same(each.candidate, share.point->candidate)) each.cost_s = share.cost_s;
+      if (is_same_candidate(each.candidate, share.point->candidate)) each.cost_s = share.cost_s;
     }
   }
 }
@@ -227,7 +227,7 @@ std::vector<FitCandidate> take_prospects(const std::vector<FitProspect>& prospec
   const auto take = [&](std::size_t most, bool between) {
     for (const FitProspect& each : prospects) {
       const bool is_new = std::none_of(taken.begin(), taken.end(), [&](const FitCandidate& other) {
-        return is_same(other, each.candidate);
+        return is_same_candidate(other, each.candidate);
       });
       if (taken.size() < most && is_new && (between || !each.is_between)) taken.push_back(each.candidate);
     }

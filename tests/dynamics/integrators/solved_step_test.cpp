@@ -19,7 +19,7 @@ using namespace testing_support;
 constexpr std::array kOfOneEquation{IntegratorKind::kBackwardEuler, IntegratorKind::kPrefactored,
                                     IntegratorKind::kXpbd, IntegratorKind::kVbd};
 
-IntegratorOptions options_of(IntegratorKind kind, std::size_t iterations, double tolerance) {
+IntegratorOptions solved_options(IntegratorKind kind, std::size_t iterations, double tolerance) {
   IntegratorOptions options;
   options.kind = kind;
   options.solver = {iterations, tolerance};
@@ -68,12 +68,12 @@ TEST(SolvedStep, SolversOfOneEquationAgree) {
       const double tolerance = 1e-9;
       const MotionState start = start_at_rest(model);
       const MotionState wanted =
-          march(model, options_of(IntegratorKind::kBackwardEuler, 50, tolerance), start, 0.3, 6);
+          march(model, solved_options(IntegratorKind::kBackwardEuler, 50, tolerance), start, 0.3, 6);
       EXPECT_GT(field_norm(wanted.displacement_m), 0.1);
       for (const IntegratorKind kind : kOfOneEquation) {
         if (kind == IntegratorKind::kXpbd && !is_linear) continue;
         SCOPED_TRACE(integrator_name(kind));
-        Integrator integrator(model, options_of(kind, 20000, tolerance));
+        Integrator integrator(model, solved_options(kind, 20000, tolerance));
         MotionState state = start;
         for (int k = 0; k < 6; ++k) EXPECT_TRUE(integrator.step(state, 0.05).solved);
         // What is out of balance by 1e-9 moves the body by that share of what the forces do, times how much
@@ -93,9 +93,9 @@ TEST(SolvedStep, NeoHookeanPositionsConvergeToTheSameEquation) {
     model.strain_damping_s = 0.0;
     const MotionState start = start_at_rest(model);
     const double tolerance = 1e-9;
-    const auto newton = options_of(IntegratorKind::kBackwardEuler, 50, tolerance);
+    const auto newton = solved_options(IntegratorKind::kBackwardEuler, 50, tolerance);
     const MotionState wanted = march(model, newton, start, 0.3, 6);
-    Integrator integrator(model, options_of(IntegratorKind::kXpbd, 20000, tolerance));
+    Integrator integrator(model, solved_options(IntegratorKind::kXpbd, 20000, tolerance));
     MotionState state = start;
     for (int k = 0; k < 6; ++k) EXPECT_TRUE(integrator.step(state, 0.05).solved);
     EXPECT_LT(field_distance(state.displacement_m, wanted.displacement_m),
@@ -116,8 +116,9 @@ TEST(SolvedStep, WhatPositionsConvergeToComesNearerAsStepsGrowShorter) {
     const auto off = [&](std::uint64_t steps) {
       const MotionState start = start_at_rest(model);
       const MotionState wanted =
-          march(model, options_of(IntegratorKind::kBackwardEuler, 50, 1e-9), start, 0.3, steps);
-      const MotionState found = march(model, options_of(IntegratorKind::kXpbd, 300, 0.0), start, 0.3, steps);
+          march(model, solved_options(IntegratorKind::kBackwardEuler, 50, 1e-9), start, 0.3, steps);
+      const MotionState found =
+          march(model, solved_options(IntegratorKind::kXpbd, 300, 0.0), start, 0.3, steps);
       return field_distance(found.displacement_m, wanted.displacement_m) / field_norm(wanted.displacement_m);
     };
     const double coarse = off(6);
@@ -133,7 +134,7 @@ TEST(SolvedStep, AnotherEquationsSolutionIsToldApart) {
   const MotionModel model = make_bedded_body(mesh, VolumeModel::kNone);
   const MotionState start = start_at_rest(model);
   const auto end = [&](IntegratorKind kind) {
-    return march(model, options_of(kind, 50, 1e-9), start, 0.3, 6).displacement_m;
+    return march(model, solved_options(kind, 50, 1e-9), start, 0.3, 6).displacement_m;
   };
   const std::vector<Vec3> wanted = end(IntegratorKind::kBackwardEuler);
   EXPECT_GT(field_distance(end(IntegratorKind::kTrapezoidal), wanted), 1e-3 * field_norm(wanted));
@@ -147,7 +148,7 @@ TEST(SolvedStep, ALinearBodyTakesOneSolutionAStep) {
   for (const IntegratorKind kind :
        {IntegratorKind::kBackwardEuler, IntegratorKind::kBdf2, IntegratorKind::kTrapezoidal}) {
     SCOPED_TRACE(integrator_name(kind));
-    Integrator integrator(model, options_of(kind, 10, 1e-9));
+    Integrator integrator(model, solved_options(kind, 10, 1e-9));
     MotionState state = start_at_rest(model);
     for (int k = 0; k < 20; ++k) {
       const StepReport report = integrator.step(state, k < 10 ? 0.02 : 0.03);
@@ -169,7 +170,7 @@ TEST(SolvedStep, ALinearBodyIsFactoredOnceForEachLengthOfStep) {
   for (const IntegratorKind kind :
        {IntegratorKind::kBackwardEuler, IntegratorKind::kTrapezoidal, IntegratorKind::kImplicitEuler}) {
     SCOPED_TRACE(integrator_name(kind));
-    IntegratorOptions options = options_of(kind, 50, 1e-9);
+    IntegratorOptions options = solved_options(kind, 50, 1e-9);
     options.linear.method = LinearMethod::kConjugateGradients;
     options.linear.tolerance = 1e-13;
     const MotionState wanted = march(model, options, start, 0.2, 10);
@@ -203,7 +204,7 @@ TEST(SolvedStep, TheTrapezoidalRuleKeepsTheEnergyOfALinearBodyAndTheOthersLoseIt
   MotionModel model = make_oscillator(omega, 0.0);
   model.elastic.springs_are_linear = true;
   const auto energy_after = [&](IntegratorKind kind, int steps) {
-    Integrator integrator(model, options_of(kind, 10, 1e-12));
+    Integrator integrator(model, solved_options(kind, 10, 1e-12));
     MotionState state = start_at_rest(model);
     state.displacement_m[1].x = 0.1;
     const double start = measure_energy(model, state).total_j();
@@ -226,7 +227,7 @@ TEST(SolvedStep, WhatIsLeftIsReportedAndOutOfIterationsIsAnOutcome) {
   for (const IntegratorKind kind : kOfOneEquation) {
     SCOPED_TRACE(integrator_name(kind));
     const auto first = [&](std::size_t iterations, double tolerance) {
-      Integrator integrator(model, options_of(kind, iterations, tolerance));
+      Integrator integrator(model, solved_options(kind, iterations, tolerance));
       MotionState state = start_at_rest(model);
       return integrator.step(state, 0.1);
     };
@@ -250,7 +251,7 @@ TEST(SolvedStep, ASystemThatWasNotSolvedIsNoSolvedStep) {
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 5);
   const MotionModel model = make_bedded_body(mesh, VolumeModel::kNodeAverage);
   for (const double tolerance : {0.0, 1e-9}) {
-    IntegratorOptions options = options_of(IntegratorKind::kBackwardEuler, 5, tolerance);
+    IntegratorOptions options = solved_options(IntegratorKind::kBackwardEuler, 5, tolerance);
     options.linear.method = LinearMethod::kConjugateGradients;
     const auto first = [&] {
       Integrator integrator(model, options);
@@ -270,7 +271,7 @@ TEST(SolvedStep, NewtonsMethodConvergesQuadratically) {
   const MotionModel model = make_bedded_body(mesh, VolumeModel::kNodeAverage);
   std::vector<double> left;
   for (std::size_t iterations = 1; iterations <= 12; ++iterations) {
-    Integrator integrator(model, options_of(IntegratorKind::kBackwardEuler, iterations, 1e-10));
+    Integrator integrator(model, solved_options(IntegratorKind::kBackwardEuler, iterations, 1e-10));
     MotionState state = start_at_rest(model);
     state.displacement_m = make_random_field(mesh.points.size(), 0.02, 1);
     left.push_back(*integrator.step(state, 0.1).residual_relative);
@@ -288,7 +289,7 @@ TEST(SolvedStep, SubstepsAreStepsOfTheirOwn) {
   const MotionModel model = make_bedded_body(mesh, VolumeModel::kNone);
   for (const IntegratorKind kind : {IntegratorKind::kXpbd, IntegratorKind::kVbd}) {
     SCOPED_TRACE(integrator_name(kind));
-    IntegratorOptions options = options_of(kind, 3, 0.0);
+    IntegratorOptions options = solved_options(kind, 3, 0.0);
     const MotionState one_by_one = march(model, options, start_at_rest(model), 0.3, 24);
     options.substeps = 4;
     const MotionState in_fours = march(model, options, start_at_rest(model), 0.3, 6);
@@ -309,7 +310,7 @@ TEST(SolvedStep, StrainDampingTurnsWithTheBody) {
     MotionModel damped = model;
     damped.strain_damping_s = damping_s;
     for (const double mass : model.mass_kg) damped.environment_damping_n_s_per_m.push_back(drag_per_s * mass);
-    const MotionState end = march(damped, options_of(kind, 200, 1e-10), start, 0.5, 50);
+    const MotionState end = march(damped, solved_options(kind, 200, 1e-10), start, 0.5, 50);
     return measure_energy(damped, end).kinetic_j;
   };
   for (const IntegratorKind kind : kOfOneEquation) {
@@ -337,7 +338,7 @@ MotionState let_go_from(const MotionModel& model, double to, bool all_axes) {
 /// motions: there the sum of elastic and kinetic energy may not double, where a method that overshoots ends
 /// in no number.
 void expect_descent(const MotionModel& model, MotionState state, double step_s, int steps, bool is_damped) {
-  Integrator integrator(model, options_of(IntegratorKind::kVbd, 3, 0.0));
+  Integrator integrator(model, solved_options(IntegratorKind::kVbd, 3, 0.0));
   const double first = measure_energy(model, state).total_j();
   for (int k = 0; k < steps; ++k) {
     std::vector<Vec3> guess = state.displacement_m;
@@ -397,7 +398,7 @@ TEST(SolvedStep, VertexDescentStillSolvesStepsOfAStretchedDampedBody) {
     MotionModel model = make_continuum(make_free_body(mesh, 0.0), mesh, Continuum::kTets, law);
     model.strain_damping_s = 0.01;
     MotionState state = let_go_from(model, 11.0, false);
-    Integrator integrator(model, options_of(IntegratorKind::kVbd, 5000, 1e-8));
+    Integrator integrator(model, solved_options(IntegratorKind::kVbd, 5000, 1e-8));
     for (int k = 0; k < 5; ++k) EXPECT_TRUE(integrator.step(state, 0.01).solved) << k;
   }
 }

@@ -83,7 +83,7 @@ double farthest(const MotionState& found) {
 }
 
 template <typename Real>
-MotionState run_plain(const Network& network, bool portable) {
+MotionState run_network(const Network& network, bool portable) {
   PlainOptions options;
   options.portable = portable;
   PlainEngine<Real> engine(network.model, options);
@@ -95,7 +95,7 @@ MotionState run_plain(const Network& network, bool portable) {
 TEST(PlainReference, DoublePrecisionIsWithin1e12InEveryBuild) {
   const Network network = draw_network();
   // Positions of size 1 are rounded to 1.1e-16 in each of 500 steps; strong springs enlarge that tenfold.
-  EXPECT_LT(farthest(run_plain<double>(network, true)), 1e-12);
+  EXPECT_LT(farthest(run_network<double>(network, true)), 1e-12);
   Integrator integrator(network.model, {});
   MotionState state = network.start;
   for (std::uint64_t k = 0; k < kSteps; ++k) integrator.step(state, kStep);
@@ -105,8 +105,8 @@ TEST(PlainReference, DoublePrecisionIsWithin1e12InEveryBuild) {
 TEST(PlainReference, SinglePrecisionIsWithin1e4InEveryBuild) {
   const Network network = draw_network();
   // The same with 6e-8: 3e-5, and room for what strong springs add.
-  EXPECT_LT(farthest(run_plain<float>(network, false)), 1e-4);
-  EXPECT_LT(farthest(run_plain<float>(network, true)), 1e-4);
+  EXPECT_LT(farthest(run_network<float>(network, false)), 1e-4);
+  EXPECT_LT(farthest(run_network<float>(network, true)), 1e-4);
 }
 
 TEST(PlainReference, AStepThatIsOffIsFound) {

@@ -15,8 +15,8 @@ using testing::Eq;
 
 using Halved = std::vector<std::optional<std::size_t>>;
 
-HalvingFigures case_of(double error, std::vector<double> times, double own = 0.0,
-                       const std::string& group = "a") {
+HalvingFigures figures_of(double error, std::vector<double> times, double own = 0.0,
+                          const std::string& group = "a") {
   return {group, {{"displacement_deformation", {error - own, error + own}}}, {{"first", std::move(times)}}};
 }
 
@@ -25,34 +25,36 @@ Halved halved(const std::vector<HalvingFigures>& cases) {
 }
 
 TEST(Halving, WhatIsSurelySlowerAndNoBetterIsLeft) {
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}), case_of(0.1, {4, 5, 6})}), ElementsAre(std::nullopt, Eq(0U)));
+  EXPECT_THAT(halved({figures_of(0.1, {1, 2, 3}), figures_of(0.1, {4, 5, 6})}),
+              ElementsAre(std::nullopt, Eq(0U)));
   // Their times meet, so nobody can tell.
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 4}), case_of(0.1, {4, 5, 6})}),
+  EXPECT_THAT(halved({figures_of(0.1, {1, 2, 4}), figures_of(0.1, {4, 5, 6})}),
               ElementsAre(std::nullopt, std::nullopt));
   // It is better: however dear, it stays.
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}), case_of(0.09, {40, 50, 60})}),
+  EXPECT_THAT(halved({figures_of(0.1, {1, 2, 3}), figures_of(0.09, {40, 50, 60})}),
               ElementsAre(std::nullopt, std::nullopt));
   // It is worse by less than the references leave open.
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}, 0.01), case_of(0.11, {4, 5, 6}, 0.01)}),
+  EXPECT_THAT(halved({figures_of(0.1, {1, 2, 3}, 0.01), figures_of(0.11, {4, 5, 6}, 0.01)}),
               ElementsAre(std::nullopt, std::nullopt));
-  EXPECT_THAT(halved({case_of(0.1, {1, 2, 3}, 0.01), case_of(0.13, {4, 5, 6}, 0.01)}),
+  EXPECT_THAT(halved({figures_of(0.1, {1, 2, 3}, 0.01), figures_of(0.13, {4, 5, 6}, 0.01)}),
               ElementsAre(std::nullopt, Eq(0U)));
 }
 
 TEST(Halving, OnlyTheDearerHalfIsLookedAt) {
   // All but the first are beaten; the two dearest go.
-  EXPECT_THAT(halved({case_of(0.1, {1}), case_of(0.2, {2}), case_of(0.2, {3}), case_of(0.2, {4})}),
-              ElementsAre(std::nullopt, std::nullopt, Eq(0U), Eq(0U)));
+  EXPECT_THAT(
+      halved({figures_of(0.1, {1}), figures_of(0.2, {2}), figures_of(0.2, {3}), figures_of(0.2, {4})}),
+      ElementsAre(std::nullopt, std::nullopt, Eq(0U), Eq(0U)));
 }
 
 TEST(Halving, FamiliesAndScenesStandForThemselves) {
-  EXPECT_THAT(halved({case_of(0.1, {1}, 0, "a"), case_of(0.5, {9}, 0, "b")}),
+  EXPECT_THAT(halved({figures_of(0.1, {1}, 0, "a"), figures_of(0.5, {9}, 0, "b")}),
               ElementsAre(std::nullopt, std::nullopt));
 }
 
 TEST(Halving, ACaseThatMayBeOnOneFrontierStays) {
-  HalvingFigures quick = case_of(0.1, {1, 1, 1});
-  HalvingFigures slow = case_of(0.2, {5, 5, 5});
+  HalvingFigures quick = figures_of(0.1, {1, 1, 1});
+  HalvingFigures slow = figures_of(0.2, {5, 5, 5});
   quick.times_s["second"] = {7, 7, 7};
   slow.times_s["second"] = {6, 6, 6};
   EXPECT_THAT(halved({quick, slow}), ElementsAre(std::nullopt, std::nullopt)) << "it moves faster";
@@ -67,13 +69,13 @@ TEST(Halving, ACaseThatMayBeOnOneFrontierStays) {
 }
 
 TEST(Halving, WithoutFiguresNothingIsDecided) {
-  EXPECT_THAT(halved({case_of(0.1, {}), case_of(0.2, {5})}), ElementsAre(std::nullopt, std::nullopt));
+  EXPECT_THAT(halved({figures_of(0.1, {}), figures_of(0.2, {5})}), ElementsAre(std::nullopt, std::nullopt));
   HalvingFigures failed{"a", {}, {}};
-  EXPECT_THAT(halved({case_of(0.1, {1}), failed, case_of(0.2, {5})}),
+  EXPECT_THAT(halved({figures_of(0.1, {1}), failed, figures_of(0.2, {5})}),
               ElementsAre(std::nullopt, std::nullopt, Eq(0U)));
   HalvingFigures unknown{
       "a", {{"displacement_deformation", {}}}, {{"first", {1.0}}}};  // its reference has no error
-  EXPECT_THAT(halved({unknown, case_of(0.2, {5})}), ElementsAre(std::nullopt, std::nullopt));
+  EXPECT_THAT(halved({unknown, figures_of(0.2, {5})}), ElementsAre(std::nullopt, std::nullopt));
 }
 
 /// Whatever is left, the frontier of what stays is the frontier of all: each case that is left has one that
@@ -87,7 +89,7 @@ TEST(Halving, TheFrontierStaysWhatItIs) {
       std::vector<double> times;
       times.reserve(3);
       for (int repeat = 0; repeat < 3; ++repeat) times.push_back(mean * (0.9 + 0.2 * random.uniform()));
-      cases.push_back(case_of(random.uniform(), times));
+      cases.push_back(figures_of(random.uniform(), times));
     }
     const Halved found = halved(cases);
     for (std::size_t i = 0; i < cases.size(); ++i) {

@@ -37,7 +37,7 @@ Vec3 turned(const Vec3& p) {
          (1.0 - std::cos(angle)) * dot(axis, p) * axis;
 }
 
-std::vector<Vec3> random_field(std::size_t count, std::uint64_t seed) {
+std::vector<Vec3> random_displacements(std::size_t count, std::uint64_t seed) {
   SplitMix64 random(seed);
   std::vector<Vec3> field(count);
   for (Vec3& u : field) u = {random.uniform() - 0.3, random.uniform() - 0.5, random.uniform() - 0.7};
@@ -159,7 +159,7 @@ TEST(DisplacementEnergy, OfAQuadraticFieldIsClosedFormWithMidpointsAlone) {
 // Rows of midpoints that are means of the ends are the same field, and have the same energy.
 TEST(DisplacementEnergy, MidpointsOfALinearFieldChangeNothing) {
   const TetMesh mesh = build_kuhn_cube(3, 0.3, 4);
-  const std::vector<Vec3> field = random_field(mesh.points.size(), 9);
+  const std::vector<Vec3> field = random_displacements(mesh.points.size(), 9);
   const std::vector<Vec3> all = with_midpoints(mesh, field);
   ASSERT_EQ(all.size(), mesh.points.size() + build_edges(mesh).size());
   EXPECT_EQ(with_midpoints(mesh, all), all);
@@ -172,8 +172,8 @@ TEST(DisplacementError, DoesNotDependOnFrameScaleOrStiffness) {
   TetMesh other = mesh;
   for (Vec3& p : other.points) p = 0.001 * turned(p) + Vec3{3, -2, 1};
   for (const std::size_t rows : {mesh.points.size(), quadratic_points(mesh).size()}) {
-    const std::vector<Vec3> truth = random_field(rows, 21);
-    const std::vector<Vec3> field = random_field(rows, 22);
+    const std::vector<Vec3> truth = random_displacements(rows, 21);
+    const std::vector<Vec3> field = random_displacements(rows, 22);
     const auto move = [](const Vec3& u) { return 0.02 * turned(u); };
     const DisplacementError here = compare_displacement(mesh, field, truth, kLambda, kMu);
     const DisplacementError there =
@@ -188,7 +188,7 @@ TEST(DisplacementError, DoesNotDependOnFrameScaleOrStiffness) {
 
 TEST(DisplacementError, IsZeroForTheTruthAndOneForNothing) {
   const TetMesh mesh = build_kuhn_cube(2, 0.2, 6);
-  const std::vector<Vec3> truth = random_field(mesh.points.size(), 3);
+  const std::vector<Vec3> truth = random_displacements(mesh.points.size(), 3);
   const DisplacementError none = compare_displacement(mesh, truth, truth, kLambda, kMu);
   EXPECT_EQ(none.relative_l2 + none.relative_max + none.relative_energy, 0.0);
   const std::vector<Vec3> still(truth.size());
@@ -220,7 +220,7 @@ TEST(DisplacementError, RejectsBrokenAnswers) {
 
 TEST(DisplacementError, BadFieldsAreRefused) {
   const TetMesh mesh = make_kuhn_block(1, 1, 1);
-  const std::vector<Vec3> good = random_field(8, 1);
+  const std::vector<Vec3> good = random_displacements(8, 1);
   const auto compare = [&](const std::vector<Vec3>& field, const std::vector<Vec3>& truth) {
     compare_displacement(mesh, field, truth, kLambda, kMu);
   };
@@ -233,8 +233,8 @@ TEST(DisplacementError, BadFieldsAreRefused) {
   }
   EXPECT_THROW(compare(good, std::vector<Vec3>(8)), InputError);                 // moves nothing
   EXPECT_THROW(compare(good, std::vector<Vec3>(8, Vec3{1, 2, 3})), InputError);  // strains nothing
-  EXPECT_THROW(compare(good, random_field(9, 1)), ContractError);
-  EXPECT_THROW(compare(random_field(9, 1), random_field(9, 1)), ContractError);
+  EXPECT_THROW(compare(good, random_displacements(9, 1)), ContractError);
+  EXPECT_THROW(compare(random_displacements(9, 1), random_displacements(9, 1)), ContractError);
   EXPECT_THROW(compare_displacement(mesh, good, good, kLambda, 0.0), ContractError);
   EXPECT_THROW(compare_displacement(mesh, good, good, -2.0, kMu), ContractError);
 }

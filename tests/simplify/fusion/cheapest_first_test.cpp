@@ -25,8 +25,8 @@ std::vector<Case> small_meshes() {
           {"bcc bar", build_bcc_bar(4)}};
 }
 
-void expect_same_as_naive(const TetMesh& input, const CheapestFirstOptions& options,
-                          const std::string& what) {
+void expect_cheapest_as_naive(const TetMesh& input, const CheapestFirstOptions& options,
+                              const std::string& what) {
   TetMesh fast = input;
   TetMesh naive = input;
   const SimplifyReport report = simplify_cheapest_first(fast, options);
@@ -46,10 +46,10 @@ TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithEveryOption) {
           options.common.drop = drop;
           options.common.skip_touched = touched != 0;
           options.many_passes = touched == 1;
-          expect_same_as_naive(c.mesh, options,
-                               std::string(c.name) + " objective " +
-                                   std::to_string(static_cast<int>(objective)) + " drop " +
-                                   std::to_string(drop) + " touched " + std::to_string(touched));
+          expect_cheapest_as_naive(c.mesh, options,
+                                   std::string(c.name) + " objective " +
+                                       std::to_string(static_cast<int>(objective)) + " drop " +
+                                       std::to_string(drop) + " touched " + std::to_string(touched));
           TetMesh mesh = c.mesh;
           fused += simplify_cheapest_first(mesh, options).fusions;
         }
@@ -69,7 +69,7 @@ TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithOtherLevelsMetricsAndStops) {
   all[3].common.stop.fusions = 17;
   all[4].common.stop.tets = 1700;
   all[5].common.stop.ratio = 0.3;
-  for (std::size_t i = 0; i < all.size(); ++i) expect_same_as_naive(mesh, all[i], std::to_string(i));
+  for (std::size_t i = 0; i < all.size(); ++i) expect_cheapest_as_naive(mesh, all[i], std::to_string(i));
 }
 
 TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithARegionToKeep) {
@@ -84,11 +84,11 @@ TEST(CheapestFirst, SameBytesAsTheNaiveRescanWithARegionToKeep) {
       options.common.sizing.near_size = 0.4;
       options.common.sizing.reach = 0.5;
       const std::string what = std::string(c.name) + " touched " + std::to_string(touched);
-      expect_same_as_naive(c.mesh, options, what);
+      expect_cheapest_as_naive(c.mesh, options, what);
       options.common.stop.ratio = 0.2;
-      expect_same_as_naive(c.mesh, options, what + ", stopped");
+      expect_cheapest_as_naive(c.mesh, options, what + ", stopped");
       options.common.sizing.near_size = 1.0;
-      expect_same_as_naive(c.mesh, options, what + ", nothing graded");
+      expect_cheapest_as_naive(c.mesh, options, what + ", nothing graded");
     }
   }
 }

@@ -86,7 +86,7 @@ Mat12 residual(const std::array<Vec3, 4>& p, double lambda, double mu, const std
   return r;
 }
 
-double inner(const Mat12& a, const Mat12& b) {
+double product(const Mat12& a, const Mat12& b) {
   double sum = 0.0;
   for (std::size_t n = 0; n < 144; ++n) sum += a[n / 12][n % 12] * b[n / 12][n % 12];
   return sum;
@@ -111,9 +111,11 @@ TEST(StiffnessFit, MeetsTheOptimalityConditionsOfTheDenseProblem) {
     const double lambda = n % 3 == 0 ? 1.0 : (n % 3 == 1 ? 9.0 : -0.3);
     const std::array<double, 6> k = fit_tet_stiffness(p, lambda, mu);
     const Mat12 r = residual(p, lambda, mu, k);
-    const double scale = std::sqrt(inner(element_stiffness(p, lambda, mu), element_stiffness(p, lambda, mu)));
+    const double scale =
+        std::sqrt(product(element_stiffness(p, lambda, mu), element_stiffness(p, lambda, mu)));
     for (std::size_t e = 0; e < 6; ++e) {
-      const double slope = -inner(r, spring_stiffness(p, e)) / scale;  // of half the squared distance, by k_e
+      const double slope =
+          -product(r, spring_stiffness(p, e)) / scale;  // of half the squared distance, by k_e
       ASSERT_GE(k[e], 0.0);
       if (k[e] > 0.0) {
         ASSERT_NEAR(slope, 0.0, 1e-10) << "seed " << kSeed << " case " << n;
