@@ -118,8 +118,8 @@ void Progress::reach(std::size_t done, double seconds_left) {
   const auto now = std::chrono::steady_clock::now();
   if (quiet_ || now - last_line_ < kLinePeriod) return;
   last_line_ = now;
-  std::cerr << "palpate: " << done_ << " of " << total_ << " done, about " << duration_text(seconds_left)
-            << " left\n";
+  std::cerr << "palpate: " << done_ << " of " << total_ << " done"
+            << (seconds_left < 0.0 ? "" : ", about " + duration_text(seconds_left) + " left") << '\n';
 }
 
 void Progress::say(const std::string& line) {
