@@ -76,20 +76,21 @@ nlohmann::json describe_mesh(const RunMesh& mesh) {
           {"notes", mesh.notes}};
 }
 
-nlohmann::json prepare_meshes(const Plan& plan, const RunPaths& paths, const nlohmann::json& earlier,
-                              Progress& progress, std::vector<RunMesh>& meshes) {
+nlohmann::json prepare_meshes(const ContestSetting& setting, const nlohmann::json& earlier,
+                              std::vector<RunMesh>& meshes) {
   nlohmann::json described = nlohmann::json::array();
-  for (const PlanMesh& mesh : plan.meshes) {
-    const fs::path file = paths.mesh(mesh.name + "/input");
+  for (const PlanMesh& mesh : setting.plan.meshes) {
+    require_going_on(setting);
+    const fs::path file = setting.folder.paths().mesh(mesh.name + "/input");
     if (!earlier.is_null()) {
       meshes.push_back(reload_mesh(mesh, file, earlier));
       continue;
     }
-    progress.show("mesh " + mesh.name);
+    setting.progress.show("mesh " + mesh.name);
     meshes.push_back(obtain_mesh(mesh, file));
     for (const std::string& note : meshes.back().notes) {
       const bool named = note.rfind(mesh.name + ":", 0) == 0;
-      progress.say(named ? note : mesh.name + ": " + note);
+      setting.progress.say(named ? note : mesh.name + ": " + note);
     }
     described.push_back(describe_mesh(meshes.back()));
   }

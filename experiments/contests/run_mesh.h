@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
+#include "experiments/contests/contest.h"
 #include "experiments/plan_reader/plan.h"
-#include "experiments/records/run_folder.h"
-#include "experiments/text/terminal.h"
 
 namespace palpate::experiments {
 
@@ -39,8 +38,9 @@ nlohmann::json describe_mesh(const RunMesh& mesh);
 /// Fills `meshes` with the plan's, in its order, and says their notes: makes or reads them, or reads those
 /// that an earlier start wrote, where `earlier`, its provenance, is not null.
 /// Returns: what the provenance is to name of them; nothing new where `earlier` names them.
-/// Throws:  as obtain_mesh; InputError if a mesh is no longer what `earlier` names.
-nlohmann::json prepare_meshes(const Plan& plan, const RunPaths& paths, const nlohmann::json& earlier,
-                              Progress& progress, std::vector<RunMesh>& meshes);
+/// Throws:  as obtain_mesh; InputError if a mesh is no longer what `earlier` names; PreparationInterrupted
+///          between two meshes, if the run is to stop.
+nlohmann::json prepare_meshes(const ContestSetting& setting, const nlohmann::json& earlier,
+                              std::vector<RunMesh>& meshes);
 
 }  // namespace palpate::experiments

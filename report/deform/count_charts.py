@@ -1,7 +1,7 @@
 """The chart of error against tetrahedra: a figure for each label, Poisson ratio and size, a row of panels a scene, a column a family of simplifiers.
 
-A curve is a simplifier; where its family has several, they differ in their wanted sizes (counts.py). The open square is the mesh as it is, the grey
-band the reference's own error.
+A curve is a simplifier; where its family has several, they differ in their wanted sizes (counts.py). Those of one size are side by side in a panel, the best of
+each family that the plan names. The open square is the mesh as it is, the grey band the reference's own error.
 """
 
 import matplotlib.pyplot as plt
@@ -39,8 +39,13 @@ def styles_of(curves):
         for label, simplifier in family.items():
             names[label] = simplifier.sizes if len(family) > 1 or simplifier.sizes != ONE_SIZE else label
     places = {name: k for k, name in enumerate(dict.fromkeys(sorted(names.values(), key=lambda name: name != ONE_SIZE)))}
-    return {label: (COLORS[places[name] % len(COLORS)], DASHES[places[name] % len(DASHES)], MARKS[places[name] % len(MARKS)], name)
-            for label, name in names.items()}
+    return {label: (*style_at(places[name]), name) for label, name in names.items()}
+
+
+def style_at(place):
+    """Colour, dash and mark of the place-th name: no two of the first 64 are the same."""
+    turn = place // len(COLORS)
+    return COLORS[place % len(COLORS)], DASHES[(place + turn) % len(DASHES)], MARKS[(place + 3 * turn) % len(MARKS)]
 
 
 def draw_curve(ax, curve, measure, style):
@@ -98,7 +103,8 @@ def draw_figure(curves, measure, title, folder, name):
             ax.set_ylim(*y_limits)
             set_log_axis(ax.xaxis, number_text)
             set_log_axis(ax.yaxis, number_text)
-            ax.set_title(scene if len(columns) == 1 else f"{scene}, {', '.join(families)}", loc="left", fontweight="bold")
+            what = "best of each family" if any(curve.simplifier.is_best for curve in own) else families[0] if len(families) == 1 else "side by side"
+            ax.set_title(scene if len(columns) == 1 else f"{scene}, {what}", loc="left", fontweight="bold")
             ax.set_xlabel("tetrahedra")
         line[0].set_ylabel("error of the deformation, %" if measure == DEFORMATION else "relative L2 error, %")
     shown = dict.fromkeys(styles.values())

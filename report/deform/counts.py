@@ -23,6 +23,7 @@ class Simplifier:
     label: str
     family: str  # label of the first with the same method and setting
     sizes: str  # what the wanted sizes are: "one size", "near loads", "by a pilot", ...
+    is_best: bool = False  # of a family that the plan names: not one simplifier, but the best of them, count by count
 
 
 @dataclass
@@ -78,6 +79,40 @@ def read_curves(run, sections):
     place = {label: k for k, label in enumerate(simplifiers)}
     found = [curve for curve in curves.values() if len({row.tets for row in curve.rows}) > 1]
     return sorted(found, key=lambda curve: place.get(curve.simplifier.label, len(place)))
+
+
+def named_families(plan_data):
+    """{label: name} where the plan gives its simplifiers to families (`frontier`)."""
+    frontier = plan_data.get("frontier")
+    if not isinstance(frontier, dict) or frontier.get("of") != "simplifiers" or not isinstance(frontier.get("families"), dict):
+        return {}
+    return {str(label): str(name) for name, labels in frontier["families"].items() if isinstance(labels, list) for label in labels}
+
+
+def best_curve(name, own, measure):
+    """The best of a family, count by count: of each share that is removed the row with the least error."""
+    best = {}
+    for row in (row for curve in own for row in curve.rows if row.values[measure] is not None):
+        if row.ratio not in best or row.values[measure] < best[row.ratio].values[measure]:
+            best[row.ratio] = row
+    rows = sorted(best.values(), key=lambda row: -row.tets)
+    return Curve(own[0].problem, own[0].label, Simplifier(name, name, ONE_SIZE, is_best=True), rows,
+                 next((curve.whole for curve in own if curve.whole is not None), None))
+
+
+def shown_curves(curves, plan_data):
+    """What a chart can show of many simplifiers: those with several sizes as they are; of the others, where the plan has named families, the best of each
+    family in their place, graded ones among them. All of them without named families."""
+    names, measure = named_families(plan_data), measure_of(curves)
+    sizes = {}
+    for curve in curves:
+        sizes.setdefault(curve.simplifier.family, set()).add(curve.simplifier.label)
+    shown = [curve for curve in curves if len(sizes[curve.simplifier.family]) > 1 or curve.simplifier.label not in names]
+    members = {}
+    for curve in curves:
+        if curve.simplifier.label in names:
+            members.setdefault((curve.problem, curve.label, names[curve.simplifier.label]), []).append(curve)
+    return shown + [best_curve(name, own, measure) for (_, _, name), own in members.items()]
 
 
 def measure_of(curves):

@@ -382,7 +382,7 @@ def draw_charts(run, sections, _series, points, folder):
         if "simplified_error" in names:
             drawn += draw_simplified(sections, folder)
         if "error_count" in names:
-            drawn += count_charts.draw_counts(counts.read_curves(run, sections), folder)
+            drawn += count_charts.draw_counts(counts.shown_curves(counts.read_curves(run, sections), run.plan_data), folder)
         if "frontier" in names and points:
             drawn += frontier_charts.draw_frontiers(run, points, folder)
     return drawn

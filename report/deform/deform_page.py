@@ -300,7 +300,7 @@ def page_parts(run, found):
     sentence, state = verdict_of(run, sections, points, outcomes)
     on_frontier = {point.case for own in points.values() for point in own if point.on}
     charts = frontier_charts(points) if points else error_charts(run, sections)
-    charts += count_charts(counts.read_curves(run, sections))
+    charts += count_charts(counts.shown_curves(counts.read_curves(run, sections), run.plan_data))
     chart = convergence_chart(series) if series else None
     tables = [target_table(outcomes)] if outcomes else []
     tables += [frontier_table(points), equal_table(run, points), *element_step_tables(run, points)] if points else []

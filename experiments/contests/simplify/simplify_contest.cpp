@@ -43,7 +43,7 @@ class SimplifyContest : public Contest {
   explicit SimplifyContest(const ContestSetting& setting) : setting_(setting) {}
 
   json prepare(const std::vector<const Case*>&, const json& earlier) override {
-    return prepare_meshes(setting_.plan, setting_.folder.paths(), earlier, setting_.progress, meshes_);
+    return prepare_meshes(setting_, earlier, meshes_);
   }
 
   bool record_inputs(const std::set<std::string>& recorded,

@@ -12,6 +12,7 @@
 #include "core/base/random.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
+#include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/quiet_run.h"
@@ -83,6 +84,21 @@ TEST(Runner, ResumeRefusesAnotherMachineOrCompiler) {
   ASSERT_EQ(sittings.size(), 2U);
   for (const json& sitting : sittings)
     EXPECT_TRUE(sitting.contains("commit") && sitting.contains("started_at"));
+}
+
+TEST(Runner, AnInterruptIsHeardBeforeTheNextMeshIsMade) {
+  const test::ExperimentFixture fixture;
+  const auto plan = fixture.add_plan("[test.copy]");
+  const auto folder = fixture.folder() / "run";
+  const volatile std::sig_atomic_t raised = 1;
+  RunOptions options;
+  options.folder = folder;
+  options.stop_flag = &raised;
+  Progress progress(true);
+  EXPECT_TRUE(
+      run_plan(read_plan(plan, fixture.registry()), fixture.registry(), options, progress).interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder / "meshes/cube/input.mesh"));
+  EXPECT_TRUE(run_quietly(fixture, plan, folder, true).is_whole);
 }
 
 TEST(Runner, OneCaseThenTheRest) {

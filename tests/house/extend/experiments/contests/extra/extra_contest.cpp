@@ -29,7 +29,7 @@ class ExtraContest : public Contest {
   explicit ExtraContest(const ContestSetting& setting) : setting_(setting) {}
 
   json prepare(const std::vector<const Case*>&, const json& earlier) override {
-    return prepare_meshes(setting_.plan, setting_.folder.paths(), earlier, setting_.progress, meshes_);
+    return prepare_meshes(setting_, earlier, meshes_);
   }
 
   bool record_inputs(const std::set<std::string>&, const std::function<void(json)>&) override { return true; }
