@@ -14,6 +14,14 @@ namespace mp = boost::multiprecision;
 /// Whole numbers of any size. Expression templates are off: nine products gain nothing from them.
 using Whole = mp::number<mp::cpp_int_backend<>, mp::et_off>;
 
+/// Whole numbers that need no memory of their own. They suffice where the exponents are at most
+/// kFixedShift apart: docs/exact_orientation.md.
+constexpr unsigned kFixedBits = 512;
+using FixedWhole =
+    mp::number<mp::cpp_int_backend<kFixedBits, kFixedBits, mp::signed_magnitude, mp::unchecked, void>,
+               mp::et_off>;
+constexpr int kFixedShift = 115;
+
 // The filter's numbers; docs/exact_orientation.md proves that they suffice.
 constexpr double kErrorFactor = 9.0 * 0x1p-53;   // 8 roundings a product, and one of slack
 constexpr double kLargestDifference = 0x1p300;   // above it products could overflow
@@ -33,11 +41,30 @@ Binary split(double value) {
 }
 
 /// The sign of the determinant of three rows.
-int determinant_sign(const std::array<std::array<Whole, 3>, 3>& m) {
-  const Whole determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
-                            m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
-                            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+template <typename Number>
+int determinant_sign(const std::array<std::array<Number, 3>, 3>& m) {
+  const Number determinant = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) +
+                             m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2]) +
+                             m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
   return determinant.sign();
+}
+
+/// The sign for twelve coordinates, x, y, z of a, b, c, d, in units of 2^unit.
+template <typename Number>
+int orientation_of(const std::array<Binary, 12>& binaries, int unit) {
+  std::array<Number, 12> whole;  // values[i] / 2^unit
+  for (std::size_t i = 0; i < binaries.size(); ++i) {
+    if (binaries[i].mantissa == 0) continue;
+    whole[i] = binaries[i].mantissa;
+    whole[i] *= Number(1) << static_cast<unsigned>(binaries[i].exponent - unit);
+  }
+  std::array<std::array<Number, 3>, 3> rows;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      rows[row][axis] = whole[3 * (row + 1) + axis] - whole[axis];
+    }
+  }
+  return determinant_sign(rows);
 }
 
 }  // namespace
@@ -45,24 +72,17 @@ int determinant_sign(const std::array<std::array<Whole, 3>, 3>& m) {
 int integer_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const std::array<double, 12> values{a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z};
   std::array<Binary, 12> binaries;
-  int least_exponent = INT_MAX;
+  int least = INT_MAX;
+  int greatest = INT_MIN;
   for (std::size_t i = 0; i < values.size(); ++i) {
     binaries[i] = split(values[i]);
-    if (binaries[i].mantissa != 0) least_exponent = std::min(least_exponent, binaries[i].exponent);
-  }
-  std::array<Whole, 12> whole;  // values[i] / 2^least_exponent
-  for (std::size_t i = 0; i < values.size(); ++i) {
     if (binaries[i].mantissa == 0) continue;
-    whole[i] = binaries[i].mantissa;
-    whole[i] *= Whole(1) << static_cast<unsigned>(binaries[i].exponent - least_exponent);
+    least = std::min(least, binaries[i].exponent);
+    greatest = std::max(greatest, binaries[i].exponent);
   }
-  std::array<std::array<Whole, 3>, 3> rows;
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      rows[row][axis] = whole[3 * (row + 1) + axis] - whole[axis];
-    }
-  }
-  return determinant_sign(rows);
+  if (greatest < least) return 0;  // all are zero
+  if (greatest - least <= kFixedShift) return orientation_of<FixedWhole>(binaries, least);
+  return orientation_of<Whole>(binaries, least);
 }
 
 int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -86,6 +106,11 @@ int exact_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d
     const double bound = kErrorFactor * magnitude;
     if (determinant > bound) return 1;
     if (determinant < -bound) return -1;
+  }
+  // A difference of doubles is zero where they are the same, and nowhere else: in a plane across an axis.
+  if ((u.x == 0 && v.x == 0 && w.x == 0) || (u.y == 0 && v.y == 0 && w.y == 0) ||
+      (u.z == 0 && v.z == 0 && w.z == 0)) {
+    return 0;
   }
   return integer_orientation(a, b, c, d);
 }

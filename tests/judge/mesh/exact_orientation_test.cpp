@@ -160,6 +160,44 @@ TEST(ExactOrientation, AllExponentsMixed) {
   }
 }
 
+TEST(ExactOrientation, WhereTheNumbersOfFixedWidthAreLeftForThoseOfAnySize) {
+  // The greatest determinants there are, and nearly flat ones, for exponents 0 and 110 to 120 apart.
+  constexpr std::uint64_t kSeed = 104;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  for (int i = 0; i < 3000; ++i) {
+    const int apart = 110 + static_cast<int>(random.below(11));
+    const auto extreme = [&] {
+      const double value = std::scalbn(2.0 - 0x1p-52, random.below(3) == 0 ? 0 : apart);
+      return random.below(2) == 0 ? value : -value;
+    };
+    Points p;
+    for (Vec3& v : p) v = {extreme(), extreme(), extreme()};
+    if (random.below(2) == 0) p[3] = {nudged(p[2].x, random), p[2].y, nudged(p[2].z, random)};
+    expect_right(p);
+  }
+}
+
+TEST(ExactOrientation, ACoordinateInCommonIsAPlaneAndNearlyIsNone) {
+  constexpr std::uint64_t kSeed = 105;
+  SCOPED_TRACE(kSeed);
+  SplitMix64 random(kSeed);
+  int flat = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Points p{random_point(random), random_point(random), random_point(random), random_point(random)};
+    const double level = std::array{0.3, 0.0, 0x1p-1074, 1e300}.at(random.below(4));
+    const std::uint64_t axis = random.below(3);
+    for (Vec3& v : p) {
+      double& coordinate = axis == 0 ? v.x : axis == 1 ? v.y : v.z;
+      coordinate = random.below(8) == 0 ? nudged(level, random) : level;
+    }
+    expect_right(p);
+    flat += filtered(p) == 0 ? 1 : 0;
+  }
+  EXPECT_GT(flat, 500);
+  EXPECT_LT(flat, 2500);
+}
+
 TEST(ExactOrientation, UnderflowCannotMisleadTheFilter) {
   // With h = 2^-1074 the minors 0.51 h and -1.49 h round to h and -h. Times 1.2 w and w they sum to -0.878 h
   // w, but to 0.2 h w as computed: the wrong sign, by far more than any bound on rounding alone.
