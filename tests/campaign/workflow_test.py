@@ -50,6 +50,28 @@ contestants: [{method: fem.p1, label: p1}]
 run: {repeats: 2, timed: false, timeout_s: 120, memory_mib: 4096, mpi_ranks: RANKS}
 measure: [displacement_l2]
 """
+# A contestant that crashes (exit code 3), and a plan whose acceptance does not hold (1): two verdicts that are no failures of the jobs.
+CRASHES = """\
+schema: palpate/contestant/1
+contest: simplify
+command: [/usr/bin/python3, -c, "raise SystemExit(5)"]
+licence: none
+source: this test
+methods:
+  - {name: test.crashes, summary: ends without an answer, stops: [ratio]}
+"""
+VERDICT = """\
+schema: palpate/plan/1
+question: Do jobs end where a run ends with another code than 0?
+contest: simplify
+contestant_folders: [adapters/crashes]
+meshes: [{name: one, make: cube, vertices: 216}]
+contestants:
+  - {method: palpate.hierarchical, label: hierarchical, stop: {ratio: 0.2}}
+  - {method: METHOD, label: other, stop: {ratio: 0.2}}
+run: {repeats: 1, timed: false, timeout_s: 120, memory_mib: 1024}
+accept: {mean_quality: {min: LEAST}}
+"""
 OF_A_REPEAT = ("finished_at", "peak_rss_bytes", "position", "sitting")  # what differs from one running of it to the next
 
 
@@ -105,6 +127,40 @@ class Workflow(unittest.TestCase):
         (self.jobs / "finished").unlink()
         self.run_jobs()
         self.assertEqual(records.stat().st_ino, number)
+
+    @unittest.skipUnless(WHERE == "local", "by Slurm")
+    def test_a_run_that_ends_with_another_code_is_finished_all_the_same(self):
+        folder = self.folder / "a {folder} of braces"
+        (folder / "adapters" / "crashes").mkdir(parents=True)
+        (folder / "adapters" / "crashes" / "contestant.yaml").write_text(CRASHES, encoding="utf-8")
+        for code, method, least in ((3, "test.crashes", 0), (1, "palpate.outcome", 0.999)):
+            plan = folder / f"verdict_{code}.yaml"
+            plan.write_text(VERDICT.replace("METHOD", method).replace("LEAST", str(least)), encoding="utf-8")
+            run = subprocess.run([PROGRAM, "run", plan, "--out", folder / f"run_{code}", "--no-report"], capture_output=True, text=True, check=False)
+            self.assertEqual(run.returncode, code, run.stderr)
+            self.jobs = folder / f"jobs_{code}"
+            self.palpate("workflow", plan, "-o", self.jobs)
+            running = self.snakemake("-j2")
+            output, _ = running.communicate()
+            self.assertEqual(running.returncode, 0, output)
+            self.assertNotIn("Error in rule", output)
+            self.assertEqual((self.jobs / "finished").read_text(), f"{code}\n")
+            self.assertTrue((self.jobs / "run" / "report.html").is_file())
+            self.assertEqual(records_of(self.jobs / "run"), records_of(folder / f"run_{code}"))
+
+    @unittest.skipUnless(WHERE == "local", "by Slurm")
+    def test_a_gathering_without_a_report_is_not_finished(self):
+        (self.jobs / "parts").mkdir()
+        for part in (self.jobs / "cases").glob("*.txt"):
+            (self.jobs / "parts" / f"{part.stem}.whole").touch()
+        (self.jobs / "prepared").touch()
+        campaign = json.loads((self.jobs / "campaign.json").read_text(encoding="utf-8"))
+        (self.jobs / "campaign.json").write_text(json.dumps({**campaign, "palpate": "/usr/bin/false"}), encoding="utf-8")  # ends with 1 and leaves nothing
+        running = self.snakemake("-j2")
+        output, _ = running.communicate()
+        self.assertNotEqual(running.returncode, 0)
+        self.assertIn("Error in rule gather", output)
+        self.assertFalse((self.jobs / "finished").exists())
 
     def run_jobs(self):
         running = self.snakemake("-j2")
