@@ -69,7 +69,8 @@ int make_report(const fs::path& folder) {
     fs::remove(spec.standard_error, ignored);
     return result.exit_code;
   }
-  print_note("the report failed (" + result.message + "): " + last_line(spec.standard_error));
+  const std::string why = last_line(spec.standard_error);
+  print_note("the report failed (" + result.message + "): " + (why.empty() ? "it could not say why" : why));
   return kCouldNotRun;
 }
 

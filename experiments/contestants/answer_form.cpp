@@ -50,6 +50,11 @@ json parse_answer(const std::string& text) {
   json response = reference::parse_json(text, "its answer", {kLargestAnswer, kDeepestAnswer});
   const std::string wrong = form_error(response);
   if (!wrong.empty()) throw InputError(wrong);
+  const std::size_t bytes = response.dump().size();
+  if (bytes > kLongestInARecord) {
+    throw InputError("its answer takes " + std::to_string(bytes) + " bytes in a record, where " +
+                     std::to_string(kLongestInARecord) + " are the most");
+  }
   return response;
 }
 

@@ -10,6 +10,10 @@ namespace palpate::experiments {
 /// The largest response that is read.
 inline constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
 
+/// The most that it may take in a record, where numbers may be written at greater length: those of a
+/// reference's four levels are one record, which is read again up to kLongestRecord.
+inline constexpr std::size_t kLongestInARecord = std::size_t{12} << 20U;
+
 /// Reads a response. Returns: an object whose keys and types are those of the protocol. Throws: InputError,
 /// one line that is fit for a record, for anything else.
 nlohmann::json parse_answer(const std::string& text);

@@ -212,7 +212,7 @@ ContestantAnswer run_guarded(const ContestantTask& task, const std::filesystem::
   spec.arguments.insert(spec.arguments.end(), {request_file.string(), response_file.string()});
   spec.timeout_s = task.timeout_s;
   spec.memory_bytes = task.memory_mib << 20U;
-  spec.file_bytes = kLargestOutput;
+  spec.file_bytes = kLargestFile;
   spec.standard_error = error_file;
   spec.stop_flag = task.stop_flag;
   spec.stop_grace_s = task.stop_grace_s;

@@ -59,7 +59,7 @@ struct ContestantAnswer {
 /// above zero and within the process's. The contestant gets a copy of the mesh; one that changes a file that
 /// it was given ("bad_answer", which names the file) does not change it for those after it. The message of
 /// one that crashed or gave a bad answer ends with the last lines that it wrote to standard error. Answer and
-/// output are regular files in its own folder, the output of no more than kLargestOutput bytes; no link is
+/// output are regular files in its own folder, the output of no more than kLargestFile bytes; no link is
 /// followed. Throws: UnavailableError if it failed where the disk may have had no room (room_complaint):
 /// nobody is to blame.
 ContestantAnswer run_contestant(const ContestantTask& task);

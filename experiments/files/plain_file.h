@@ -8,14 +8,15 @@
 
 namespace palpate::experiments {
 
-/// The largest output file of a contestant that is looked at, and the largest that it may write.
-inline constexpr std::uint64_t kLargestOutput = std::uint64_t{4} << 30U;
+/// The largest file that is hashed, copied into a run or handed to a vendor's reader, and the largest that a
+/// contestant may write: one with holes claims any size.
+inline constexpr std::uint64_t kLargestFile = std::uint64_t{4} << 30U;
 
 /// What keeps a path from being a regular file of at most `most` bytes, in words: "a link", "a folder", "a
 /// pipe", "a device", "a socket", "a file that has another name too" (a hard link: to what, nobody can tell),
 /// "a file of 53687091200 bytes, where 4294967296 are the most"; empty if nothing does. A path that is not
 /// there is "none". Links are not followed, whatever they lead to.
-std::string file_complaint(const std::filesystem::path& path, std::uint64_t most = kLargestOutput);
+std::string file_complaint(const std::filesystem::path& path, std::uint64_t most = kLargestFile);
 
 /// Whether the path is a regular file, and no link to one.
 bool is_plain_file(const std::filesystem::path& path);

@@ -76,8 +76,11 @@ ToolCall bounded_reading(const std::string& method, const std::filesystem::path&
   const std::uintmax_t size = std::filesystem::file_size(input, error);
   ToolCall call{"convert", method, input, output, json::object(), kLeastSeconds, kLeastMemory};
   if (error) return call;
+  if (size > kLargestFile)
+    throw InputError(input.string(), 0, "a file of at most " + std::to_string(kLargestFile) + " bytes",
+                     std::to_string(size));
   call.timeout_s += static_cast<double>(size) / static_cast<double>(kMiB);
-  call.memory_bytes += kMemoryPerByte * std::min<std::uint64_t>(size, std::uint64_t{1} << 40U);
+  call.memory_bytes += kMemoryPerByte * size;
   return call;
 }
 
@@ -98,7 +101,7 @@ json run_tool(const MeshTool& tool, const ToolCall& call) {
                     scratch.file("response.json").string()};
   spec.timeout_s = call.timeout_s;
   spec.memory_bytes = call.memory_bytes;
-  spec.file_bytes = kLargestOutput;
+  spec.file_bytes = kLargestFile;
   spec.standard_error = scratch.file("stderr.txt");
   spec.standard_output = call.standard_output;
   spec.while_waiting = call.while_waiting;

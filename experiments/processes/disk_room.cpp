@@ -84,11 +84,11 @@ std::string shortage(const fs::path& folder, std::uint64_t least_bytes, bool sai
 
 std::string room_complaint(const fs::path& folder, std::string_view said) {
   const bool is_said = says_full(said);
-  std::string complaint = shortage(folder, is_said ? kLargestOutput : kLeastRoom, is_said);
+  std::string complaint = shortage(folder, is_said ? kLargestFile : kLeastRoom, is_said);
   std::error_code error;
   const fs::path temporary = fs::temp_directory_path(error);
   if (complaint.empty() && is_said && !error) complaint = shortage(temporary, kLeastRoom, true);
-  if (complaint.empty() || bytes_below(folder, kLargestOutput) > kLargestOutput) return "";
+  if (complaint.empty() || bytes_below(folder, kLargestFile) > kLargestFile) return "";
   return complaint;
 }
 

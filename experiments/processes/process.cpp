@@ -34,7 +34,7 @@ double seconds_of(const timeval& t) {
 
 void redirect(int target, const std::filesystem::path& path) {
   const char* name = path.empty() ? "/dev/null" : path.c_str();
-  const int file = ::open(name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0644);
+  const int file = ::open(name, O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file >= 0) ::dup2(file, target);
 }
 
@@ -199,6 +199,10 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
     result.end = ProcessEnd::kTooMuchMemory;
     result.message =
         "its processes together took more than " + std::to_string(spec.memory_bytes >> 20U) + " MiB";
+  } else if (!reports.end && WIFEXITED(child_status)) {
+    // What it starts cannot end it so: it lacked something itself, such as numbers for files.
+    throw UnavailableError("palpate_child ended with exit code " + std::to_string(WEXITSTATUS(child_status)) +
+                           " before " + spec.arguments[0] + " did");
   } else {
     describe_status(reports.end ? reports.end->value : child_status, result);
   }

@@ -20,7 +20,7 @@
 namespace palpate::experiments {
 namespace {
 
-/// Bytes up to and with the last newline.
+/// Bytes up to and with the last newline; fewer than 0 where a line behind it is longer than any record.
 long long whole_lines(int file, long long size) {
   std::string block;
   for (long long end = size; end > 0;) {
@@ -30,6 +30,7 @@ long long whole_lines(int file, long long size) {
     const std::size_t newline = block.rfind('\n');
     if (newline != std::string::npos) return begin + static_cast<long long>(newline) + 1;
     end = begin;
+    if (size - end > static_cast<long long>(kLongestRecord)) return -1;
   }
   return 0;
 }
@@ -117,11 +118,16 @@ double median(std::vector<double> values) {
 }
 
 RecordFile::RecordFile(const std::filesystem::path& path) : path_(path) {
-  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file_ < 0) fail_to_write(path_, "a file that can be written", errno);
   struct stat status {};
   const bool known = ::fstat(file_, &status) == 0;
   size_ = known ? whole_lines(file_, status.st_size) : 0;
+  if (size_ < 0) {
+    ::close(file_);
+    throw InputError(path_.string(), 0, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
+                     "more");
+  }
   if (!known || (size_ < status.st_size && ::ftruncate(file_, size_) != 0)) {
     const int reason = errno;
     ::close(file_);
@@ -139,6 +145,10 @@ std::string record_line(const nlohmann::json& record) {
 
 void RecordFile::append(const nlohmann::json& record) {
   const std::string line = record_line(record);
+  if (line.size() > kLongestRecord + 1) {  // with its newline; it could not be read again
+    throw InputError(path_.string(), 0, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
+                     std::to_string(line.size() - 1));
+  }
   errno = 0;
   const ssize_t written = ::write(file_, line.data(), line.size());
   const bool whole = written == static_cast<ssize_t>(line.size());
@@ -155,7 +165,7 @@ void RecordFile::append(const nlohmann::json& record) {
 
 FolderLock::FolderLock(const std::filesystem::path& folder) {
   const auto path = folder / ".lock";
-  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  file_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file_ < 0) {
     throw InputError(folder.string(), 0, "a folder that can be written", std::strerror(errno));
   }

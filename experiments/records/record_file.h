@@ -32,7 +32,8 @@ class RecordFile {
   RecordFile(const RecordFile&) = delete;
   RecordFile& operator=(const RecordFile&) = delete;
 
-  /// Throws: NoRoomError when the disk is full; the file then holds whole lines only.
+  /// Throws: NoRoomError when the disk is full, InputError for one that is longer than what is read again
+  /// (kLongestRecord); the file then holds whole lines only.
   void append(const nlohmann::json& record);
 
  private:

@@ -28,13 +28,19 @@ bool holds_run(const fs::path& folder) {
   return fs::exists(folder / "records.jsonl", error);
 }
 
-/// Throws: InputError for a link in a run's folder: a run that somebody else packed would have files written
-/// and removed wherever it leads.
-void refuse_links(const fs::path& folder) {
+/// Throws: InputError for a link in a run's folder, however deep: a run that somebody else packed would have
+/// files written and removed wherever it leads. Left out is what is emptied without following any
+/// (`scratch`), and what lies in parts, which are runs of their own and look themselves.
+void refuse_links(const RunPaths& paths) {
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_symlink(error))
-      throw InputError(entry.path().string(), 0, "a run's own file or folder", "a link");
+  auto at =
+      fs::recursive_directory_iterator(paths.folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && at != fs::end(at); at.increment(error)) {
+    if (at->is_symlink(error))
+      throw InputError(at->path().string(), 0, "a run's own file or folder", "a link");
+    const bool is_of_others =
+        at->path() == paths.scratch() || (at.depth() == 1 && at->path().parent_path() == paths.parts());
+    if (is_of_others) at.disable_recursion_pending();
   }
 }
 
@@ -74,7 +80,7 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
   // A run that was killed at its very start has left a lock file, and perhaps nothing else.
   const bool ours = fs::exists(folder / ".lock") || fs::is_empty(folder);
   if (!ours) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
-  refuse_links(folder);
+  refuse_links(paths_);
   lock_.emplace(folder);
   remove_half_written(paths_);
   std::error_code error;

@@ -3,6 +3,7 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -70,8 +71,10 @@ void keep_part(const std::vector<Case>& cases, const std::string& part, std::vec
   std::ifstream file(part);
   if (!file) throw InputError(part, 0, "a file of cases, one a line", "none that can be read");
   std::vector<bool> named(cases.size(), false);
-  std::string id;
-  for (std::size_t number = 1; std::getline(file, id); ++number) {
+  std::array<char, 65536> line{};  // no case has as long a name
+  for (std::size_t number = 1; file.getline(line.data(), line.size()) || file.gcount() > 0; ++number) {
+    if (file.fail()) throw InputError(part, number, "a case of the plan", "a longer line");
+    const std::string id = line.data();
     if (id.empty()) continue;
     const auto found = known.find(id);
     if (found == known.end()) throw InputError(part, number, "a case of the plan", id);

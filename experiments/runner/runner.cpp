@@ -176,7 +176,10 @@ class Runner {
   /// Takes repeats from folders of other runs: those of the options, and what a run side by side left here.
   void take_parts(RecordFile& records) {
     const std::vector<fs::path> left = list_parts(folder_.paths().parts());
-    if (options_.take.empty() && left.empty()) return;
+    if (options_.take.empty() && left.empty()) {
+      fs::remove_all(folder_.paths().parts());  // half ones of a start that was killed
+      return;
+    }
     PartTaker taker = make_taker();
     for (const fs::path& given : options_.take) {
       for (const fs::path& part : find_parts(given)) take(taker, part, records);

@@ -7,6 +7,7 @@
 #include "core/base/plain_file.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/files/output_file.h"
+#include "experiments/files/plain_file.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/untimed.h"
 #include "experiments/runner/repeat_end.h"
@@ -146,6 +147,9 @@ void PartTaker::take_output(const fs::path& part, const fs::path& kept, const js
   std::error_code error;
   if (!fs::is_regular_file(fs::symlink_status(from, error)))
     throw InputError(from.string(), 0, "the output that its record names", "none");
+  if (const std::uintmax_t size = fs::file_size(from, error); error || size > kLargestFile)
+    throw InputError(from.string(), 0, "an output of at most " + std::to_string(kLargestFile) + " bytes",
+                     error ? error.message() : std::to_string(size));
   create_folder(kept.parent_path());
   copy_file_atomically(from, kept, [&](const fs::path& copy) {
     if (json(hash_file(copy)) != hash)
@@ -154,8 +158,8 @@ void PartTaker::take_output(const fs::path& part, const fs::path& kept, const js
   if (beside_file_.empty()) return;
   const fs::path beside = beside_path(kept, beside_file_);
   const fs::path theirs = part / beside.lexically_relative(paths_.folder);
-  if (fs::is_regular_file(fs::symlink_status(theirs, error)))  // to be looked at alone
-    copy_file_atomically(theirs, beside, [](const fs::path&) {});
+  if (fs::is_regular_file(fs::symlink_status(theirs, error)) && fs::file_size(theirs, error) <= kLargestFile)
+    copy_file_atomically(theirs, beside, [](const fs::path&) {});  // to be looked at alone
 }
 
 std::size_t PartTaker::take(const fs::path& part, RecordFile& records) {

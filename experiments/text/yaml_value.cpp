@@ -17,7 +17,7 @@
 namespace palpate::experiments {
 namespace {
 
-constexpr std::size_t kLargestFile = 1U << 20U;
+constexpr std::size_t kLargestYaml = 1U << 20U;
 constexpr int kDeepest = 32;
 constexpr std::size_t kMostValues = 100'000;
 constexpr std::size_t kMostKeys = 1000;  // of a mapping: they are compared with one another
@@ -79,7 +79,7 @@ class Guard : public YAML::EventHandler {
 };
 
 void check_text(const std::string& text, const std::string& where) {
-  if (text.size() > kLargestFile) fail_at(where, 0, "larger than 1 MiB, the most that is read");
+  if (text.size() > kLargestYaml) fail_at(where, 0, "larger than 1 MiB, the most that is read");
   const auto control = std::find_if(text.begin(), text.end(), [](char c) {
     const auto byte = static_cast<unsigned char>(c);
     return byte < 32 && c != '\n' && c != '\r' && c != '\t';
@@ -276,7 +276,7 @@ YamlValue read_yaml(const std::filesystem::path& path) {
   refuse_no_file(path, "a YAML file");
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(where, 0, "a YAML file that can be read", "no permission");
-  std::string text(kLargestFile + 1, '\0');
+  std::string text(kLargestYaml + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
   return parse_yaml(text, where);

@@ -176,6 +176,13 @@ class Safety(PageTest):
             self.assertIn(f"{name}: expected a folder of the run, found a link", err)
             self.assertEqual([path.name for path in elsewhere.iterdir()], ["theirs.txt"])
             (self.folder / name).unlink()
+        self.page()
+        written = [*(self.folder / "tables").iterdir(), self.folder / "report.html"]
+        for path in written:
+            (path.parent / f"{path.name}.part").symlink_to(theirs)
+        self.page()
+        self.assertEqual(theirs.read_text(encoding="utf-8"), "nobody is to see this")
+        self.assertFalse(any(path.is_symlink() for path in [*(self.folder / "tables").iterdir(), *self.folder.glob("*.part")]))
 
     def test_a_plan_that_is_a_pipe_is_not_waited_for(self):
         synthetic.write_run(self.folder, synthetic.thesis_records(seeds=2))

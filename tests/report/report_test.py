@@ -2,10 +2,12 @@
 
 import json
 import math
+import subprocess
+import sys
 import unittest
 from unittest import mock
 
-from support import ReportTest
+from support import ReportTest, make_report
 from shared import equal_count
 from shared import records
 import synthetic
@@ -340,6 +342,21 @@ class Charts(ReportTest):
 
 
 class BrokenRuns(ReportTest):
+    def leaves_with(self, **streams):
+        """Exit code of the report as a program, with a stream of it on a full disk."""
+        with open("/dev/full", "w", encoding="utf-8") as full:
+            given = {name: full for name, is_full in streams.items() if is_full}
+            given.setdefault("stdout", subprocess.DEVNULL)
+            given.setdefault("stderr", subprocess.DEVNULL)
+            return subprocess.run([sys.executable, "-B", make_report.__file__, str(self.folder), "--no-charts"], check=False, **given).returncode
+
+    def test_words_that_find_no_room_change_no_exit_code_to_that_of_a_verdict(self):
+        self.assertEqual(self.leaves_with(stderr=True), 2)  # there is no run
+        synthetic.write_run(self.folder, synthetic.thesis_records(seeds=2))
+        self.assertEqual(self.leaves_with(), 0)
+        self.assertNotIn(self.leaves_with(stdout=True), (0, 1, 2))
+        self.assertNotIn(self.leaves_with(stdout=True, stderr=True), (0, 1, 2))
+
     def test_no_accepted_answer_at_all(self):
         synthetic.write_run(self.folder, [synthetic.record("kidney", "hierarchical", None, outcome="crashed")])
         code, out, _ = self.report()

@@ -15,7 +15,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kAnswerSchema = "palpate/stability_answer/1";
-constexpr std::size_t kLargestFile = std::size_t{256} << 20U;
+constexpr std::size_t kLargestAnswerFile = std::size_t{256} << 20U;
 constexpr std::size_t kDepth = 16;
 constexpr std::size_t kMostRuns = 16;
 constexpr std::size_t kMostRows = 10'000;
@@ -129,7 +129,7 @@ BracketEnd read_end(const json& value, bool is_trial, const TetMesh& rest, const
 
 StabilityAnswer read_stability_answer(const std::filesystem::path& file, const TetMesh& rest) {
   const std::string where = file.string();
-  const json value = reference::read_json_file(file, {kLargestFile, kDepth});
+  const json value = reference::read_json_file(file, {kLargestAnswerFile, kDepth});
   object(value, {"schema", "rounding", "runs", "bracket"}, where);
   if (value.at("schema") != kAnswerSchema) fail(where + ": schema", kAnswerSchema, value.at("schema"));
   StabilityAnswer out;

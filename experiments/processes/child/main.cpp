@@ -120,8 +120,15 @@ void cut_flood() {
   struct stat status {};
   if (::fstat(STDERR_FILENO, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size <= kMost) return;
   static char kept[kKept];
+  constexpr int kTries = 8;
   const int file = ::open("/proc/self/fd/2", O_RDONLY | O_CLOEXEC);  // ours may only write
-  const ssize_t got = file >= 0 ? ::pread(file, kept, kKept, status.st_size - static_cast<off_t>(kKept)) : 0;
+  ssize_t got = 0;
+  off_t seen = -1;
+  for (int i = 0; i < kTries && seen != status.st_size; ++i) {  // what is written meanwhile may be the end
+    seen = status.st_size;
+    got = file >= 0 ? ::pread(file, kept, kKept, seen - static_cast<off_t>(kKept)) : 0;
+    if (::fstat(STDERR_FILENO, &status) != 0) break;
+  }
   if (file >= 0) ::close(file);
   if (::ftruncate(STDERR_FILENO, 0) != 0) return;
   constexpr char kNote[] = "(more than 16 MiB before this were cut off)\n";

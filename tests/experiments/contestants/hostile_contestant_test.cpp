@@ -190,6 +190,10 @@ const NoFile kNoFiles[] = {
     {"deep", "answer_with('{\"report\":' + '[' * 100000 + ']' * 100000 + '}')\n",
      "expected at most 32 levels of nesting"},
     {"huge", "answer_with(' ' * (17 << 20))\n", "where 16777216 are the most"},
+    {"long_in_a_record",
+     "answer_with('{\"schema\": \"palpate/response/1\", \"status\": \"ok\", \"kernel_s\": 1, \"report\": "
+     "{\"x\": [' + '9e14,' * 1000000 + '0]}}')\n",
+     "bytes in a record, where 12582912 are the most"},
     {"other_case", "answer_well(**{'case': 'cube/good'})\n", "unknown key \"case\""},
     {"nan", "answer_well(**{'report': {'x': float('nan')}})\n", "expected a number, found NaN"},
     {"own_folder",

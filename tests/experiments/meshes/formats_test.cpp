@@ -120,6 +120,15 @@ TEST_F(Formats, AVtuFileThatClaimsWhatItHasNotIsRefused) {
   }
 }
 
+TEST_F(Formats, AFileOfHolesIsHandedToNoVendor) {
+  for (const char* name : {"holes.msh", "holes.vtk", "holes.vtu"}) {
+    const auto path = write(name, "x");
+    std::filesystem::resize_file(path, std::uint64_t{1} << 40U);
+    EXPECT_NE(refusal(path).find("a file of at most 4294967296 bytes, found 1099511627776"),
+              std::string::npos);
+  }
+}
+
 TEST_F(Formats, OtherElementsAreRefusedByName) {
   const auto hexahedron =
       write("h.msh", std::string(kMshHead) + "1\n1 5 2 1 1 1 2 5 3 4 6 8 7\n$EndElements\n");

@@ -19,6 +19,7 @@
 
 #include "core/base/random.h"
 #include "experiments/files/places.h"
+#include "experiments/processes/process.h"
 #include "experiments/records/record_file.h"
 #include "tests/support/full_mode.h"
 #include "tests/support/hostile_contestant.h"
@@ -336,6 +337,56 @@ TEST(Faults, ALinkInARunsFolderIsRefused) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.error, HasSubstr("tables: expected a run's own file or folder, found a link"));
   EXPECT_EQ(test::bytes_of(works.folder() / "elsewhere/theirs"), "x");
+}
+
+TEST(Faults, ALinkDeeperInARunsFolderIsRefusedToo) {
+  const HostileContestant works("answer_well()\n");
+  works.plan();
+  ASSERT_EQ(test::run_program(works.run_words()).exit_code, 0);
+  works.folder().add("theirs", "x");
+  fs::create_directory(works.folder() / "elsewhere");
+  fs::create_directories(works.out() / ".parts");
+  const fs::path output = works.out() / works.records().back().at("mesh_file").get<std::string>();
+  ASSERT_TRUE(fs::exists(output));
+  for (const fs::path& place : {output, works.out() / ".parts/0.log", works.out() / "problems"}) {
+    fs::remove(place);
+    fs::create_symlink(works.folder() / "theirs", place);
+    const test::ProgramResult result = test::run_program(works.run_words(true));
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_THAT(result.error,
+                HasSubstr(place.filename().string() + ": expected a run's own file or folder, found a link"));
+    fs::remove(place);
+  }
+  fs::create_directory_symlink(works.folder() / "elsewhere", works.out() / ".parts/0");
+  EXPECT_EQ(test::run_program(works.run_words(true)).exit_code, 2);
+  fs::remove(works.out() / ".parts/0");
+  fs::create_symlink(works.folder() / "nothing", works.out() / ".lock.link");
+  fs::rename(works.out() / ".lock.link", works.out() / ".lock");
+  EXPECT_EQ(test::run_program(works.run_words(true)).exit_code, 2);
+  EXPECT_FALSE(fs::exists(works.folder() / "nothing"));
+  EXPECT_TRUE(fs::is_empty(works.folder() / "elsewhere"));
+  EXPECT_EQ(test::bytes_of(works.folder() / "theirs"), "x");
+}
+
+TEST(Faults, TooFewNumbersForFilesAreNobodysAnswer) {
+  const HostileContestant works("answer_well()\n");
+  works.plan();
+  std::vector<std::string> words{"/bin/sh", "-c", "ulimit -n $0; exec \"$@\"", "",
+                                 program_folder() + "/palpate"};
+  for (const std::string& word : works.run_words()) words.push_back(word);
+  for (int most = 6; most < 20;
+       ++most) {  // where it is too few to begin, too few for palpate_child, and enough
+    SCOPED_TRACE(most);
+    fs::remove_all(works.out());
+    ProcessSpec spec;
+    spec.arguments = words;
+    spec.arguments[3] = std::to_string(most);
+    spec.standard_error = works.folder() / "error";
+    const ProcessResult result = run_process(spec);
+    EXPECT_THAT(result.exit_code, testing::AnyOf(0, 2, 3)) << test::bytes_of(works.folder() / "error");
+    if (!fs::exists(works.out() / "records.jsonl")) continue;
+    for (const json& record : works.records()) EXPECT_EQ(record.at("outcome"), "accepted") << record.dump();
+  }
 }
 
 TEST(Faults, WhoCriesDiskFullWithoutReasonIsToBlame) {

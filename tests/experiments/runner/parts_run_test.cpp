@@ -131,6 +131,9 @@ TEST_F(PartsRunTest, APartOfAnotherPlanInputOrOutputIsRefused) {
   const std::string bytes = test::bytes_of(fixture_.folder() / mesh);
   fixture_.folder().add(mesh, bytes + "\n");
   EXPECT_THAT(run(plan, "a", {"--take", folder("part")}).error, HasSubstr("an output whose hash is"));
+  std::filesystem::resize_file(fixture_.folder() / mesh, std::uint64_t{1} << 40U);
+  EXPECT_THAT(run(plan, "h", {"--take", folder("part")}).error,
+              HasSubstr("an output of at most 4294967296 bytes"));
   fixture_.folder().add(mesh, bytes);
   json provenance = provenance_of("part");
   provenance["meshes"][0]["hash"] = "xxh3:0";
@@ -315,6 +318,12 @@ TEST_F(PartsRunTest, BadPartsAndPlansAreNamed) {
   EXPECT_EQ(unknown.exit_code, 2);
   EXPECT_THAT(unknown.error, HasSubstr("wrong.txt:2: expected a case of the plan, found one/nobody"));
   EXPECT_THAT(run(plan, "a", {"--part", folder("none.txt")}).error, HasSubstr("a file of cases, one a line"));
+  std::filesystem::resize_file(wrong, std::uint64_t{1} << 40U);  // a line without end
+  EXPECT_THAT(run(plan, "a", {"--part", wrong}).error, HasSubstr("wrong.txt:2: expected a case of the plan"));
+  std::filesystem::resize_file(fixture_.folder().add("wrong.txt", "one/hierarchical\n"),
+                               std::uint64_t{1} << 40U);
+  EXPECT_THAT(run(plan, "a", {"--part", wrong}).error,
+              HasSubstr("wrong.txt:2: expected a case of the plan, found a longer line"));
   add_plan("timed: false", "kernel_s");
   EXPECT_THAT(run(plan, "a").error, HasSubstr("kernel_s is a time, and the plan says \"timed: false\""));
   add_plan("timed: false, until_width: 0.1, most_repeats: 9");

@@ -11,6 +11,7 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "experiments/files/places.h"
+#include "experiments/records/key_forms.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "experiments/runner/runner.h"
@@ -174,9 +175,22 @@ TEST(Records, TornLineIsDroppedAndCutOff) {
   EXPECT_THROW(read_records(path), InputError);
   folder.add("records.jsonl", line + std::string(200'000, '[') + "\n");
   EXPECT_THROW(read_records(path), InputError) << "had overflowed the stack";
+  std::filesystem::resize_file(folder.add("records.jsonl", line), std::uint64_t{1} << 40U);
+  EXPECT_THROW(RecordFile cut(path), InputError) << "a line without end, which is looked for from the end";
   folder.add("records.jsonl", std::string(100'000, 'x'));
   { const RecordFile cut(path); }
   EXPECT_EQ(std::filesystem::file_size(path), 0U);
+}
+
+TEST(Records, OneThatCouldNotBeReadAgainIsNotWritten) {
+  const test::ScratchFolder folder;
+  const auto path = folder / "records.jsonl";
+  json record = {{"schema", "palpate/record/1"}, {"case", "a"}, {"repeat", 0}, {"outcome", "accepted"}};
+  RecordFile file(path);
+  file.append(record);
+  record["message"] = std::string(kLongestRecord, 'x');
+  EXPECT_THROW(file.append(record), InputError);
+  EXPECT_EQ(read_records(path).size(), 1U);
 }
 
 TEST(Records, FullDiskIsSaid) {
