@@ -135,6 +135,21 @@ struct Run {
 /// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
+/// An edge of the skin is a needle's below this share of those of as many equilateral faces as are wanted.
+constexpr double kNeedle = 0.25;
+
+/// Collapses the needles of a skin, wherever that leaves no tet as bad as the worst around was. The tets at
+/// them are too bad for collapses to be held to a score, and while others suffice they would stay for good.
+void cure_needles(Run& run, std::uint64_t faces, std::uint64_t tets) {
+  SurfaceCollapseOptions options;
+  options.least_score = kLeastScores.front();
+  options.is_cure = true;
+  const std::size_t wanted = faces > 0 ? faces : run.boundary.size();
+  options.longest = kNeedle * std::sqrt(run.area / (kFaceShare * static_cast<double>(wanted)));
+  options.tet_target = tets;
+  collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
+}
+
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough; poor tets
 /// only where all of the bound is not enough.
 void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
@@ -149,6 +164,7 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
     for (;; ++run.level) {
       if (is_enough()) return;
       run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
+      if (least == kLeastScores.front()) cure_needles(run, faces, tets);
       collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
       if (run.level + 1 == kErrorLevels.size()) break;
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -195,9 +196,23 @@ class BoundaryCollapser {
     return 2;
   }
 
-  bool is_well_shaped(const Vec3& place) {
-    const double worst = star_.evaluate(place, options_.least_score).worst;
-    return worst > options_.least_score && star_.is_positive(place);
+  /// The worst of the tets around both ends.
+  double worst_around(Index gone, Index survivor) const {
+    double worst = std::numeric_limits<double>::infinity();
+    for (const Index end : {gone, survivor}) {
+      for (const Index t : mesh_.star(end)) {
+        const Tet& v = mesh_.tets[t];
+        const float score = score_tet(star_.scale(), mesh_.points[v[0]], mesh_.points[v[1]],
+                                      mesh_.points[v[2]], mesh_.points[v[3]]);
+        worst = std::min(worst, double{std::max(0.0F, score)});
+      }
+    }
+    return worst;
+  }
+
+  bool is_well_shaped(const Vec3& place, double least) {
+    const double worst = star_.evaluate(place, least).worst;
+    return worst > least && star_.is_positive(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -214,6 +229,8 @@ class BoundaryCollapser {
     if (survivor_moves) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;
     star_.close();
+    const double least = options_.is_cure ? std::min(options_.least_score, worst_around(gone, survivor))
+                                          : options_.least_score;
     plan(gone, survivor, survivor_moves);
     std::array<Vec3, 3> places;
     const std::size_t count = list_places(gone, survivor, survivor_moves, places);
@@ -221,7 +238,7 @@ class BoundaryCollapser {
     bool any_shape = false;
     bool any_line = hold(gone) == FeatureRank::kNone;
     for (std::size_t i = 0; i < count; ++i) {
-      if (!is_well_shaped(places[i])) continue;
+      if (!is_well_shaped(places[i], least)) continue;
       any_shape = true;
       change_.to = places[i];
       if (!line_permits(gone, survivor)) continue;
