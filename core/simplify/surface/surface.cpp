@@ -138,8 +138,8 @@ constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 /// An edge of the skin is a needle's below this share of those of as many equilateral faces as are wanted.
 constexpr double kNeedle = 0.25;
 
-/// Collapses the needles of a skin, wherever that leaves no tet as bad as the worst around was. The tets at
-/// them are too bad for collapses to be held to a score, and while others suffice they would stay for good.
+/// Collapses the needles of a skin, wherever the tets are worth more after that, in sum. Those at a needle
+/// are too bad for a collapse to be held to a score: while other edges suffice needles would stay for good.
 void cure_needles(Run& run, std::uint64_t faces, std::uint64_t tets) {
   SurfaceCollapseOptions options;
   options.least_score = kLeastScores.front();

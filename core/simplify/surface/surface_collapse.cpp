@@ -196,23 +196,32 @@ class BoundaryCollapser {
     return 2;
   }
 
-  /// The worst of the tets around both ends.
-  double worst_around(Index gone, Index survivor) const {
-    double worst = std::numeric_limits<double>::infinity();
-    for (const Index end : {gone, survivor}) {
-      for (const Index t : mesh_.star(end)) {
-        const Tet& v = mesh_.tets[t];
-        const float score = score_tet(star_.scale(), mesh_.points[v[0]], mesh_.points[v[1]],
-                                      mesh_.points[v[2]], mesh_.points[v[3]]);
-        worst = std::min(worst, double{std::max(0.0F, score)});
-      }
+  /// What the tets are worth that a collapse changes or takes away.
+  double worth_around(Index gone, Index survivor, bool survivor_moves) const {
+    const auto worth = [&](const Tet& v) {
+      const std::vector<Vec3>& p = mesh_.points;
+      return worth_of_tet(star_.scale(),
+                          double{score_tet(star_.scale(), p[v[0]], p[v[1]], p[v[2]], p[v[3]])});
+    };
+    double sum = 0.0;
+    for (const Index t : mesh_.star(gone)) sum += worth(mesh_.tets[t]);
+    if (!survivor_moves) return sum;
+    for (const Index t : mesh_.star(survivor)) {
+      const Tet& tet = mesh_.tets[t];
+      if (std::find(tet.begin(), tet.end(), gone) == tet.end()) sum += worth(tet);
     }
-    return worst;
+    return sum;
   }
 
-  bool is_well_shaped(const Vec3& place, double least) {
-    const double worst = star_.evaluate(place, least).worst;
-    return worst > least && star_.is_positive(place);
+  bool is_well_shaped(const Vec3& place, double worth_before) {
+    const double least = options_.is_cure ? 0.0 : options_.least_score;
+    const StarFigures figures = star_.evaluate(place, least);
+    if (!(figures.worst > least)) return false;
+    if (options_.is_cure && figures.worst <= options_.least_score) {
+      const double none = worth_of_tet(star_.scale(), 0.0) - gain_of_score(star_.scale(), 0.0);
+      if (figures.sum + none * static_cast<double>(star_.size()) <= worth_before) return false;
+    }
+    return star_.is_positive(place);
   }
 
   bool try_collapse(Index a, Index b) {
@@ -229,8 +238,7 @@ class BoundaryCollapser {
     if (survivor_moves) add_star(mesh_, survivor, gone, star_);
     if (star_.size() == 0) return false;
     star_.close();
-    const double least = options_.is_cure ? std::min(options_.least_score, worst_around(gone, survivor))
-                                          : options_.least_score;
+    const double worth_before = options_.is_cure ? worth_around(gone, survivor, survivor_moves) : 0.0;
     plan(gone, survivor, survivor_moves);
     std::array<Vec3, 3> places;
     const std::size_t count = list_places(gone, survivor, survivor_moves, places);
@@ -238,7 +246,7 @@ class BoundaryCollapser {
     bool any_shape = false;
     bool any_line = hold(gone) == FeatureRank::kNone;
     for (std::size_t i = 0; i < count; ++i) {
-      if (!is_well_shaped(places[i], least)) continue;
+      if (!is_well_shaped(places[i], worth_before)) continue;
       any_shape = true;
       change_.to = places[i];
       if (!line_permits(gone, survivor)) continue;

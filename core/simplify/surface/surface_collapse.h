@@ -13,7 +13,7 @@ namespace palpate::simplify {
 /// When a collapse is refused, and when enough are made.
 struct SurfaceCollapseOptions {
   double least_score = 0.0;       ///< a collapse may leave no tet below this ...
-  bool is_cure = false;           ///< ... or, if this is set, none as bad as the worst around its ends
+  bool is_cure = false;           ///< ... unless, where this is set, the tets are worth more after it, in sum
   std::uint64_t face_target = 0;  ///< stop at the first state with at most so many boundary faces ...
   std::uint64_t tet_target = 0;   ///< ... or tets
   double longest = std::numeric_limits<double>::infinity();  ///< edges that are longer, over the relative

@@ -10,6 +10,7 @@
 #include "core/base/random.h"
 #include "core/judge/mesh/judge.h"
 #include "core/judge/surface/surface.h"
+#include "tests/support/marching_tets.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::simplify {
@@ -104,6 +105,32 @@ TEST(SimplifySurface, HoldsEveryBoundOnACurvedBlock) {
     faces_before = outcome.report.boundary_faces_out;
   }
   EXPECT_LT(faces_before, 100U);  // of 768
+}
+
+/// The least dihedral angle of a mesh, and that of a hundredth of its tets' least ones.
+std::pair<double, double> least_angles(const TetMesh& mesh) {
+  const judge::Quality quality =
+      judge::measure_quality(mesh, total_volume(mesh) / static_cast<double>(mesh.tets.size()));
+  return {quality.min_dihedral_deg, quality.p1_dihedral_deg};
+}
+
+TEST(SimplifySurface, NeedlesOfAScannersSkinAreCuredHoweverMuchMayBeSpent) {
+  const TetMesh input = make_marching_ring(4);
+  ASSERT_TRUE(judge::check_validity(input).is_valid());
+  EXPECT_LT(least_angles(input).first, 0.5);
+  for (const Objective objective : {Objective::kShape, Objective::kQuality}) {
+    for (const double bound : {0.01, 0.02, 0.06}) {  // 0.4 to 2.6% of the diagonal
+      SCOPED_TRACE(bound);
+      SurfaceOptions options = with_bound(bound, 0.6);
+      options.objective = objective;
+      const Outcome outcome = simplify_and_judge(input, options);
+      EXPECT_EQ(outcome.report.stop, "ratio");
+      const auto [least, first_percentile] = least_angles(outcome.mesh);
+      EXPECT_GT(least, 2.0);
+      EXPECT_GT(first_percentile, 20.0);
+      std::printf("%g %d least %g p1 %g\n", bound, (int)objective, least, first_percentile);
+    }
+  }
 }
 
 TEST(SimplifySurface, StopsAtTheCountAndSaysSo) {
