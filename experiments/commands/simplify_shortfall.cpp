@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "core/base/number_text.h"
+#include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
+#include "core/simplify/sizing/stop_rule.h"
 #include "experiments/files/scratch_folder.h"
 
 namespace palpate::experiments {
@@ -51,7 +53,9 @@ std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::vector<T
 std::optional<double> wanted_tets(const TetMesh& in, const Stop& stop) {
   if (stop.kind == StopKind::kTets) return stop.value;
   if (stop.kind != StopKind::kRatio) return std::nullopt;
-  return std::max(1.0, std::floor(static_cast<double>(in.tets.size()) * (1.0 - stop.value)));
+  simplify::StopRule rule;
+  rule.ratio = stop.value;
+  return std::max(1.0, static_cast<double>(simplify::target_tet_count(rule, in.tets.size())));
 }
 
 json describe_shortfall(const TetMesh& in, const TetMesh& out, const std::vector<Triangle>& skin,
@@ -89,15 +93,16 @@ std::optional<MethodEntry> find_available(const Registry& registry, const char* 
 }
 
 /// The bounds to try, the least first, in metres as the option has them: each is the number that is printed.
-std::vector<double> bounds_to_try(const TetMesh& in, const json& options) {
-  constexpr std::array kShares{0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16};  // of the box's diagonal
+/// What failed is left out. Smaller ones than that are tried too: which counts are reached does not grow with
+/// the bound everywhere.
+std::vector<double> bounds_to_try(const TetMesh& in, const json& options, bool is_own) {
+  constexpr std::array kShares{0.0, 0.0025, 0.005, 0.01, 0.02, 0.04, 0.08, 0.16};  // of the box's diagonal
   const BoundingBox box = bounding_box(in.points);
   const double diagonal_m = options.value("unit_m", 1.0) * length(box.high - box.low);
-  const double failed = options.value("max_surface_error_m", 0.0);
   std::vector<double> bounds;
   for (const double share : kShares) {
     const double bound = std::stod(three_digits(share * diagonal_m));
-    if (bound > failed) bounds.push_back(bound);
+    if (!is_own || bound != options.value("max_surface_error_m", 0.0)) bounds.push_back(bound);
   }
   return bounds;
 }
@@ -107,6 +112,7 @@ std::vector<double> bounds_to_try(const TetMesh& in, const json& options) {
 void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry,
                   json& shortfall) {
   constexpr std::size_t kMostTets = 200'000;  // some seconds a try
+  constexpr double kMostSeconds = 60.0;       // for all; the try that is on then is the last
   const double wanted = shortfall.at("wanted_tets").get<double>();
   if (in.tets.size() > kMostTets || shortfall.at("kept_tets").get<double>() > wanted) return;
   const std::string& own = failed.method.method->name;
@@ -118,26 +124,18 @@ void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registr
   }
   const auto surface = find_available(registry, kCoarsensSkin);
   if (!surface) return;
-  json options = own == kCoarsensSkin ? failed.options : resolve_options(*surface->method, {});
-  const std::vector<double> bounds = bounds_to_try(in, options);
+  const bool is_own = own == kCoarsensSkin;
+  json options = is_own ? failed.options : resolve_options(*surface->method, {});
   shortfall["tried_bounds"] = json::array();
-  const auto is_enough = [&](double bound) {
+  const Stopwatch watch;
+  for (const double bound : bounds_to_try(in, options, is_own)) {
+    if (watch.seconds() > kMostSeconds) return;
     options["max_surface_error_m"] = bound;
     shortfall["tried_bounds"].push_back(bound);
-    return reaches(failed, *surface, options);
-  };
-  if (bounds.empty() || !is_enough(bounds.back())) return;
-  std::size_t missed = 0;  // as many, from the least on, are taken for too small
-  std::size_t found = bounds.size() - 1;
-  while (missed < found) {
-    const std::size_t middle = (missed + found) / 2;
-    if (is_enough(bounds[middle])) {
-      found = middle;
-    } else {
-      missed = middle + 1;
-    }
+    if (!reaches(failed, *surface, options)) continue;
+    shortfall["way_out"] = {{"method", kCoarsensSkin}, {"bound", bound}};
+    return;
   }
-  shortfall["way_out"] = {{"method", kCoarsensSkin}, {"bound", bounds[found]}};
 }
 
 std::string shortfall_text(const json& shortfall) {
@@ -164,7 +162,8 @@ std::string shortfall_text(const json& shortfall) {
   const json tried = shortfall.value("tried_bounds", json::array());
   if (tried.empty()) return text;
   return text + ". " + kCoarsensSkin + " does not reach it within " +
-         three_digits(tried.front().get<double>()) + " of the skin either";
+         three_digits(tried.back().get<double>()) +
+         " of the skin either, nor within smaller bounds that were tried";
 }
 
 }  // namespace palpate::experiments

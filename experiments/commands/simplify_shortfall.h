@@ -27,9 +27,9 @@ nlohmann::json describe_shortfall(const TetMesh& in, const TetMesh& out, const s
                                   double wanted, const nlohmann::json& report);
 
 /// Adds as "way_out" what reaches the count: palpate.refined ("bound" null), or palpate.surface with the
-/// least of some distances, in metres as its option has them, beyond that of the failed run if it is that
-/// method's. null stays if neither does, or if more tets than that are in regions to keep. Each is run as it
-/// is said. What was tried is in "tried_bounds". Takes some seconds.
+/// least of some distances that does, in metres as its option has them, 0 among them, and not that of the
+/// failed run if it is that method's. null stays if neither does, or if more tets than that are in regions to
+/// keep. Each is run as it is said. What was tried is in "tried_bounds". Takes some seconds.
 void find_way_out(const ContestantTask& failed, const TetMesh& in, const Registry& registry,
                   nlohmann::json& shortfall);
 

@@ -1,11 +1,11 @@
 #include "experiments/grading/graded_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/error.h"
 #include "core/mesh/io/medit.h"
 #include "core/simplify/sizing/size_file.h"
+#include "core/simplify/sizing/stop_rule.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/scratch_folder.h"
 
@@ -34,8 +34,9 @@ std::uint64_t tets_after(const Stop& stop, std::uint64_t tets) {
   if (stop.kind == StopKind::kTets) return static_cast<std::uint64_t>(stop.value);
   if (stop.kind != StopKind::kRatio)
     throw InputError("grade", 0, "a stop by tets or by ratio", stop_name(stop.kind));
-  const double left = std::floor(static_cast<double>(tets) * (1.0 - stop.value));
-  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left));
+  simplify::StopRule rule;
+  rule.ratio = stop.value;
+  return std::max<std::uint64_t>(1, simplify::target_tet_count(rule, tets));
 }
 
 GradedMesh make_graded_mesh(const GradeWish& wish, const GradedBody& body, const MethodEntry& simplifier,

@@ -9,6 +9,7 @@
 #include "core/mesh/subdivision/bisection.h"
 #include "core/mesh/topology.h"
 #include "core/simplify/sizing/triangle_tree.h"
+#include "tests/support/marching_tets.h"
 
 namespace palpate::testing_support {
 namespace {
@@ -191,6 +192,7 @@ std::vector<HardMesh> list_hard_meshes(std::uint64_t seed) {
         {"squashed and far from the origin",
          translated(squashed(build_kuhn_cube(8, 0.2, seed), 1e-5, 4, seed), {offset, offset, offset})});
   }
+  all.push_back({"a scanner's skin, genus 1", make_marching_ring(2)});
   return all;
 }
 

@@ -248,7 +248,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
   add_grade_sizes(*command, *arguments);
   command
       ->add_option("--method", arguments->method,
-                   "palpate.refined (skin to the bit) or palpate.surface (palpate.refined)")
+                   "palpate.refined (keeps the skin) or palpate.surface (palpate.refined)")
       ->type_name("NAME");
   command->add_option("--set", arguments->set, "Option of the method, as often as needed")
       ->allow_extra_args(false)

@@ -12,6 +12,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/file_size_limit.h"
+#include "tests/support/small_meshes.h"
 
 namespace palpate::experiments {
 namespace {
@@ -221,12 +222,25 @@ TEST(BadStop, TheWayToACountIsNamedAndLeadsThere) {
             std::floor(0.2 * static_cast<double>(mesh.tets.size())));
   ASSERT_EQ(shortfall.at("way_out").at("method"), "palpate.surface") << shortfall.dump(1);
   const std::string bound = shortfall.at("way_out").at("bound").dump();
-  EXPECT_THAT(result.error, HasSubstr("--set max_surface_error_m="));
+  EXPECT_THAT(result.error, HasSubstr("--set max_surface_error_m=0 reaches it"));  // its faces are flat
   const ProgramResult other =
       run_program({"simplify", in, "-o", out, "--method", "palpate.surface", "--ratio", "0.8", "--set",
                    "max_surface_error_m=" + bound, "--json"});
   EXPECT_EQ(other.exit_code, 0) << other.error;
   EXPECT_LE(nlohmann::json::parse(other.out).at("tets_out"), shortfall.at("wanted_tets"));
+}
+
+/// Removed is the ratio of all, rounded up, whatever 1 - 0.9 is in a double.
+TEST(BadStop, ACountThatWasReachedIsNotCalledMissed) {
+  const test::ExperimentFixture fixture;
+  const std::string in = (fixture.folder() / "box.mesh").string();
+  const std::string out = (fixture.folder() / "out.mesh").string();
+  write_medit(in, testing_support::make_kuhn_block(1, 2, 5));  // 60 tets
+  const ProgramResult result =
+      run_program({"simplify", in, "-o", out, "--method", "palpate.surface", "--ratio", "0.9", "--json"});
+  EXPECT_EQ(nlohmann::json::parse(result.out).at("tets_out"), 6);
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_EQ(result.error.find("asked for"), std::string::npos) << result.error;
 }
 
 /// What stops early inside is told of what does not; what strays too little, of a wider bound.

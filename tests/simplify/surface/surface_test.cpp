@@ -128,7 +128,6 @@ TEST(SimplifySurface, NeedlesOfAScannersSkinAreCuredHoweverMuchMayBeSpent) {
       const auto [least, first_percentile] = least_angles(outcome.mesh);
       EXPECT_GT(least, 2.0);
       EXPECT_GT(first_percentile, 20.0);
-      std::printf("%g %d least %g p1 %g\n", bound, (int)objective, least, first_percentile);
     }
   }
 }
