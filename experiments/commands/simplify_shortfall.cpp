@@ -147,6 +147,8 @@ std::string shortfall_text(const json& shortfall) {
           (shortfall.at("skin_kept").get<bool>() ? ", which was kept" : "");
   if (shortfall.at("kept_tets") != 0)
     text += "; " + shortfall.at("kept_tets").dump() + " lie in regions to keep";
+  if (shortfall.at("kept_tets").get<double>() > shortfall.at("wanted_tets").get<double>())
+    text += ", which is more than that, so nothing gets there";
   std::string refused;
   for (const auto& [reason, count] : shortfall.at("rejected").items()) {
     if (count != 0) refused += (refused.empty() ? "" : ", ") + reason + " " + count.dump();

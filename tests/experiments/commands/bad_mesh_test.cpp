@@ -272,6 +272,10 @@ TEST(BadStop, EachIsToldOfWhatIsLeftToTry) {
             0);
   // More than that is to be kept: nothing leads there, and nothing is tried.
   EXPECT_TRUE(way_of("palpate.refined", {"--ratio", "0.5", "--keep", "sphere 0 0 0 100"}).is_null());
+  EXPECT_THAT(run_program({"simplify", in, "-o", out, "--method", "palpate.refined", "--ratio", "0.5",
+                           "--keep", "sphere 0 0 0 100"})
+                  .error,
+              HasSubstr("lie in regions to keep, which is more than that, so nothing gets there"));
 }
 
 TEST(BadPlace, AFullDiskIsSaidAndKeepsNothing) {
