@@ -11,8 +11,8 @@
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/topology.h"
-#include "core/simplify/sizing/stop_rule.h"
 #include "experiments/files/scratch_folder.h"
+#include "experiments/grading/graded_mesh.h"
 
 namespace palpate::experiments {
 namespace {
@@ -51,11 +51,8 @@ std::string skin_hint(const TetMesh& in, const TetMesh& out, const std::vector<T
 }
 
 std::optional<double> wanted_tets(const TetMesh& in, const Stop& stop) {
-  if (stop.kind == StopKind::kTets) return stop.value;
-  if (stop.kind != StopKind::kRatio) return std::nullopt;
-  simplify::StopRule rule;
-  rule.ratio = stop.value;
-  return std::max(1.0, static_cast<double>(simplify::target_tet_count(rule, in.tets.size())));
+  if (stop.kind != StopKind::kTets && stop.kind != StopKind::kRatio) return std::nullopt;
+  return static_cast<double>(tets_after(stop, in.tets.size()));
 }
 
 json describe_shortfall(const TetMesh& in, const TetMesh& out, const std::vector<Triangle>& skin,

@@ -20,6 +20,11 @@
 namespace palpate::experiments {
 namespace {
 
+/// Throws: InputError.
+[[noreturn]] void refuse_length(const std::string& file, std::size_t line, const std::string& found) {
+  throw InputError(file, line, "a record of at most " + std::to_string(kLongestRecord) + " bytes", found);
+}
+
 /// Bytes up to and with the last newline; fewer than 0 where a line behind it is longer than any record.
 long long whole_lines(int file, long long size) {
   std::string block;
@@ -77,9 +82,7 @@ bool next_line(std::ifstream& file, const std::string& name, std::size_t number,
     if (file.eof()) return false;
     const bool is_whole = !file.fail();  // otherwise the line goes on behind the part
     line.append(part.data(), is_whole ? got - 1 : got);
-    if (line.size() > kLongestRecord)
-      throw InputError(name, number, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
-                       "more");
+    if (line.size() > kLongestRecord) refuse_length(name, number, "more");
     if (is_whole) return true;
     file.clear();
   }
@@ -125,8 +128,7 @@ RecordFile::RecordFile(const std::filesystem::path& path) : path_(path) {
   size_ = known ? whole_lines(file_, status.st_size) : 0;
   if (size_ < 0) {
     ::close(file_);
-    throw InputError(path_.string(), 0, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
-                     "more");
+    refuse_length(path_.string(), 0, "more");
   }
   if (!known || (size_ < status.st_size && ::ftruncate(file_, size_) != 0)) {
     const int reason = errno;
@@ -145,10 +147,8 @@ std::string record_line(const nlohmann::json& record) {
 
 void RecordFile::append(const nlohmann::json& record) {
   const std::string line = record_line(record);
-  if (line.size() > kLongestRecord + 1) {  // with its newline; it could not be read again
-    throw InputError(path_.string(), 0, "a record of at most " + std::to_string(kLongestRecord) + " bytes",
-                     std::to_string(line.size() - 1));
-  }
+  if (line.size() > kLongestRecord + 1)  // with its newline; it could not be read again
+    refuse_length(path_.string(), 0, std::to_string(line.size() - 1));
   errno = 0;
   const ssize_t written = ::write(file_, line.data(), line.size());
   const bool whole = written == static_cast<ssize_t>(line.size());

@@ -28,22 +28,6 @@ bool holds_run(const fs::path& folder) {
   return fs::exists(folder / "records.jsonl", error);
 }
 
-/// Throws: InputError for a link in a run's folder, however deep: a run that somebody else packed would have
-/// files written and removed wherever it leads. Left out is what is emptied without following any
-/// (`scratch`), and what lies in parts, which are runs of their own and look themselves.
-void refuse_links(const RunPaths& paths) {
-  std::error_code error;
-  auto at =
-      fs::recursive_directory_iterator(paths.folder, fs::directory_options::skip_permission_denied, error);
-  for (; !error && at != fs::end(at); at.increment(error)) {
-    if (at->is_symlink(error))
-      throw InputError(at->path().string(), 0, "a run's own file or folder", "a link");
-    const bool is_of_others =
-        at->path() == paths.scratch() || (at.depth() == 1 && at->path().parent_path() == paths.parts());
-    if (is_of_others) at.disable_recursion_pending();
-  }
-}
-
 /// The process that a half-written file is of; nothing for another file.
 std::optional<pid_t> writer_of(const std::string& name) {
   const std::size_t mark = name.rfind(kPartialMark);
@@ -56,19 +40,25 @@ std::optional<pid_t> writer_of(const std::string& name) {
   return is_number ? std::optional(process) : std::nullopt;
 }
 
-/// Removes what processes that are gone have half written; not where nobody may look.
-void remove_half_written(const RunPaths& paths) {
+/// Removes what processes that are gone have half written; not where nobody may look. Left out is what is
+/// emptied without following a link (`scratch`), and what lies in parts, which are runs of their own and look
+/// themselves.
+/// Throws: InputError for a link, however deep: a run that somebody else packed would have files written and
+///         removed wherever it leads.
+void tidy_up(const RunPaths& paths) {
   std::error_code error;
   auto at =
       fs::recursive_directory_iterator(paths.folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && at != fs::end(at); at.increment(error)) {
-    if (at.depth() == 0 && (at->path() == paths.scratch() || at->path() == paths.parts())) {
-      at.disable_recursion_pending();  // emptied, and held by runs of their own
-      continue;
-    }
-    const auto writer = writer_of(at->path().filename().string());
     std::error_code own;
-    if (!writer || at->symlink_status(own).type() != fs::file_type::regular) continue;
+    const fs::file_type type = at->symlink_status(own).type();
+    if (type == fs::file_type::symlink)
+      throw InputError(at->path().string(), 0, "a run's own file or folder", "a link");
+    const bool is_of_others =
+        at->path() == paths.scratch() || (at.depth() == 1 && at->path().parent_path() == paths.parts());
+    if (is_of_others) at.disable_recursion_pending();
+    const auto writer = writer_of(at->path().filename().string());
+    if (!writer || type != fs::file_type::regular) continue;
     if (::kill(*writer, 0) != 0 && errno == ESRCH) fs::remove(at->path(), own);
   }
 }
@@ -80,9 +70,8 @@ RunFolder::RunFolder(const fs::path& folder, bool resume) : paths_{folder}, resu
   // A run that was killed at its very start has left a lock file, and perhaps nothing else.
   const bool ours = fs::exists(folder / ".lock") || fs::is_empty(folder);
   if (!ours) throw InputError(folder.string(), 0, "an empty folder or a run", "other files");
-  refuse_links(paths_);
   lock_.emplace(folder);
-  remove_half_written(paths_);
+  tidy_up(paths_);
   std::error_code error;
   const auto recorded = fs::file_size(paths_.records(), error);
   if (!error && recorded > 0 && !resume) {

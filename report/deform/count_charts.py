@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from deform.counts import DEFORMATION, ONE_SIZE, measure_of
+from deform.counts import DEFORMATION, ONE_SIZE, families_of_several, measure_of
 from shared.chart_style import FAINT, GRID, INK, draw_legend, file_name, lay_out, save, set_title
 
 COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a5195", "#8c6d1f"]
@@ -80,12 +80,9 @@ def limits_of(curves, measure):
 
 def columns_of(curves):
     """Families of several have a column each; those of one are side by side in one panel."""
-    members = {}
-    for curve in curves:
-        members.setdefault(curve.simplifier.family, set()).add(curve.simplifier.label)
-    several = [family for family, labels in members.items() if len(labels) > 1]
-    single = [family for family, labels in members.items() if len(labels) == 1]
-    return [[family] for family in several] + ([single] if single else [])
+    families, several = dict.fromkeys(curve.simplifier.family for curve in curves), families_of_several(curves)
+    single = [family for family in families if family not in several]
+    return [[family] for family in families if family in several] + ([single] if single else [])
 
 
 def draw_figure(curves, measure, title, folder, name):

@@ -6,6 +6,7 @@ Simplifiers of one method and one setting that differ only in `grade` (docs/grad
 import json
 from dataclasses import dataclass
 
+from deform import frontier
 from deform.deform import ERRORS, MAIN, NO_SIMPLIFIER
 from shared.equal_count import is_equal
 from shared.tables import write_csv
@@ -83,10 +84,17 @@ def read_curves(run, sections):
 
 def named_families(plan_data):
     """{label: name} where the plan gives its simplifiers to families (`frontier`)."""
-    frontier = plan_data.get("frontier")
-    if not isinstance(frontier, dict) or frontier.get("of") != "simplifiers" or not isinstance(frontier.get("families"), dict):
-        return {}
-    return {str(label): str(name) for name, labels in frontier["families"].items() if isinstance(labels, list) for label in labels}
+    asked = plan_data.get("frontier")
+    is_given = isinstance(asked, dict) and asked.get("of") == "simplifiers" and isinstance(asked.get("families"), dict)
+    return frontier.names_by_label(asked) if is_given and all(isinstance(labels, list) for labels in asked["families"].values()) else {}
+
+
+def families_of_several(curves):
+    """Those of more than one simplifier."""
+    members = {}
+    for curve in curves:
+        members.setdefault(curve.simplifier.family, set()).add(curve.simplifier.label)
+    return {family for family, labels in members.items() if len(labels) > 1}
 
 
 def best_curve(name, own, measure):
@@ -103,11 +111,8 @@ def best_curve(name, own, measure):
 def shown_curves(curves, plan_data):
     """What a chart can show of many simplifiers: those with several sizes as they are; of the others, where the plan has named families, the best of each
     family in their place, graded ones among them. All of them without named families."""
-    names, measure = named_families(plan_data), measure_of(curves)
-    sizes = {}
-    for curve in curves:
-        sizes.setdefault(curve.simplifier.family, set()).add(curve.simplifier.label)
-    shown = [curve for curve in curves if len(sizes[curve.simplifier.family]) > 1 or curve.simplifier.label not in names]
+    names, measure, several = named_families(plan_data), measure_of(curves), families_of_several(curves)
+    shown = [curve for curve in curves if curve.simplifier.family in several or curve.simplifier.label not in names]
     members = {}
     for curve in curves:
         if curve.simplifier.label in names:

@@ -160,17 +160,17 @@ def convergence_chart(series):
 
 def count_charts(curves):
     """Error against tetrahedra, a chart a label; a panel a scene and family of simplifiers, a curve each of its sizes."""
-    charts, name = [], counts.measure_of(curves)
+    charts, name, several = [], counts.measure_of(curves), counts.families_of_several(curves)
     for label in dict.fromkeys(curve.label for curve in curves):
         rows = []
         for curve in curves:
             if curve.label != label:
                 continue
-            several = len({each.simplifier.label for each in curves if each.simplifier.family == curve.simplifier.family}) > 1
-            place = ", ".join([curve.problem.name, *([curve.simplifier.family] if several else [])])
+            has_sizes = curve.simplifier.family in several
+            place = ", ".join([curve.problem.name, *([curve.simplifier.family] if has_sizes else [])])
             for row in curve.rows:
                 if row.values[name] is not None:
-                    rows.append({"place": place, "sizes": curve.simplifier.sizes if several else curve.simplifier.label, "simplify": curve.simplifier.label,
+                    rows.append({"place": place, "sizes": curve.simplifier.sizes if has_sizes else curve.simplifier.label, "simplify": curve.simplifier.label,
                                  "tets": row.tets, name: row.values[name], "own": row.own_errors.get(name), "hollow": row.is_coarse(name)})
         charts.append(Chart(f"Error against tetrahedra: {label}", "lines", Axis("tets", "tetrahedra", "", True), error_axis(name), rows, series="sizes", facet="place",
                             shown=[Axis("simplify", "simplifier"), Axis("own", "the reference's own error", "%", False, 100.0)]))

@@ -77,6 +77,11 @@ def asked(run):
     return found if isinstance(found, dict) else None
 
 
+def names_by_label(found):
+    """{label: the name of its family}."""
+    return {str(label): str(name) for name, labels in found["families"].items() for label in labels}
+
+
 def work_of(values, more=0.0):
     """From repeats; `more` was spent once before. With repeats too few to hold a median, its interval is everything."""
     if not values:
@@ -164,7 +169,7 @@ def mark_frontier(points):
 
 def read_points(run):
     """The points scene by scene, Poisson's ratios apart: {(scene, ratio): points}."""
-    families = {str(label): str(name) for name, labels in asked(run)["families"].items() for label in labels}
+    families = names_by_label(asked(run))
     of_simplifiers = asked(run).get("of") == "simplifiers"
     references = {problem_of(record): record for record in run.references}
     scenes = {}

@@ -90,15 +90,10 @@ def outputs_of(run):
     return {str(path.relative_to(run)): path.read_bytes() for path in sorted((run / "meshes").rglob("*.mesh"))}
 
 
-class Workflow(unittest.TestCase):
+class Jobs(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory(prefix="palpate-campaign-")))
-        self.plan = self.folder / "parts.yaml"
-        self.plan.write_text(PLAN, encoding="utf-8")
-        self.whole = self.folder / "whole"
-        self.palpate("run", self.plan, "--out", self.whole, "--no-report")
         self.jobs = self.folder / "a folder of jobs"
-        self.palpate("workflow", self.plan, "-o", self.jobs, "--costs", self.whole, "--unknown-seconds", "0.5", "--job-seconds", "60")
 
     def palpate(self, *words):
         done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
@@ -108,6 +103,16 @@ class Workflow(unittest.TestCase):
     def snakemake(self, *words, environment=None):
         return subprocess.Popen(["/usr/bin/snakemake", *words], cwd=self.jobs, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                 text=True)
+
+
+class Workflow(Jobs):
+    def setUp(self):
+        super().setUp()
+        self.plan = self.folder / "parts.yaml"
+        self.plan.write_text(PLAN, encoding="utf-8")
+        self.whole = self.folder / "whole"
+        self.palpate("run", self.plan, "--out", self.whole, "--no-report")
+        self.palpate("workflow", self.plan, "-o", self.jobs, "--costs", self.whole, "--unknown-seconds", "0.5", "--job-seconds", "60")
 
     def assert_same(self):
         self.assertEqual((self.jobs / "finished").read_text(), "0\n")
@@ -127,40 +132,6 @@ class Workflow(unittest.TestCase):
         (self.jobs / "finished").unlink()
         self.run_jobs()
         self.assertEqual(records.stat().st_ino, number)
-
-    @unittest.skipUnless(WHERE == "local", "by Slurm")
-    def test_a_run_that_ends_with_another_code_is_finished_all_the_same(self):
-        folder = self.folder / "a {folder} of braces"
-        (folder / "adapters" / "crashes").mkdir(parents=True)
-        (folder / "adapters" / "crashes" / "contestant.yaml").write_text(CRASHES, encoding="utf-8")
-        for code, method, least in ((3, "test.crashes", 0), (1, "palpate.outcome", 0.999)):
-            plan = folder / f"verdict_{code}.yaml"
-            plan.write_text(VERDICT.replace("METHOD", method).replace("LEAST", str(least)), encoding="utf-8")
-            run = subprocess.run([PROGRAM, "run", plan, "--out", folder / f"run_{code}", "--no-report"], capture_output=True, text=True, check=False)
-            self.assertEqual(run.returncode, code, run.stderr)
-            self.jobs = folder / f"jobs_{code}"
-            self.palpate("workflow", plan, "-o", self.jobs)
-            running = self.snakemake("-j2")
-            output, _ = running.communicate()
-            self.assertEqual(running.returncode, 0, output)
-            self.assertNotIn("Error in rule", output)
-            self.assertEqual((self.jobs / "finished").read_text(), f"{code}\n")
-            self.assertTrue((self.jobs / "run" / "report.html").is_file())
-            self.assertEqual(records_of(self.jobs / "run"), records_of(folder / f"run_{code}"))
-
-    @unittest.skipUnless(WHERE == "local", "by Slurm")
-    def test_a_gathering_without_a_report_is_not_finished(self):
-        (self.jobs / "parts").mkdir()
-        for part in (self.jobs / "cases").glob("*.txt"):
-            (self.jobs / "parts" / f"{part.stem}.whole").touch()
-        (self.jobs / "prepared").touch()
-        campaign = json.loads((self.jobs / "campaign.json").read_text(encoding="utf-8"))
-        (self.jobs / "campaign.json").write_text(json.dumps({**campaign, "palpate": "/usr/bin/false"}), encoding="utf-8")  # ends with 1 and leaves nothing
-        running = self.snakemake("-j2")
-        output, _ = running.communicate()
-        self.assertNotEqual(running.returncode, 0)
-        self.assertIn("Error in rule gather", output)
-        self.assertFalse((self.jobs / "finished").exists())
 
     def run_jobs(self):
         running = self.snakemake("-j2")
@@ -209,6 +180,43 @@ class Workflow(unittest.TestCase):
                 environment = (entry.parent / "environ").read_bytes().decode(errors="replace").split("\0")
                 return next((word.removeprefix("SLURM_JOB_ID=") for word in environment if word.startswith("SLURM_JOB_ID=")), None)
         return None
+
+
+@unittest.skipUnless(WHERE == "local", "by Slurm")
+class Endings(Jobs):
+    def test_a_run_that_ends_with_another_code_is_finished_all_the_same(self):
+        folder = self.folder / "a {folder} of braces"
+        (folder / "adapters" / "crashes").mkdir(parents=True)
+        (folder / "adapters" / "crashes" / "contestant.yaml").write_text(CRASHES, encoding="utf-8")
+        for code, method, least in ((3, "test.crashes", 0), (1, "palpate.outcome", 0.999)):
+            plan = folder / f"verdict_{code}.yaml"
+            plan.write_text(VERDICT.replace("METHOD", method).replace("LEAST", str(least)), encoding="utf-8")
+            run = subprocess.run([PROGRAM, "run", plan, "--out", folder / f"run_{code}", "--no-report"], capture_output=True, text=True, check=False)
+            self.assertEqual(run.returncode, code, run.stderr)
+            self.jobs = folder / f"jobs_{code}"
+            self.palpate("workflow", plan, "-o", self.jobs)
+            running = self.snakemake("-j2")
+            output, _ = running.communicate()
+            self.assertEqual(running.returncode, 0, output)
+            self.assertNotIn("Error in rule", output)
+            self.assertEqual((self.jobs / "finished").read_text(), f"{code}\n")
+            self.assertTrue((self.jobs / "run" / "report.html").is_file())
+            self.assertEqual(records_of(self.jobs / "run"), records_of(folder / f"run_{code}"))
+
+    def test_a_gathering_without_a_report_is_not_finished(self):
+        (self.folder / "parts.yaml").write_text(PLAN, encoding="utf-8")
+        self.palpate("workflow", self.folder / "parts.yaml", "-o", self.jobs)
+        (self.jobs / "parts").mkdir()
+        for part in (self.jobs / "cases").glob("*.txt"):
+            (self.jobs / "parts" / f"{part.stem}.whole").touch()
+        (self.jobs / "prepared").touch()
+        campaign = json.loads((self.jobs / "campaign.json").read_text(encoding="utf-8"))
+        (self.jobs / "campaign.json").write_text(json.dumps({**campaign, "palpate": "/usr/bin/false"}), encoding="utf-8")  # ends with 1 and leaves nothing
+        running = self.snakemake("-j2")
+        output, _ = running.communicate()
+        self.assertNotEqual(running.returncode, 0)
+        self.assertIn("Error in rule gather", output)
+        self.assertFalse((self.jobs / "finished").exists())
 
 
 @unittest.skipUnless(WHERE == "slurm", "on this machine")

@@ -218,8 +218,8 @@ class BoundaryCollapser {
     const StarFigures figures = star_.evaluate(place, least);
     if (!(figures.worst > least)) return false;
     if (options_.is_cure && figures.worst <= options_.least_score) {
-      const double none = worth_of_tet(star_.scale(), 0.0) - gain_of_score(star_.scale(), 0.0);
-      if (figures.sum + none * static_cast<double>(star_.size()) <= worth_before) return false;
+      const double usual = gain_of_score(star_.scale(), star_.scale().usual_score);  // as worth_of_tet has it
+      if (figures.sum - usual * static_cast<double>(star_.size()) <= worth_before) return false;
     }
     return star_.is_positive(place);
   }
