@@ -121,7 +121,7 @@ int make(const MakeArguments& arguments) {
   request.size = size_of(arguments);
   request.seed = arguments.seed;
   if (arguments.jitter >= 0.0) request.jitter = arguments.jitter;
-  request.skin = *skin_size(arguments.skin);
+  request.skin = kSkinKinds.parse(arguments.skin);
   return deliver(make_shape(request), arguments);
 }
 
@@ -224,8 +224,9 @@ void add_make_command(CLI::App& app, int& exit_code) {
       ->check(whole_number_from(0, std::numeric_limits<std::int64_t>::max()))
       ->type_name("N");
   command
-      ->add_option("--skin", arguments->skin, "coarse (as it comes) or fine, with edges as short as inside")
-      ->check(CLI::IsMember({"coarse", "fine"}))
+      ->add_option("--skin", arguments->skin,
+                   "coarse (as it comes), fine, with edges as short as inside, or scanned, by marching cubes")
+      ->check(CLI::IsMember({"coarse", "fine", "scanned"}))
       ->type_name("HOW");
   command->add_option("--jitter", arguments->jitter, "cube: largest move of an inner vertex, in cells")
       ->check(number_from(0.0, 0.5))

@@ -18,7 +18,7 @@ nlohmann::json describe_source(const PlanMesh& plan_mesh) {
   if (shape.size.vertices) source["vertices"] = *shape.size.vertices;
   if (shape.size.edge_length) source["edge_length"] = *shape.size.edge_length;
   if (shape.jitter) source["jitter"] = *shape.jitter;
-  if (shape.skin == SkinSize::kFine) source["skin"] = "fine";
+  if (shape.skin != SkinKind::kCoarse) source["skin"] = kSkinKinds.of(shape.skin);
   return source;
 }
 

@@ -57,9 +57,7 @@ void check_filled(const SurfaceMesh& skin, const TetMesh& mesh) {
   const auto edges = static_cast<std::int64_t>(build_edges(mesh).size());
   const std::int64_t euler =
       static_cast<std::int64_t>(p.size()) - edges + faces - static_cast<std::int64_t>(mesh.tets.size());
-  const std::int64_t skin_euler =
-      static_cast<std::int64_t>(skin.points.size()) - static_cast<std::int64_t>(skin.triangles.size() / 2);
-  if (2 * euler != skin_euler) throw UnavailableError("gmsh left holes inside the surface");
+  if (2 * euler != skin_euler(skin)) throw UnavailableError("gmsh left holes inside the surface");
 }
 
 /// Says now and then how far a search is that takes long.
@@ -82,6 +80,10 @@ class SearchNote {
 };
 
 }  // namespace
+
+std::int64_t skin_euler(const SurfaceMesh& skin) {
+  return static_cast<std::int64_t>(skin.points.size()) - static_cast<std::int64_t>(skin.triangles.size() / 2);
+}
 
 FilledSurface fill_surface(const SurfaceMesh& skin, double interior_size) {
   const ScratchFolder scratch;
@@ -108,6 +110,18 @@ SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length) {
   return read_off(call.output);
 }
 
+SurfaceMesh march_surface(const SurfaceMesh& surface, double spacing, std::uint64_t seed) {
+  const ScratchFolder scratch;
+  write_off(scratch.file("surface.off"), surface);
+  ToolCall call{"mesh", "vtk.march", scratch.file("surface.off"), scratch.file("skin.off"), {}, 600.0};
+  call.options = {{"spacing", spacing}, {"seed", seed}};
+  run_tool(kVtkTool, call);
+  SurfaceMesh marched = read_off(call.output);
+  if (skin_euler(marched) != skin_euler(surface))
+    throw UnavailableError("on so coarse a grid marching cubes change the topology of the surface");
+  return marched;
+}
+
 double estimate_interior_vertices(double volume, double interior_size) {
   return kVerticesPerCube * volume / (interior_size * interior_size * interior_size);
 }
@@ -131,6 +145,13 @@ void check_interior_size(double volume, double interior_size) {
 bool is_close_enough(std::uint64_t found, std::uint64_t wanted) {
   const std::uint64_t gap = found > wanted ? found - wanted : wanted - found;
   return gap <= 1 || static_cast<double>(gap) <= kAcceptedError * static_cast<double>(wanted);
+}
+
+void require_vertices(const FilledSurface& filled, std::uint64_t vertices, const std::string& name) {
+  const std::uint64_t found = filled.mesh.points.size();
+  if (is_close_enough(found, vertices)) return;
+  throw InputError(name, 0, "a number of vertices that it can be made with",
+                   std::to_string(vertices) + " (the nearest found is " + std::to_string(found) + ")");
 }
 
 FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, double start) {
@@ -187,11 +208,7 @@ FilledSurface fill_with_skin(const SkinMaker& make_skin, std::uint64_t vertices,
     FilledSurface filled = fill_to_vertices(other, vertices, best.interior_size);
     if (is_better(filled, best, vertices)) best = std::move(filled);
   }
-  if (!is_close_enough(best.mesh.points.size(), vertices)) {
-    throw InputError(
-        name, 0, "a number of vertices that it can be made with",
-        std::to_string(vertices) + " (the nearest found is " + std::to_string(best.mesh.points.size()) + ")");
-  }
+  require_vertices(best, vertices, name);
   return best;
 }
 

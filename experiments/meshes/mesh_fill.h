@@ -18,6 +18,9 @@ struct FilledSurface {
   double interior_size = 0.0;
 };
 
+/// V - E + F of a closed surface.
+std::int64_t skin_euler(const SurfaceMesh& skin);
+
 /// Fills a closed surface by gmsh in a child process. The skin is kept to the bit, every tet has a positive
 /// volume, and the mesh is as much a ball as the surface is a sphere (V - E + F - T is half the surface's
 /// Euler characteristic). Throws: UnavailableError if gmsh fails, hangs, or breaks one of these.
@@ -25,6 +28,12 @@ FilledSurface fill_surface(const SurfaceMesh& skin, double interior_size);
 
 /// Remeshes a closed surface by CGAL to edges of about `edge_length`.
 SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length);
+
+/// A closed surface as marching cubes leave it, on a grid of voxels: it crosses the grid's edges wherever
+/// that happens to be, so it has needles, and edges of 0.7 times the spacing in the mean. The seed says where
+/// the grid lies. Throws: UnavailableError if VTK is missing, or if the voxels are so coarse that the surface
+/// gets another topology.
+SurfaceMesh march_surface(const SurfaceMesh& surface, double spacing, std::uint64_t seed);
 
 /// Vertices that a filling of this volume takes, roughly: a first guess, and a bound against absurd sizes.
 double estimate_interior_vertices(double volume, double interior_size);
@@ -44,6 +53,9 @@ FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, 
 
 /// Is `found` within 1% of `wanted` (or one vertex)?
 bool is_close_enough(std::uint64_t found, std::uint64_t wanted);
+
+/// Throws: InputError, about `name`, if it has not about so many vertices (is_close_enough()).
+void require_vertices(const FilledSurface& filled, std::uint64_t vertices, const std::string& name);
 
 /// A skin for a given interior size.
 using SkinMaker = std::function<SurfaceMesh(double interior_size)>;

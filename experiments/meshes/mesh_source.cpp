@@ -89,17 +89,24 @@ MadeMesh make_filled(const FilledShape& shape, const ShapeRequest& request) {
   constexpr double kFrequency = 6.0;
   constexpr double kInnerVertices = 1141.0;  // 1503 - 362
   constexpr double kMostFrequency = 350.0;   // of filled_bar, and more than enough for the others
+  constexpr double kScannedOver = 2.0;       // what is scanned has edges half as long
   const MeshSize& size = request.size;
+  const auto build = [&](double f) {
+    return shape.build(static_cast<int>(std::clamp(std::round(f), 2.0, kMostFrequency)));
+  };
   const auto skin = [&](double frequency) {
-    SurfaceMesh built = shape.build(static_cast<int>(std::clamp(std::round(frequency), 2.0, kMostFrequency)));
+    SurfaceMesh built = build(frequency);
     jitter_skin(request.seed, built);
     return built;
   };
   FilledSurface filled;
-  if (request.skin == SkinSize::kFine) {
+  if (request.skin != SkinKind::kCoarse) {
     const SurfaceMesh first = skin(kFrequency);
     const double edge_at_1 = kFrequency * mean_edge(first);  // edges go with 1 / frequency
-    const auto fine_skin = [&](double interior) { return skin(edge_at_1 / interior); };
+    const auto fine_skin = [&](double interior) {
+      if (request.skin == SkinKind::kFine) return skin(edge_at_1 / interior);
+      return march_surface(build(kScannedOver * edge_at_1 / interior), interior, request.seed);
+    };
     const std::uint64_t vertices = size.vertices.value_or(kDefaultVertices);
     if (size.edge_length) {
       check_interior_size(enclosed_volume(first), *size.edge_length);
@@ -121,11 +128,7 @@ MadeMesh make_filled(const FilledShape& shape, const ShapeRequest& request) {
     const SurfaceMesh surface = skin(kFrequency * std::cbrt(wanted / static_cast<double>(kDefaultVertices)));
     const double inner = wanted - static_cast<double>(surface.points.size());
     filled = fill_to_vertices(surface, vertices, estimate_interior_size(enclosed_volume(surface), inner));
-    if (!is_close_enough(filled.mesh.points.size(), vertices)) {
-      throw InputError(shape.name, 0, "a number of vertices that it can be made with",
-                       std::to_string(vertices) + " (the nearest found is " +
-                           std::to_string(filled.mesh.points.size()) + ")");
-    }
+    require_vertices(filled, vertices, shape.name);
   }
   MadeMesh made;
   made.notes.push_back(describe(shape.name, filled));
@@ -226,12 +229,6 @@ void restore_orientation(const std::string& where, MeditFile& file) {
 
 }  // namespace
 
-std::optional<SkinSize> skin_size(const std::string& name) {
-  if (name == "coarse") return SkinSize::kCoarse;
-  if (name == "fine") return SkinSize::kFine;
-  return std::nullopt;
-}
-
 std::vector<ShapeInfo> list_shapes() {
   std::string image_reason;
   std::string body_reason;
@@ -266,17 +263,20 @@ std::string shape_complaint(const ShapeRequest& request) {
            ": expected no seed (nothing of it is random: its skin is flat and regular), found " +
            std::to_string(request.seed);
   }
-  if (request.skin != SkinSize::kCoarse && is_lattice) {
-    return request.name + ": expected no skin (it is a lattice, whose skin goes with its cells), found fine";
-  }
-  return "";
+  if (request.skin == SkinKind::kCoarse || (request.skin == SkinKind::kFine && !is_lattice)) return "";
+  const std::string found = std::string(", found ") + kSkinKinds.of(request.skin);
+  if (is_lattice)
+    return request.name + ": expected no skin (it is a lattice, whose skin goes with its cells)" + found;
+  return is_flat ? request.name + ": expected coarse or fine (voxels would round its edges)" + found : "";
 }
 
 std::string shape_key(const ShapeRequest& request) {
   std::array<char, 64> edge{};
   std::snprintf(edge.data(), edge.size(), "%a", request.size.edge_length.value_or(0.0));
+  const std::string skin_key =
+      request.skin == SkinKind::kCoarse ? "" : std::string("; ") + kSkinKinds.of(request.skin) + " skin";
   return "shape " + request.name + "; vertices " + std::to_string(request.size.vertices.value_or(0)) +
-         "; edge " + edge.data() + (request.skin == SkinSize::kFine ? "; fine skin" : "") +
+         "; edge " + edge.data() + skin_key +
          (request.seed > 0 ? "; seed " + std::to_string(request.seed) : "") +
          (is_body(request.name) ? body_data_key(request.name) : "");
 }

@@ -12,9 +12,6 @@
 
 namespace palpate::experiments {
 
-/// "coarse" or "fine"; nothing for another word.
-std::optional<SkinSize> skin_size(const std::string& name);
-
 /// One line of `palpate list meshes`.
 struct ShapeInfo {
   std::string name;

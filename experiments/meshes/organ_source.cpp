@@ -21,16 +21,16 @@ constexpr double kFineSkin = 1.0;           // as users' meshes have
 constexpr double kFirstInteriorSize = 4.0;  // mm, for kidney of 159 ml and 1503 vertices
 constexpr double kFirstVolume = 159.5e3;    // mm^3
 
-/// Skin of edges about `edge_length`, scaled about its vertices' mean to the body's volume.
-SurfaceMesh make_skin(const BodySurface& body, double edge_length, std::uint64_t seed) {
-  SurfaceMesh skin = remesh_surface(body.surface, edge_length);
-  const auto euler = [](const SurfaceMesh& s) {
-    return static_cast<std::int64_t>(s.points.size()) - static_cast<std::int64_t>(s.triangles.size() / 2);
-  };
-  if (euler(skin) != euler(body.surface)) {
+/// Skin that goes with edges of `interior` inside, scaled about its vertices' mean to the body's volume.
+SurfaceMesh make_skin(const BodySurface& body, SkinKind kind, double interior, std::uint64_t seed) {
+  const bool is_scanned = kind == SkinKind::kScanned;
+  const double ratio = kind == SkinKind::kCoarse ? kCoarseSkin : kFineSkin;
+  SurfaceMesh skin = is_scanned ? march_surface(body.surface, interior, seed)
+                                : remesh_surface(body.surface, ratio * interior);
+  if (skin_euler(skin) != skin_euler(body.surface)) {
     throw UnavailableError("remeshing changed the topology of the body's surface");
   }
-  jitter_skin(seed, skin);
+  if (!is_scanned) jitter_skin(seed, skin);
   Vec3 centre;
   for (const Vec3& p : skin.points) centre = centre + p;
   centre = (1.0 / static_cast<double>(skin.points.size())) * centre;
@@ -65,8 +65,7 @@ MadeMesh make_body(const ShapeRequest& request) {
   }
   if (size.edge_length) check_interior_size(kFirstVolume, *size.edge_length);
   const BodySurface body = load_body_surface(request.name);
-  const double ratio = request.skin == SkinSize::kFine ? kFineSkin : kCoarseSkin;
-  const auto skin = [&](double interior) { return make_skin(body, ratio * interior, request.seed); };
+  const auto skin = [&](double interior) { return make_skin(body, request.skin, interior, request.seed); };
   FilledSurface filled;
   if (size.edge_length) {
     check_interior_size(body.volume, *size.edge_length);

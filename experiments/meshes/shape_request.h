@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/enum_names.h"
 #include "core/mesh/tet_mesh.h"
 
 namespace palpate::experiments {
@@ -19,11 +20,14 @@ struct MeshSize {
   std::optional<double> edge_length{};  ///< of the interior, in the shape's own unit
 };
 
-/// How fine the skin of a filled body is, beside its interior.
-enum class SkinSize {
-  kCoarse,  ///< edges some 2.2 times as long as inside, as in the thesis's mesh
-  kFine,    ///< as long as inside, as users' meshes have
+/// How the skin of a filled body is, beside its interior.
+enum class SkinKind {
+  kCoarse,   ///< edges some 2.2 times as long as inside, as in the thesis's mesh
+  kFine,     ///< as long as inside, as users' meshes have
+  kScanned,  ///< by marching cubes on voxels as wide as edges inside are long: with needles
 };
+
+inline constexpr EnumNames<SkinKind, 3> kSkinKinds{"skin", {"coarse", "fine", "scanned"}};
 
 /// A shape by name, as in `palpate make` and in plans.
 struct ShapeRequest {
@@ -31,7 +35,7 @@ struct ShapeRequest {
   MeshSize size{};
   std::uint64_t seed = 0;  ///< another mesh of the same body; cube: of its jitter. Lattices have none.
   std::optional<double> jitter{};     ///< cube only: largest move of an inner vertex, in cells
-  SkinSize skin = SkinSize::kCoarse;  ///< of filled bodies only
+  SkinKind skin = SkinKind::kCoarse;  ///< of filled bodies only
 };
 
 /// A mesh and one line for each thing worth saying about how it came about.

@@ -45,9 +45,9 @@ ShapeRequest read_shape_fields(const YamlFields& fields, const YamlValue& make) 
     make.fail("unknown shape \"" + shape.name + "\"" + nearest_hint(shape.name, known));
   shape.size = read_size(fields);
   if (const auto skin = fields.find("skin")) {
-    const auto size = skin_size(skin->text());
-    if (!size) skin->fail_expected("coarse or fine");
-    shape.skin = *size;
+    const auto kind = kSkinKinds.find(skin->text());
+    if (!kind) skin->fail_expected(kSkinKinds.known());
+    shape.skin = *kind;
     check_key(*skin, shape);
   }
   if (const auto seed = fields.find("seed")) {

@@ -79,22 +79,13 @@ void report_features(const simplify::SurfaceRunReport& report, double degrees, R
   response.report["rejected"]["feature"] = report.surface.rejected_feature;
 }
 
-/// How far it went depends on where it was to end: what ends above that is run as far as it goes, and the
-/// fewer count.
+/// What ends above the count is run anew, as far as it goes.
 simplify::SurfaceRunReport coarsen(TetMesh& mesh, const simplify::SurfaceOptions& options,
                                    const std::filesystem::path& input) {
   simplify::SurfaceRunReport report = simplify::simplify_surface(mesh, options);
   if (report.stop != "limit" || (!options.stop.tets && !options.stop.ratio)) return report;
-  simplify::SurfaceOptions farthest = options;
-  farthest.stop = {};
-  farthest.stop.tets = 1;
-  TetMesh other = read_medit(input).mesh;
-  simplify::SurfaceRunReport other_report = simplify::simplify_surface(other, farthest);
-  if (other.tets.size() >= mesh.tets.size()) return report;
-  mesh = std::move(other);
-  other_report.stop = simplify::stop_or_limit(
-      options.stop, simplify::target_tet_count(options.stop, report.tets_in), mesh.tets.size());
-  return other_report;
+  mesh = read_medit(input).mesh;
+  return simplify::simplify_surface_to_limit(mesh, options);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-// The VTK program: organ surfaces out of labelled images ("mesh") and .vtk / .vtu files ("convert").
+// The VTK program: organ surfaces out of labelled images and by marching cubes ("mesh") and .vtk / .vtu files
+// ("convert").
 #include <vtkObject.h>
 
 #include "core/base/error.h"
@@ -30,12 +31,16 @@ Response answer(const Request& request) {
     write_off(request.output, organ.surface);
     response.report = {{"voxel_volume", organ.voxel_volume},
                        {"centroid", {organ.centroid.x, organ.centroid.y, organ.centroid.z}}};
+  } else if (request.contest == "mesh" && request.method == "vtk.march") {
+    write_off(request.output, march_surface(read_off(request.input), option<double>(request, "spacing"),
+                                            option<std::uint64_t>(request, "seed")));
   } else if (request.contest == "convert" && request.method == "vtk.read") {
     write_medit(request.output, read_grid(request.input, response.notes));
   } else if (request.contest == "convert" && request.method == "vtk.write") {
     write_vtu(request.output, read_medit(request.input, ReadOrientation::kKeep).mesh);
   } else {
-    throw InputError("request", 0, "mesh vtk.organ_surface, convert vtk.read or convert vtk.write",
+    throw InputError("request", 0,
+                     "mesh vtk.organ_surface, mesh vtk.march, convert vtk.read or convert vtk.write",
                      request.contest + " " + request.method);
   }
   response.kernel_s = watch.seconds();

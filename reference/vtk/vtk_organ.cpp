@@ -1,6 +1,4 @@
-#include <vtkCellArray.h>
 #include <vtkFlyingEdges3D.h>
-#include <vtkIdList.h>
 #include <vtkImageData.h>
 #include <vtkImageGaussianSmooth.h>
 #include <vtkImageResample.h>
@@ -14,7 +12,6 @@
 #include <array>
 
 #include "core/base/error.h"
-#include "core/mesh/geometry.h"
 #include "reference/vtk/inrimage.h"
 #include "reference/vtk/vtk_tools.h"
 
@@ -84,41 +81,6 @@ void copy_mask(const LabelImage& image, const std::vector<std::uint8_t>& mask, v
   organ.voxel_volume = voxels * image.spacing[0] * image.spacing[1] * image.spacing[2];
 }
 
-SurfaceMesh to_surface(vtkPolyData* data, const Vec3& origin) {
-  SurfaceMesh surface;
-  for (vtkIdType i = 0; i < data->GetNumberOfPoints(); ++i) {
-    std::array<double, 3> p{};
-    data->GetPoint(i, p.data());
-    surface.points.push_back(Vec3{p[0], p[1], p[2]} - origin);
-  }
-  vtkNew<vtkIdList> corners;
-  for (vtkIdType i = 0; i < data->GetNumberOfCells(); ++i) {
-    data->GetCellPoints(i, corners);
-    if (corners->GetNumberOfIds() != 3) continue;
-    surface.triangles.push_back({static_cast<Index>(corners->GetId(0)), static_cast<Index>(corners->GetId(1)),
-                                 static_cast<Index>(corners->GetId(2))});
-  }
-  return surface;
-}
-
-/// Drops the points that no triangle uses; the others keep their order.
-void remove_unused_points(SurfaceMesh& surface) {
-  std::vector<Index> renamed(surface.points.size(), kNoIndex);
-  for (const Triangle& t : surface.triangles) {
-    for (const Index v : t) renamed[v] = 0;
-  }
-  Index kept = 0;
-  for (std::size_t v = 0; v < renamed.size(); ++v) {
-    if (renamed[v] == kNoIndex) continue;
-    renamed[v] = kept;
-    surface.points[kept++] = surface.points[v];
-  }
-  surface.points.resize(kept);
-  for (Triangle& t : surface.triangles) {
-    for (Index& v : t) v = renamed[v];
-  }
-}
-
 }  // namespace
 
 OrganSurface extract_organ(const std::filesystem::path& path, const OrganOptions& options) {
@@ -159,11 +121,7 @@ OrganSurface extract_organ(const std::filesystem::path& path, const OrganOptions
   sinc->BoundarySmoothingOff();
   sinc->FeatureEdgeSmoothingOff();
   sinc->Update();
-  organ.surface = to_surface(sinc->GetOutput(), organ.centroid);
-  remove_unused_points(organ.surface);
-  if (enclosed_volume(organ.surface) < 0.0) {
-    for (Triangle& t : organ.surface.triangles) std::swap(t[1], t[2]);
-  }
+  organ.surface = closed_surface_of(sinc->GetOutput(), organ.centroid);
   return organ;
 }
 

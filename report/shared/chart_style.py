@@ -106,7 +106,6 @@ def room_of(fig, ax):
 def fit_titles(fig):
     """Sets titles of panels that reach into the next one or out of the figure smaller, and then in lines; returns how many lines that
     adds to the tallest of them."""
-    fig.draw_without_rendering()
     renderer, more = fig.canvas.get_renderer(), 0
     for ax in fig.axes:
         if not ax.get_visible():

@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/refined/vertex_rate.h"
 #include "core/simplify/surface/surface_flip.h"
+#include "core/simplify/surface/surface_run.h"
 #include "core/simplify/surface/surface_smoothing.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
@@ -33,104 +36,8 @@ constexpr double kAimOfRefined = 1.004;
 /// Where the stages end, over the target: simplify_refined does the rest.
 constexpr double kLeftToRefined = 1.5;
 
-/// Shares of the bound that are used up one after another.
-constexpr std::array kErrorLevels{0.125, 0.25, 0.5, 1.0};
-
 /// Below this score (q = 0.67) a tet at the boundary is worth a flip.
 constexpr double kPoorScore = 0.3;
-
-// In a mesh of good tets with mean edge h, a tet has about 0.1 h^3 (a regular one 0.118), a boundary face
-// about 0.41 h^2 (an equilateral one 0.433).
-constexpr double kTetShare = 0.1;
-constexpr double kFaceShare = 0.41;
-
-struct Run {
-  const SurfaceOptions& options;
-  Objective scored;  ///< kShape or kQuality
-  SizingField field;
-  double volume = 0.0;
-  double room = 0.0;  ///< the volume, where the field wants less over its relative size cubed
-  WorkingMesh mesh;
-  std::size_t level = 0;  ///< of kErrorLevels: how much of the bound is in use
-  GuardedBoundary boundary;
-  SurfaceRunReport report;
-  double area = 0.0;  ///< graded_area of the input's skin
-  ScoreRule scores;
-
-  Run(TetMesh&& input, const SurfaceOptions& given, Objective scored_for)
-      : options(given),
-        scored(scored_for),
-        field(given.sizing, input),
-        volume(total_volume(input)),
-        room(field.is_empty() ? volume : graded_volume(input, field)),
-        mesh(build_working_mesh(std::move(input), field)),
-        level(given.sparing ? 0 : kErrorLevels.size() - 1),
-        boundary(mesh, kErrorLevels[level] * given.max_surface_error, given.feature_deg),
-        scores(scale_of(1.0), field) {
-    report.vertices_in = mesh.points.size();
-    report.tets_in = mesh.alive;
-    report.boundary_faces_in = boundary.size();
-    report.feature_edges_in = boundary.lines().size();
-    report.feature_corners = boundary.lines().corners();
-    report.input_contact = boundary.find_contact(mesh);
-    for (Index f = 0; f < boundary.slots(); ++f) {
-      const Triangle& t = boundary.face(f);
-      area += graded_area(t);
-    }
-  }
-
-  /// Area of a face, over the square of the relative size wanted at its middle.
-  double graded_area(const Triangle& t) const {
-    const Vec3& p = mesh.points[t[0]];
-    const double flat = 0.5 * length(cross(mesh.points[t[1]] - p, mesh.points[t[2]] - p));
-    if (field.is_empty()) return flat;
-    const double size = field.relative_size((1.0 / 3.0) * (p + mesh.points[t[1]] + mesh.points[t[2]]));
-    return flat / (size * size);
-  }
-
-  ScoreScale scale_of(double ideal_volume) const {
-    return scale_of_ideal_volume(ideal_volume, form_of(scored));
-  }
-
-  /// By solid angles repairs may leave a tet worse than what they found.
-  RepairTools tools() const { return {.never_worse = scored == Objective::kShape}; }
-
-  /// Thresholds of scores by solid angles, in the scale's own.
-  double flips_below(double score) const { return scores.far().flip_share * score; }
-  double repairs_below(double score) const { return scores.far().repair_share * score; }
-
-  /// Whether skin and inside are evened out for the best shapes. That leads away from sizes that are wanted,
-  /// and from what makes a step longer.
-  bool is_for_shape() const { return options.objective == Objective::kShape && field.is_empty(); }
-
-  /// Whether the skin is worked on: where it was coarsened, or where the bound is there to be spent.
-  bool takes_boundary() const { return report.surface.collapses > 0 || (is_for_shape() && !options.sparing); }
-
-  void aim_at(double tets) {
-    scores = ScoreRule(scale_of(room / std::max(1.0, tets)), field);
-    std::fill(mesh.score.begin(), mesh.score.end(), WorkingMesh::kNoScore);  // they were for another aim
-  }
-
-  /// Boundary faces whose edges are `boundary_size` times as long as those of so many tets inside.
-  std::uint64_t faces_for(double tets) const {
-    const double edge = options.boundary_size * std::cbrt(room / (kTetShare * tets));
-    return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
-  }
-
-  /// Where sizes differ, what is refused in one place must not be made up for in another: no edge that is
-  /// longer than wanted is collapsed while there is a plan. Relative to the wanted size.
-  double longest_for(double tets, double boundary_size) const {
-    if (field.is_empty()) return std::numeric_limits<double>::infinity();
-    return boundary_size * std::cbrt(room / (kTetShare * std::max(1.0, tets)));
-  }
-
-  /// The other way round: tets that go with the boundary as it is.
-  double tets_for_faces() const {
-    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
-    const double inner = edge / options.boundary_size;
-    return room / (kTetShare * inner * inner * inner);
-  }
-};
 
 /// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
@@ -140,7 +47,7 @@ constexpr double kNeedle = 0.25;
 
 /// Collapses the needles of a skin, wherever the tets are worth more after that, in sum. Those at a needle
 /// are too bad for a collapse to be held to a score: while other edges suffice needles would stay for good.
-void cure_needles(Run& run, std::uint64_t faces, std::uint64_t tets) {
+void cure_needles(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
   SurfaceCollapseOptions options;
   options.least_score = kLeastScores.front();
   options.is_cure = true;
@@ -152,7 +59,7 @@ void cure_needles(Run& run, std::uint64_t faces, std::uint64_t tets) {
 
 /// Takes what a small part of the bound permits first, and more of it only if that is not enough; poor tets
 /// only where all of the bound is not enough.
-void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
+void coarsen_boundary(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets,
                       double longest = std::numeric_limits<double>::infinity()) {
   SurfaceCollapseOptions options;
   options.longest = longest;
@@ -171,7 +78,8 @@ void coarsen_boundary(Run& run, std::uint64_t faces, std::uint64_t tets,
   }
 }
 
-void coarsen_inside(Run& run, std::uint64_t tets, double longest = std::numeric_limits<double>::infinity()) {
+void coarsen_inside(SurfaceRun& run, std::uint64_t tets,
+                    double longest = std::numeric_limits<double>::infinity()) {
   CollapseOptions options;
   options.longest = longest;
   options.target = tets;
@@ -182,11 +90,11 @@ void coarsen_inside(Run& run, std::uint64_t tets, double longest = std::numeric_
   }
 }
 
-BoundaryFlipper flipper_of(Run& run) {
+BoundaryFlipper flipper_of(SurfaceRun& run) {
   return {run.mesh, run.boundary, run.scores, run.is_for_shape() ? FlipAim::kSum : FlipAim::kWorst};
 }
 
-void flip_boundary(Run& run, BoundaryFlipper& flipper) {
+void flip_boundary(SurfaceRun& run, BoundaryFlipper& flipper) {
   if (!run.options.boundary_flips) return;
   const double below =
       run.is_for_shape() ? std::numeric_limits<double>::infinity() : run.flips_below(kPoorScore);
@@ -194,7 +102,7 @@ void flip_boundary(Run& run, BoundaryFlipper& flipper) {
 }
 
 /// Moves in the skin: for the best shapes, or to mend the worst.
-void move_boundary(Run& run) {
+void move_boundary(SurfaceRun& run) {
   if (!run.options.boundary_smoothing) return;
   if (run.is_for_shape())
     smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface);
@@ -203,7 +111,7 @@ void move_boundary(Run& run) {
 }
 
 /// Flips and moves in the skin, where it was coarsened, and moves inside.
-void even_out(Run& run) {
+void even_out(SurfaceRun& run) {
   Smoother smoother(run.mesh, run.scores);
   smoother.sweep(2);
   if (!run.takes_boundary()) return;
@@ -212,8 +120,9 @@ void even_out(Run& run) {
   move_boundary(run);
 }
 
-/// Down to a little more than the target: the rest is left to simplify_refined.
-void coarsen_to(Run& run, double target) {
+/// Down to a little more than the target: the rest is left to simplify_refined. Ends earlier at `enough`
+/// tets.
+void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
   if (run.faces_for(target) >= run.boundary.size()) return;  // the skin is coarse enough: all is refined's
   const auto tets_in = static_cast<double>(run.report.tets_in);
   const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
@@ -222,15 +131,16 @@ void coarsen_to(Run& run, double target) {
     const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
     run.aim_at(tets);
     const double faces_of = k < stages ? tets : target;
-    coarsen_boundary(run, run.faces_for(faces_of), static_cast<std::uint64_t>(target),
+    coarsen_boundary(run, run.faces_for(faces_of), enough,
                      run.longest_for(faces_of, run.options.boundary_size));
-    coarsen_inside(run, static_cast<std::uint64_t>(tets), run.longest_for(tets, 1.0));
+    coarsen_inside(run, std::max(static_cast<std::uint64_t>(tets), enough), run.longest_for(tets, 1.0));
+    if (run.mesh.alive <= enough) return;
     even_out(run);
   }
 }
 
 /// Until the boundary gets no coarser.
-void coarsen_to_limit(Run& run) {
+void coarsen_to_limit(SurfaceRun& run) {
   double tets = static_cast<double>(run.report.tets_in);
   std::size_t before = 0;
   do {
@@ -254,16 +164,17 @@ std::vector<Index> boundary_vertices_in_order(const WorkingMesh& mesh) {
   return vertices;
 }
 
-/// Hands the mesh to simplify_refined and takes it back. The boundary vertices keep their order in that, so
-/// the skin can be told their new numbers. `mesh` is scratch.
-RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& options) {
+/// Hands the mesh to `refine`, one of refined.h's, and takes it back. The boundary vertices keep their order
+/// in that, so the skin can be told their new numbers. `mesh` is scratch.
+template <typename Refine>
+RefinedReport refine_inside(SurfaceRun& run, TetMesh& mesh, const Refine& refine) {
   const std::vector<Index> before = boundary_vertices_in_order(run.mesh);
   std::vector<Vec3> places;
   places.reserve(before.size());
   for (const Index v : before) places.push_back(run.mesh.points[v]);
   std::vector<Index> new_number(run.mesh.points.size(), kNoIndex);
   mesh = extract_mesh(std::move(run.mesh));
-  RefinedReport report = simplify_refined(mesh, options);
+  RefinedReport report = refine(mesh);
   run.mesh = build_working_mesh(std::move(mesh), run.field);
   const std::vector<Index> after = boundary_vertices_in_order(run.mesh);
   require(after.size() == before.size(), "surface: the boundary changed inside");
@@ -275,17 +186,52 @@ RefinedReport refine_inside(Run& run, TetMesh& mesh, const RefinedOptions& optio
   return report;
 }
 
-/// Down to the count itself. If the inside does not get there, the skin gives way further than planned.
-void press_on(Run& run, std::uint64_t target) {
+/// Down to the count itself, with tets scored as at `aim`. If the inside does not get there, the skin gives
+/// way further than planned.
+void press_on(SurfaceRun& run, std::uint64_t target, double aim) {
   if (run.mesh.alive <= target) return;
-  run.aim_at(static_cast<double>(target));
+  run.aim_at(aim);
   coarsen_inside(run, target);
   coarsen_boundary(run, 0, target);
   coarsen_inside(run, target);
 }
 
+/// The inside of a skin that stays: to the count or, where it is out of reach, to the fewest tets that two
+/// searches, or a plain run, leave.
+RefinedReport refine_to_fewest(TetMesh& mesh, const RefinedOptions& options) {
+  RefinedOptions own = options;
+  own.abandon_beyond = kShort;
+  TetMesh body = mesh;
+  RefinedReport report = simplify_refined(body, own);
+  if (report.stop == "limit") {
+    own = options;
+    own.stop.tets = 1;
+    body = mesh;
+    report = simplify_refined(body, own);
+    RefinedReport searched = simplify_to_limit(mesh, options);
+    if (searched.stop == "limit") searched = simplify_to_limit(mesh, options);  // it goes a few tets further
+    if (searched.stop != "limit" || mesh.tets.size() <= body.tets.size()) return searched;
+  }
+  mesh = std::move(body);
+  return report;
+}
+
+/// As far as it goes, but no farther than the target. All on the way but its end is the same for each target.
+RefinedReport go_farthest(SurfaceRun& run, TetMesh& mesh, const RefinedOptions& inside,
+                          std::uint64_t target) {
+  RefinedReport report;
+  std::size_t faces = 0;
+  do {
+    if (run.mesh.alive <= target) break;
+    report = refine_inside(run, mesh, [&](TetMesh& body) { return refine_to_fewest(body, inside); });
+    faces = run.boundary.size();
+    press_on(run, target, 1.0);
+  } while (run.boundary.size() < faces);
+  return report;
+}
+
 /// How far flips may take the count.
-FlipRule window_of(const Run& run, std::uint64_t target) {
+FlipRule window_of(const SurfaceRun& run, std::uint64_t target) {
   FlipRule rule;
   rule.fewest_tets = static_cast<std::uint64_t>(kLeastShare * static_cast<double>(target)) + 1;
   rule.most_tets = std::max<std::uint64_t>(target, run.mesh.alive);
@@ -293,7 +239,7 @@ FlipRule window_of(const Run& run, std::uint64_t target) {
 }
 
 /// Last flips and moves in the skin, now that the inside is good, moves inside and repairs.
-void polish(Run& run, std::uint64_t target) {
+void polish(SurfaceRun& run, std::uint64_t target) {
   run.aim_at(static_cast<double>(target));
   const FlipRule rule = window_of(run, target);
   BoundaryFlipper flipper = flipper_of(run);
@@ -331,29 +277,39 @@ void validate_options(const SurfaceOptions& options) {
 
 namespace {
 
+/// Which way to the count: straight, or the skin as coarse as the bound permits first, whatever the count is.
+enum class Way : std::uint8_t { kStraight, kFarthest };
+
 /// simplify_surface with tets scored for one thing, and a longer step made in the end if the options want it.
-SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, Objective scored) {
+SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, Objective scored, Way way) {
   const bool to_limit = !options.stop.tets && !options.stop.ratio;
   std::uint64_t target = to_limit ? 0 : target_tet_count(options.stop, mesh.tets.size());
-  Run run(std::move(mesh), options, scored);
+  SurfaceRun run(std::move(mesh), options, scored);
   if (to_limit) {
     coarsen_to_limit(run);
     target = std::min(run.report.tets_in, static_cast<std::uint64_t>(run.tets_for_faces()));
   } else {
-    coarsen_to(run, static_cast<double>(target));
+    coarsen_to(run, way == Way::kFarthest ? 1.0 : static_cast<double>(target), target);
   }
   RefinedOptions inside;
   target = std::max<std::uint64_t>(1, target);
   // Refined may end 0.5% below; some collapses from a little above get closer.
-  const double aim = run.takes_boundary() ? kAimOfRefined : 1.0;
+  const double aim = run.takes_boundary() && way == Way::kStraight ? kAimOfRefined : 1.0;
   inside.stop.tets = static_cast<std::uint64_t>(aim * static_cast<double>(target));
   inside.objective = run.scored;
   inside.tools = run.tools();
   inside.effort = options.effort;
   inside.sizing = options.sizing;
   inside.sizing.reach = run.field.reach();
-  const RefinedReport refined = refine_inside(run, mesh, inside);
-  press_on(run, target);
+  const std::uint64_t wanted = target;
+  RefinedReport refined;
+  if (way == Way::kFarthest) {
+    refined = go_farthest(run, mesh, inside, target);
+    target = std::max<std::uint64_t>(target, run.mesh.alive);
+  } else {
+    refined = refine_inside(run, mesh, [&](TetMesh& body) { return simplify_refined(body, inside); });
+    press_on(run, target, static_cast<double>(target));
+  }
   if (run.takes_boundary()) polish(run, target);
   if (options.objective == Objective::kStableStep) {
     run.aim_at(static_cast<double>(target));
@@ -366,7 +322,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   report.inner.collapses += refined.collapses.collapses;
   report.inner.rejected_link = refined.collapses.rejected_link;
   report.inner.rejected_shape = refined.collapses.rejected_shape;
-  report.stop = to_limit ? "limit" : stop_or_limit(options.stop, target, mesh.tets.size());
+  report.stop = to_limit ? "limit" : stop_or_limit(options.stop, wanted, mesh.tets.size());
   report.vertices_out = mesh.points.size();
   report.tets_out = mesh.tets.size();
   if (run.volume > 0.0) {
@@ -375,21 +331,31 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   return report;
 }
 
-}  // namespace
-
-SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
+SurfaceRunReport simplify_by(TetMesh& mesh, const SurfaceOptions& options, Way way) {
   validate_options(options);
-  if (options.objective != Objective::kStableStep) return simplify_scored(mesh, options, options.objective);
+  if (options.objective != Objective::kStableStep)
+    return simplify_scored(mesh, options, options.objective, way);
   // Where the skin decides, neither kind of scores is always ahead.
   TetMesh other = mesh;
-  SurfaceRunReport report = simplify_scored(mesh, options, Objective::kShape);
-  SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality);
+  SurfaceRunReport report = simplify_scored(mesh, options, Objective::kShape, way);
+  SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality, way);
   const bool is_short = report.stop == "limit";
   const bool is_other_short = other_report.stop == "limit";
   const bool is_better = is_short == is_other_short ? greatest_rate(other) < greatest_rate(mesh) : is_short;
   if (!is_better) return report;
   mesh = std::move(other);
   return other_report;
+}
+
+}  // namespace
+
+SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options) {
+  return simplify_by(mesh, options, Way::kStraight);
+}
+
+SurfaceRunReport simplify_surface_to_limit(TetMesh& mesh, const SurfaceOptions& options) {
+  return simplify_by(mesh, options,
+                     options.stop.tets || options.stop.ratio ? Way::kFarthest : Way::kStraight);
 }
 
 }  // namespace palpate::simplify

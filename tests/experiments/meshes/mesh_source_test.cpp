@@ -143,17 +143,63 @@ double skin_to_inside(const TetMesh& mesh) {
   return (sum[1] / count[1]) / (sum[0] / count[0]);
 }
 
-TEST(SkinSize, FineIsAtLeastAsFineAsTheInside) {
+TEST(SkinKind, FineIsAtLeastAsFineAsTheInside) {
   for (const char* name : {"lobes", "bean"}) {
     const MadeMesh coarse = make_shape({.name = name});
-    const MadeMesh fine = make_shape({.name = name, .skin = SkinSize::kFine});
+    const MadeMesh fine = make_shape({.name = name, .skin = SkinKind::kFine});
     EXPECT_NEAR(static_cast<double>(fine.mesh.points.size()), 1503.0, 15.03) << name;
     EXPECT_GT(boundary_vertices(fine.mesh), 3 * boundary_vertices(coarse.mesh) / 2) << name;
     EXPECT_LT(skin_to_inside(fine.mesh), skin_to_inside(coarse.mesh)) << name;
     EXPECT_LT(skin_to_inside(fine.mesh), 1.0) << name;
     EXPECT_GT(skin_to_inside(coarse.mesh), 1.0) << name;
   }
-  EXPECT_THROW(make_shape({.name = "bar", .skin = SkinSize::kFine}), InputError);
+  EXPECT_THROW(make_shape({.name = "bar", .skin = SkinKind::kFine}), InputError);
+}
+
+/// The shortest edge of the skin over the mean one.
+double shortest_on_skin(const TetMesh& mesh) {
+  double shortest = HUGE_VAL;
+  double sum = 0.0;
+  double count = 0.0;
+  for (const Triangle& t : build_boundary(mesh)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double edge = length(mesh.points[t[k]] - mesh.points[t[(k + 1) % 3]]);
+      shortest = std::min(shortest, edge);
+      sum += edge;
+      count += 1.0;
+    }
+  }
+  return shortest * count / sum;
+}
+
+TEST(SkinKind, ScannedHasNeedlesAndTheTopologyOfTheBody) {
+  for (const char* name : {"stomach", "ring", "ball"}) {  // a cavity, a hole, no body of a file
+    const ShapeRequest request{
+        .name = name, .size = {.vertices = 900, .edge_length = {}}, .skin = SkinKind::kScanned};
+    ShapeRequest even = request;
+    even.skin = SkinKind::kFine;
+    ShapeRequest elsewhere = request;
+    elsewhere.seed = 3;
+    const TetMesh scanned = make_shape(request).mesh;
+    EXPECT_NEAR(static_cast<double>(scanned.points.size()), 900.0, 9.0) << name;
+    EXPECT_EQ(judge_mesh(scanned).violations, std::vector<std::string>{}) << name;
+    EXPECT_EQ(euler(scanned), euler(make_shape(even).mesh)) << name;
+    EXPECT_LT(shortest_on_skin(scanned), 0.05) << name;  // half a grey level is 0.004 voxels
+    EXPECT_GT(shortest_on_skin(make_shape(even).mesh), 0.3) << name;
+    EXPECT_LT(skin_to_inside(scanned), 1.0) << name;
+    const TetMesh other = make_shape(elsewhere).mesh;
+    EXPECT_NE(other, scanned) << name;
+    EXPECT_EQ(euler(other), euler(scanned)) << name;
+    EXPECT_NEAR(total_volume(other), total_volume(scanned), 0.03 * total_volume(scanned)) << name;
+  }
+  for (const char* name : {"cube", "filled_bar"})
+    EXPECT_THROW(make_shape({.name = name, .skin = SkinKind::kScanned}), InputError) << name;
+}
+
+TEST(SkinKind, AGridTooCoarseForTheBodyIsRefused) {
+  const ShapeRequest request{
+      .name = "gallbladder", .size = {.vertices = {}, .edge_length = 16.0}, .skin = SkinKind::kScanned};
+  EXPECT_THROW(make_shape(request), UnavailableError);
 }
 
 TEST(Seed, GivesAnotherMeshOfTheSameBody) {

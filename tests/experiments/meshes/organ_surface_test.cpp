@@ -73,7 +73,7 @@ TEST(OrganSurface, SparingUsesLessOfTheBoundWhereGoodTetsAreToBeHad) {
 /// On a thin leaf a part of the bound leaves poor tets, so more of it is taken.
 TEST(OrganSurface, SparingTakesNoPoorTetsInThePlaceOfMoreOfTheBound) {
   const TetMesh input =
-      make_shape({.name = "spleen", .size = {.vertices = 1503, .edge_length = {}}, .skin = SkinSize::kFine})
+      make_shape({.name = "spleen", .size = {.vertices = 1503, .edge_length = {}}, .skin = SkinKind::kFine})
           .mesh;
   for (const double bound : {2.0, 4.0}) {
     SCOPED_TRACE(bound);

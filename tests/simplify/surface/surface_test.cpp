@@ -54,9 +54,10 @@ struct Outcome {
 };
 
 /// Simplifies, and holds the result against all that is promised.
-Outcome simplify_and_judge(const TetMesh& input, const SurfaceOptions& options) {
+Outcome simplify_and_judge(const TetMesh& input, const SurfaceOptions& options,
+                           decltype(simplify_surface)& simplify = simplify_surface) {
   Outcome outcome{input, {}};
-  outcome.report = simplify_surface(outcome.mesh, options);
+  outcome.report = simplify(outcome.mesh, options);
   const judge::Validity validity = judge::check_validity(outcome.mesh);
   EXPECT_TRUE(validity.is_valid()) << (validity.findings.empty() ? "" : validity.findings.front());
   const judge::Comparison comparison = judge::compare_with_input(outcome.mesh, input);
@@ -151,6 +152,44 @@ TEST(SimplifySurface, SaysLimitWhereTheBoundPermitsNoMore) {
   const Outcome outcome = simplify_and_judge(input, with_bound(1e-4, 0.99));
   EXPECT_EQ(outcome.report.stop, "limit");
   EXPECT_GT(outcome.report.tets_out, input.tets.size() / 100);
+}
+
+TEST(SimplifySurface, AskingForMoreNeverLeavesMore) {
+  // A scanner's skin and a curved one, within bounds that do not permit all of it.
+  for (const auto& [input, bound] :
+       {std::pair{make_marching_ring(2), 0.01}, std::pair{make_bulged_block(5, 5), 0.0},
+        std::pair{make_bulged_block(5, 5), 0.02}}) {
+    std::size_t least = input.tets.size();
+    std::vector<TetMesh> missed;
+    for (const double ratio : {0.3, 0.5, 0.7, 0.8, 0.9, 0.99}) {
+      SCOPED_TRACE(std::to_string(bound) + " " + std::to_string(ratio));
+      const SurfaceOptions options = with_bound(bound, ratio);
+      TetMesh mesh = input;
+      if (simplify_surface(mesh, options).stop == "limit") {
+        mesh = input;
+        EXPECT_EQ(simplify_surface_to_limit(mesh, options).stop, "limit");
+        if (missed.empty()) simplify_and_judge(input, options, simplify_surface_to_limit);
+        missed.push_back(mesh);
+      }
+      EXPECT_LE(mesh.tets.size(), least);
+      least = mesh.tets.size();
+    }
+    ASSERT_GT(missed.size(), 1U);  // else nothing was shown
+    for (const TetMesh& mesh : missed) {
+      EXPECT_EQ(mesh.points, missed.front().points);
+      EXPECT_EQ(mesh.tets, missed.front().tets);
+    }
+  }
+}
+
+TEST(SimplifySurface, TheFarthestWayEndsAtACountThatItReaches) {
+  const TetMesh input = make_bulged_block(6, 5);
+  SurfaceOptions options = with_bound(0.1);
+  options.stop.tets = 400;
+  const Outcome outcome = simplify_and_judge(input, options, simplify_surface_to_limit);
+  EXPECT_EQ(outcome.report.stop, "tets");
+  EXPECT_LE(outcome.report.tets_out, 400U);
+  EXPECT_GE(outcome.report.tets_out, 380U);
 }
 
 TEST(SimplifySurface, FlatFacesOfACubeCollapseAtNoDistance) {
