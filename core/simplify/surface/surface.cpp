@@ -42,17 +42,20 @@ constexpr double kPoorScore = 0.3;
 /// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
 constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 
-/// An edge of the skin is a needle's below this share of those of as many equilateral faces as are wanted.
+/// Edges of the skin over those of as many equilateral faces as are wanted: below the first they are a
+/// needle's; below the second they are short.
 constexpr double kNeedle = 0.25;
+constexpr double kShortEdge = 0.7;
 
-/// Collapses the needles of a skin, wherever the tets are worth more after that, in sum. Those at a needle
-/// are too bad for a collapse to be held to a score: while other edges suffice needles would stay for good.
-void cure_needles(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
+/// Collapses edges of the skin below a share of the wanted length, wherever the tets are worth more after
+/// that, in sum. Those at a needle are too bad for a collapse to be held to a score: while other edges
+/// suffice needles would stay for good.
+void cure_short_edges(SurfaceRun& run, double share, std::uint64_t faces, std::uint64_t tets) {
   SurfaceCollapseOptions options;
   options.least_score = kLeastScores.front();
   options.is_cure = true;
   const std::size_t wanted = faces > 0 ? faces : run.boundary.size();
-  options.longest = kNeedle * std::sqrt(run.area / (kFaceShare * static_cast<double>(wanted)));
+  options.longest = share * std::sqrt(run.area / (kFaceShare * static_cast<double>(wanted)));
   options.tet_target = tets;
   collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
 }
@@ -71,7 +74,7 @@ void coarsen_boundary(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets,
     for (;; ++run.level) {
       if (is_enough()) return;
       run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
-      if (least == kLeastScores.front()) cure_needles(run, faces, tets);
+      if (least == kLeastScores.front()) cure_short_edges(run, kNeedle, faces, tets);
       collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
       if (run.level + 1 == kErrorLevels.size()) break;
     }
@@ -137,6 +140,9 @@ void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
     if (run.mesh.alive <= enough) return;
     even_out(run);
   }
+  if (!run.spends_bound()) return;
+  cure_short_edges(run, kShortEdge, run.faces_for(target), enough);
+  even_out(run);
 }
 
 /// Until the boundary gets no coarser.

@@ -86,8 +86,11 @@ struct SurfaceRun {
   /// and from what makes a step longer.
   bool is_for_shape() const { return options.objective == Objective::kShape && field.is_empty(); }
 
+  /// Whether what the bound permits is there to be spent on shapes.
+  bool spends_bound() const { return is_for_shape() && !options.sparing; }
+
   /// Whether the skin is worked on: where it was coarsened, or where the bound is there to be spent.
-  bool takes_boundary() const { return report.surface.collapses > 0 || (is_for_shape() && !options.sparing); }
+  bool takes_boundary() const { return report.surface.collapses > 0 || spends_bound(); }
 
   void aim_at(double tets) {
     scores = ScoreRule(scale_of(room / std::max(1.0, tets)), field);
