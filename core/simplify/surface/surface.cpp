@@ -46,6 +46,7 @@ constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 /// needle's; below the second they are short.
 constexpr double kNeedle = 0.25;
 constexpr double kShortEdge = 0.7;
+constexpr double kLeftForInside = 0.1;  ///< of the target, beside it: cures of short edges end there
 
 /// Collapses edges of the skin below a share of the wanted length, wherever the tets are worth more after
 /// that, in sum. Those at a needle are too bad for a collapse to be held to a score: while other edges
@@ -141,7 +142,9 @@ void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
     even_out(run);
   }
   if (!run.spends_bound()) return;
-  cure_short_edges(run, kShortEdge, run.faces_for(target), enough);
+  // Each takes some six tets: enough have to be left for the inside to follow.
+  const auto least = enough + static_cast<std::uint64_t>(kLeftForInside * target);
+  cure_short_edges(run, kShortEdge, run.faces_for(target), least);
   even_out(run);
 }
 
