@@ -124,8 +124,8 @@ void even_out(SurfaceRun& run) {
   move_boundary(run);
 }
 
-/// Down to a little more than the target: the rest is left to simplify_refined. Ends earlier at `enough`
-/// tets.
+/// Down to a little more than the target: the rest is left to simplify_refined. No collapse is made once
+/// there are no more than `enough` tets.
 void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
   if (run.faces_for(target) >= run.boundary.size()) return;  // the skin is coarse enough: all is refined's
   const auto tets_in = static_cast<double>(run.report.tets_in);
@@ -138,7 +138,6 @@ void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
     coarsen_boundary(run, run.faces_for(faces_of), enough,
                      run.longest_for(faces_of, run.options.boundary_size));
     coarsen_inside(run, std::max(static_cast<std::uint64_t>(tets), enough), run.longest_for(tets, 1.0));
-    if (run.mesh.alive <= enough) return;
     even_out(run);
   }
   if (!run.spends_bound()) return;
