@@ -86,7 +86,7 @@ class Manual(unittest.TestCase):
         self.assertEqual(self.offered("palpate "), names | {"-h", "--help", "--version"})
         self.assertEqual(self.offered("palpate sim"), {"simplify", "simulate"})
         self.assertEqual(self.offered("palpate run --res"), {"--resume"})
-        self.assertEqual(self.offered("palpate make kidney --skin "), {"coarse", "fine"})
+        self.assertEqual(self.offered("palpate make kidney --skin "), {"coarse", "fine", "scanned"})
         self.assertEqual(self.offered("palpate list "), {"contestants", "meshes", "measures"})
         self.assertEqual(self.offered("palpate quality a"), {"a.mesh"})
         self.assertEqual(self.offered("./palpate run thesis_hist"), {"thesis_histograms"})

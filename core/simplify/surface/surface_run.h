@@ -13,7 +13,7 @@
 #include "core/simplify/refined/repair.h"
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/surface/guarded_boundary.h"
-#include "core/simplify/surface/surface.h"
+#include "core/simplify/surface/surface_options.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {

@@ -112,13 +112,32 @@ class TreeMemory {
   Clock::time_point next_exact_look_{};
 };
 
+/// Gives the disk back what lies before the end of a flood. What is written meanwhile is not touched: the
+/// file keeps its length, with a hole at its begin. Returns: whether that can be done, for a file of this
+/// length.
+bool punch_flood(off_t size, off_t kept) {
+  constexpr off_t kLongest = off_t{1}
+                             << 30U;  // far below what a file may be: the writer would be ended there
+  return size < kLongest &&
+         ::fallocate(STDERR_FILENO, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, size - kept) == 0;
+}
+
 /// A flood on standard error is cut off before it fills the disk. Its end is what matters, so that is kept:
-/// the file is written by appending, and what comes later stands behind it.
-void cut_flood() {
+/// the file is written by appending, and what comes later stands behind it. While somebody may still write
+/// (`is_live`) the file is shortened only where nothing else helps: the end could come in that moment.
+void cut_flood(bool is_live) {
   constexpr off_t kMost = off_t{16} << 20U;
   constexpr std::size_t kKept = std::size_t{64} << 10U;
+  static off_t freed = 0;
   struct stat status {};
   if (::fstat(STDERR_FILENO, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size <= kMost) return;
+  freed = std::min(freed, status.st_size);
+  if (is_live && status.st_size - freed <= kMost) return;
+  if (is_live && punch_flood(status.st_size, static_cast<off_t>(kKept))) {
+    freed = status.st_size - static_cast<off_t>(kKept);
+    return;
+  }
+  freed = 0;
   static char kept[kKept];
   constexpr int kTries = 8;
   const int file = ::open("/proc/self/fd/2", O_RDONLY | O_CLOEXEC);  // ours may only write
@@ -182,7 +201,7 @@ Watch watch(pid_t program, TreeMemory& memory, int& status) {
       seen = Watch::kKill;
       break;
     }
-    cut_flood();
+    cut_flood(true);
     if (memory.is_too_much()) {
       seen = Watch::kTooMuchMemory;
       break;
@@ -258,7 +277,7 @@ int main(int argc, char** argv) {
   TreeMemory memory(std::strtoull(argv[1], nullptr, 10));
   const Watch seen = watch(program, memory, report.value);
   report.left = clean_up(program, report.value);
-  cut_flood();  // what came since the last look
+  cut_flood(report.left > 0);  // what came since the last look
   report.kind = seen == Watch::kTooMuchMemory ? ChildReport::kTooMuchMemory : ChildReport::kEnded;
   ::getrusage(RUSAGE_CHILDREN, &report.usage);
   report.peak_bytes = std::max(memory.peak(), static_cast<std::uint64_t>(report.usage.ru_maxrss) * 1024);
