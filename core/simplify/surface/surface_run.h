@@ -21,10 +21,10 @@ namespace palpate::simplify {
 /// Shares of the bound that are used up one after another.
 inline constexpr std::array kErrorLevels{0.125, 0.25, 0.5, 1.0};
 
-// In a mesh of good tets with mean edge h, a tet has about 0.1 h^3 (a regular one 0.118), a boundary face
-// about 0.41 h^2 (an equilateral one 0.433).
+/// In a mesh of good tets with mean edge h: the volume of a tet over h^3 (of a regular one 0.118), the area
+/// of a boundary face over h^2 (of an equilateral one 0.433).
 inline constexpr double kTetShare = 0.1;
-inline constexpr double kFaceShare = 0.41;
+inline constexpr double kFaceShare = 0.41;  ///< see kTetShare
 
 /// Mesh, skin, bound and scores of a run of simplify_surface.
 struct SurfaceRun {
