@@ -10,7 +10,7 @@
 
 #include "core/mesh/geometry.h"
 #include "core/simplify/quality/quality.h"
-#include "core/simplify/refined/repair.h"
+#include "core/simplify/refined/refined.h"
 #include "core/simplify/sizing/sizing.h"
 #include "core/simplify/surface/guarded_boundary.h"
 #include "core/simplify/surface/surface_options.h"
