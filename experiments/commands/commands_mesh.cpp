@@ -226,7 +226,7 @@ void add_make_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--skin", arguments->skin,
                    "coarse (as it comes), fine, with edges as short as inside, or scanned, by marching cubes")
-      ->check(CLI::IsMember({"coarse", "fine", "scanned"}))
+      ->check(CLI::IsMember(std::vector<std::string>(kSkinKinds.names.begin(), kSkinKinds.names.end())))
       ->type_name("HOW");
   command->add_option("--jitter", arguments->jitter, "cube: largest move of an inner vertex, in cells")
       ->check(number_from(0.0, 0.5))

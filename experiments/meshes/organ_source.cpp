@@ -21,16 +21,21 @@ constexpr double kFineSkin = 1.0;           // as users' meshes have
 constexpr double kFirstInteriorSize = 4.0;  // mm, for kidney of 159 ml and 1503 vertices
 constexpr double kFirstVolume = 159.5e3;    // mm^3
 
-/// Skin that goes with edges of `interior` inside, scaled about its vertices' mean to the body's volume.
-SurfaceMesh make_skin(const BodySurface& body, SkinKind kind, double interior, std::uint64_t seed) {
-  const bool is_scanned = kind == SkinKind::kScanned;
-  const double ratio = kind == SkinKind::kCoarse ? kCoarseSkin : kFineSkin;
-  SurfaceMesh skin = is_scanned ? march_surface(body.surface, interior, seed)
-                                : remesh_surface(body.surface, ratio * interior);
+/// The body's skin remeshed to edges of about `edge_length`, each seed's its own.
+SurfaceMesh remesh_skin(const BodySurface& body, double edge_length, std::uint64_t seed) {
+  SurfaceMesh skin = remesh_surface(body.surface, edge_length);
   if (skin_euler(skin) != skin_euler(body.surface)) {
     throw UnavailableError("remeshing changed the topology of the body's surface");
   }
-  if (!is_scanned) jitter_skin(seed, skin);
+  jitter_skin(seed, skin);
+  return skin;
+}
+
+/// Skin that goes with edges of `interior` inside, scaled about its vertices' mean to the body's volume.
+SurfaceMesh make_skin(const BodySurface& body, SkinKind kind, double interior, std::uint64_t seed) {
+  const double ratio = kind == SkinKind::kCoarse ? kCoarseSkin : kFineSkin;
+  SurfaceMesh skin = kind == SkinKind::kScanned ? march_surface(body.surface, interior, seed)
+                                                : remesh_skin(body, ratio * interior, seed);
   Vec3 centre;
   for (const Vec3& p : skin.points) centre = centre + p;
   centre = (1.0 / static_cast<double>(skin.points.size())) * centre;

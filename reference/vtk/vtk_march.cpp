@@ -13,6 +13,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/mesh/geometry.h"
 #include "reference/vtk/vtk_tools.h"
 
 namespace palpate::reference {
@@ -39,17 +40,14 @@ vtkNew<vtkPolyData> to_poly_data(const SurfaceMesh& surface) {
 /// The voxels around a surface, shifted by a share of one along each axis.
 vtkNew<vtkImageData> voxels_around(const SurfaceMesh& surface, double spacing, std::uint64_t seed) {
   SplitMix64 random(seed);
-  std::array<std::array<double, 2>, 3> range;
-  range.fill({HUGE_VAL, -HUGE_VAL});
-  for (const Vec3& p : surface.points) {
-    const std::array<double, 3> x{p.x, p.y, p.z};
-    for (std::size_t a = 0; a < 3; ++a) range[a] = {std::min(range[a][0], x[a]), std::max(range[a][1], x[a])};
-  }
+  const BoundingBox box = bounding_box(surface.points);
+  const std::array<double, 3> low{box.low.x, box.low.y, box.low.z};
+  const std::array<double, 3> high{box.high.x, box.high.y, box.high.z};
   std::array<double, 3> origin{};
   std::array<double, 3> count{};
   for (std::size_t a = 0; a < 3; ++a) {
-    origin[a] = range[a][0] - (1.0 + random.uniform()) * spacing;
-    count[a] = std::ceil((range[a][1] - origin[a]) / spacing) + 2.0;
+    origin[a] = low[a] - (1.0 + random.uniform()) * spacing;
+    count[a] = std::ceil((high[a] - origin[a]) / spacing) + 2.0;
   }
   const double voxels = count[0] * count[1] * count[2];
   if (!(voxels <= kMostVoxels)) {

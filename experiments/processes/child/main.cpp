@@ -116,8 +116,8 @@ class TreeMemory {
 /// file keeps its length, with a hole at its begin. Returns: whether that can be done, for a file of this
 /// length.
 bool punch_flood(off_t size, off_t kept) {
-  constexpr off_t kLongest = off_t{1}
-                             << 30U;  // far below what a file may be: the writer would be ended there
+  // Far below what a file may be: the writer would be ended there.
+  constexpr off_t kLongest = off_t{1} << 30U;
   return size < kLongest &&
          ::fallocate(STDERR_FILENO, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, size - kept) == 0;
 }
