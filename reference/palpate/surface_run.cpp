@@ -117,6 +117,7 @@ Response run_surface(const Request& request) {
                      {"fusions", 0},
                      {"collapses", report.inner.collapses},
                      {"boundary_collapses", report.surface.collapses},
+                     {"boundary_splits", report.surface.splits},
                      {"boundary_flips", report.surface.flips},
                      {"boundary_moves", report.surface.moves},
                      {"boundary_faces_in", report.boundary_faces_in},

@@ -63,6 +63,12 @@ void erase_one(std::vector<Index>& items, Index item) {
   items.pop_back();
 }
 
+/// The number that a fresh face of a change gets, where there are numbers below `slots` before it.
+Index number_of_fresh(const BoundaryChange& change, std::size_t fresh, std::size_t slots) {
+  const std::size_t removed = change.removed.size();
+  return fresh < removed ? change.removed[fresh] : static_cast<Index>(slots + fresh - removed);
+}
+
 std::uint64_t hash_cell(std::int64_t x, std::int64_t y, std::int64_t z) {
   std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15ULL;
   h = (h ^ (h >> 29U)) + static_cast<std::uint64_t>(y) * 0xbf58476d1ce4e5b9ULL;
@@ -165,6 +171,7 @@ void GuardedBoundary::place_fresh(const WorkingMesh& mesh, const BoundaryChange&
 
 BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryChange& change) {
   ++stamp_;
+  if (of_vertex_.size() < mesh.points.size()) of_vertex_.resize(mesh.points.size());  // some were added
   for (const Index f : change.removed) removed_stamp_[f] = stamp_;
   place_fresh(mesh, change);
   if (change.moved != kNoIndex && !cover_.is_near(change.to, tree_)) return BoundaryVerdict::kTooFar;
@@ -283,14 +290,23 @@ bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
     proof.input = i;
     proof.covering.clear();
     for (const Index u : used_) {
-      proof.covering.push_back(u < fresh_.size() ? change.removed[u] : around_[u - fresh_.size()]);
+      proof.covering.push_back(u < fresh_.size() ? number_of_fresh(change, u, faces_.size())
+                                                 : around_[u - fresh_.size()]);
     }
   }
   return true;
 }
 
+void GuardedBoundary::make_room(std::size_t faces) {
+  faces_.resize(faces);
+  covered_by_.resize(faces);
+  removed_stamp_.resize(faces, 0);
+  seen_stamp_.resize(faces, 0);
+  visited_.resize(faces, 0);
+}
+
 void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& change) {
-  require(change.fresh.size() <= change.removed.size() && fresh_.size() == change.fresh.size(),
+  require(fresh_.size() == change.fresh.size(),
           "guarded boundary: the change is not the one that was checked");
   for (const Index f : change.removed) {
     leave_grid(f, corners_of(mesh, faces_[f]));
@@ -298,8 +314,10 @@ void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& chang
     faces_[f][0] = kNoIndex;
     covered_by_[f].clear();
   }
+  const std::size_t slots = faces_.size();
+  make_room(slots + change.fresh.size() - std::min(change.fresh.size(), change.removed.size()));
   for (std::size_t i = 0; i < change.fresh.size(); ++i) {
-    const Index f = change.removed[i];
+    const Index f = number_of_fresh(change, i, slots);
     faces_[f] = change.fresh[i];
     link(f);
     enter_grid(f, fresh_[i].corner);

@@ -21,10 +21,10 @@ constexpr bool has_corner(const Triangle& face, Index v) {
 }
 
 /// Faces that would go and faces that would come in their place, with one vertex moved. The outline of both
-/// sets is the same; there are no more fresh faces than removed ones.
+/// sets is the same.
 struct BoundaryChange {
   std::vector<Index> removed;   ///< numbers of faces
-  std::vector<Triangle> fresh;  ///< the i-th takes the number of the i-th removed one
+  std::vector<Triangle> fresh;  ///< the i-th takes the number of the i-th removed one, or a new one
   Index moved = kNoIndex;       ///< the only vertex of `fresh` that has another place, or none ...
   Vec3 to;                      ///< ... namely this one
 };
@@ -81,6 +81,7 @@ class GuardedBoundary {
     std::vector<Index> covering;  ///< numbers of faces, as they are after the change
   };
 
+  void make_room(std::size_t faces);
   bool touches_others(const WorkingMesh& mesh, const BoundaryChange& change);
   bool touches(const WorkingMesh& mesh, const PlacedFace& face);
   bool may_stay_near();

@@ -12,19 +12,15 @@
 #include "core/mesh/geometry.h"
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/refined/vertex_rate.h"
-#include "core/simplify/surface/surface_flip.h"
+#include "core/simplify/surface/surface_coarsening.h"
 #include "core/simplify/surface/surface_run.h"
-#include "core/simplify/surface/surface_smoothing.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
 namespace palpate::simplify {
 namespace {
 
-/// Greatest share of the tets that one stage leaves.
-constexpr double kStage = 0.6;
-
-/// At the end, tets below the first score are repaired, below the second by compound moves too; so many
-/// rounds, and one more for each effort.
+/// At the end, tets below the first score are repaired, below the second (for shapes: below the first) by
+/// compound moves too; so many rounds, and one more for each effort.
 constexpr double kRepairScore = 0.16;
 constexpr double kCompoundScore = 0.06;
 constexpr int kLeastPolish = 2;
@@ -33,142 +29,15 @@ constexpr int kLeastPolish = 2;
 constexpr double kLeastShare = 0.998;
 constexpr double kAimOfRefined = 1.004;
 
-/// Where the stages end, over the target: simplify_refined does the rest.
-constexpr double kLeftToRefined = 1.5;
-
-/// Below this score (q = 0.67) a tet at the boundary is worth a flip.
-constexpr double kPoorScore = 0.3;
-
-/// Least scores that collapses leave, the better ones first. The last one takes all that is not flat.
-constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
-
-/// Edges of the skin over those of as many equilateral faces as are wanted: below the first they are a
-/// needle's; below the second they are short.
-constexpr double kNeedle = 0.25;
-constexpr double kShortEdge = 0.7;
-constexpr double kLeftForInside = 0.1;  ///< of the target, beside it: cures of short edges end there
-
-/// Collapses edges of the skin below a share of the wanted length, wherever the tets are worth more after
-/// that, in sum. Those at a needle are too bad for a collapse to be held to a score: while other edges
-/// suffice needles would stay for good.
-void cure_short_edges(SurfaceRun& run, double share, std::uint64_t faces, std::uint64_t tets) {
-  SurfaceCollapseOptions options;
-  options.least_score = kLeastScores.front();
-  options.is_cure = true;
-  const std::size_t wanted = faces > 0 ? faces : run.boundary.size();
-  options.longest = share * std::sqrt(run.area / (kFaceShare * static_cast<double>(wanted)));
-  options.tet_target = tets;
-  collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
-}
-
-/// Takes what a small part of the bound permits first, and more of it only if that is not enough; poor tets
-/// only where all of the bound is not enough.
-void coarsen_boundary(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets,
-                      double longest = std::numeric_limits<double>::infinity()) {
-  SurfaceCollapseOptions options;
-  options.longest = longest;
-  options.face_target = faces;
-  options.tet_target = tets;
-  const auto is_enough = [&] { return run.boundary.size() <= faces || run.mesh.alive <= tets; };
-  for (const double least : kLeastScores) {
-    options.least_score = least;
-    for (;; ++run.level) {
-      if (is_enough()) return;
-      run.boundary.raise_bound(run.mesh, kErrorLevels[run.level] * run.options.max_surface_error);
-      if (least == kLeastScores.front()) cure_short_edges(run, kNeedle, faces, tets);
-      collapse_boundary_edges(run.mesh, run.boundary, run.scores, options, run.report.surface);
-      if (run.level + 1 == kErrorLevels.size()) break;
-    }
-  }
-}
-
-void coarsen_inside(SurfaceRun& run, std::uint64_t tets,
-                    double longest = std::numeric_limits<double>::infinity()) {
-  CollapseOptions options;
-  options.longest = longest;
-  options.target = tets;
-  for (const double least : kLeastScores) {
-    if (run.mesh.alive <= tets) return;
-    options.least_score = least;
-    run.report.inner.collapses += collapse_edges(run.mesh, run.scores, options).collapses;
-  }
-}
-
-BoundaryFlipper flipper_of(SurfaceRun& run) {
-  return {run.mesh, run.boundary, run.scores, run.is_for_shape() ? FlipAim::kSum : FlipAim::kWorst};
-}
-
-void flip_boundary(SurfaceRun& run, BoundaryFlipper& flipper) {
-  if (!run.options.boundary_flips) return;
-  const double below =
-      run.is_for_shape() ? std::numeric_limits<double>::infinity() : run.flips_below(kPoorScore);
-  run.report.surface.flips += flipper.pass(below);
-}
-
-/// Moves in the skin: for the best shapes, or to mend the worst.
-void move_boundary(SurfaceRun& run) {
-  if (!run.options.boundary_smoothing) return;
-  if (run.is_for_shape())
-    smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface);
-  else
-    mend_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
-}
-
-/// Flips and moves in the skin, where it was coarsened, and moves inside.
-void even_out(SurfaceRun& run) {
-  Smoother smoother(run.mesh, run.scores);
-  smoother.sweep(2);
-  if (!run.takes_boundary()) return;
-  BoundaryFlipper flipper = flipper_of(run);
-  flip_boundary(run, flipper);
-  move_boundary(run);
-}
-
-/// Down to a little more than the target: the rest is left to simplify_refined. No collapse is made once
-/// there are no more than `enough` tets.
-void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough) {
-  if (run.faces_for(target) >= run.boundary.size()) return;  // the skin is coarse enough: all is refined's
-  const auto tets_in = static_cast<double>(run.report.tets_in);
-  const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
-  const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
-  for (int k = 1; k <= stages; ++k) {
-    const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
-    run.aim_at(tets);
-    const double faces_of = k < stages ? tets : target;
-    coarsen_boundary(run, run.faces_for(faces_of), enough,
-                     run.longest_for(faces_of, run.options.boundary_size));
-    coarsen_inside(run, std::max(static_cast<std::uint64_t>(tets), enough), run.longest_for(tets, 1.0));
-    even_out(run);
-  }
-  if (!run.spends_bound()) return;
-  // Each takes some six tets: enough have to be left for the inside to follow.
-  const auto least = enough + static_cast<std::uint64_t>(kLeftForInside * target);
-  cure_short_edges(run, kShortEdge, run.faces_for(target), least);
-  even_out(run);
-}
-
-/// Until the boundary gets no coarser.
-void coarsen_to_limit(SurfaceRun& run) {
-  double tets = static_cast<double>(run.report.tets_in);
-  std::size_t before = 0;
-  do {
-    before = run.boundary.size();
-    tets = std::max(1.0, kStage * tets);
-    run.aim_at(tets);
-    coarsen_boundary(run, run.faces_for(tets), 0);
-    coarsen_inside(run, static_cast<std::uint64_t>(kLeftToRefined * run.tets_for_faces()));
-    even_out(run);
-  } while (run.boundary.size() < before || run.faces_for(tets) > run.boundary.size());
-}
-
 /// The boundary vertices, in the order of the mesh that extract_mesh would give.
 std::vector<Index> boundary_vertices_in_order(const WorkingMesh& mesh) {
   std::vector<Index> vertices;
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (mesh.is_vertex_alive(v) && mesh.is_on_boundary(v)) vertices.push_back(v);
   }
-  std::sort(vertices.begin(), vertices.end(),
-            [&](Index a, Index b) { return mesh.vertex_origin[a] < mesh.vertex_origin[b]; });
+  // Those that were added have no number of their own, and stay in the order of their slots.
+  std::stable_sort(vertices.begin(), vertices.end(),
+                   [&](Index a, Index b) { return mesh.vertex_origin[a] < mesh.vertex_origin[b]; });
   return vertices;
 }
 
@@ -192,16 +61,6 @@ RefinedReport refine_inside(SurfaceRun& run, TetMesh& mesh, const Refine& refine
   }
   run.boundary.renumber(new_number, run.mesh.points.size());
   return report;
-}
-
-/// Down to the count itself, with tets scored as at `aim`. If the inside does not get there, the skin gives
-/// way further than planned.
-void press_on(SurfaceRun& run, std::uint64_t target, double aim) {
-  if (run.mesh.alive <= target) return;
-  run.aim_at(aim);
-  coarsen_inside(run, target);
-  coarsen_boundary(run, 0, target);
-  coarsen_inside(run, target);
 }
 
 /// The inside of a skin that stays: to the count or, where it is out of reach, to the fewest tets that two
@@ -254,11 +113,12 @@ void polish(SurfaceRun& run, std::uint64_t target) {
   flipper.set_range(rule.fewest_tets, rule.most_tets);
   Smoother smoother(run.mesh, run.scores);
   Repairer repairer(run.mesh, run.scores, rule, run.tools());
+  const double compound = run.is_for_shape() ? kRepairScore : kCompoundScore;
   for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
     flip_boundary(run, flipper);
     move_boundary(run);
     if (run.is_for_shape()) smoother.sweep(1);
-    repairer.round(run.repairs_below(kRepairScore), run.repairs_below(kCompoundScore), 2);
+    repairer.round(run.repairs_below(kRepairScore), run.repairs_below(compound), 2);
   }
 }
 
@@ -285,9 +145,6 @@ void validate_options(const SurfaceOptions& options) {
 
 namespace {
 
-/// Which way to the count: straight, or the skin as coarse as the bound permits first, whatever the count is.
-enum class Way : std::uint8_t { kStraight, kFarthest };
-
 /// simplify_surface with tets scored for one thing, and a longer step made in the end if the options want it.
 SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, Objective scored, Way way) {
   const bool to_limit = !options.stop.tets && !options.stop.ratio;
@@ -297,7 +154,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
     coarsen_to_limit(run);
     target = std::min(run.report.tets_in, static_cast<std::uint64_t>(run.tets_for_faces()));
   } else {
-    coarsen_to(run, way == Way::kFarthest ? 1.0 : static_cast<double>(target), target);
+    coarsen_to(run, way == Way::kFarthest ? 1.0 : static_cast<double>(target), target, way);
   }
   RefinedOptions inside;
   target = std::max<std::uint64_t>(1, target);
@@ -317,6 +174,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
   } else {
     refined = refine_inside(run, mesh, [&](TetMesh& body) { return simplify_refined(body, inside); });
     press_on(run, target, static_cast<double>(target));
+    if (run.evens_boundary()) make_up_for_last(run, window_of(run, target).fewest_tets, target);
   }
   if (run.takes_boundary()) polish(run, target);
   if (options.objective == Objective::kStableStep) {

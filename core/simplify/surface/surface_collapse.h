@@ -23,6 +23,7 @@ struct SurfaceCollapseOptions {
 /// What became of the candidates.
 struct SurfaceReport {
   std::uint64_t collapses = 0;          ///< of boundary edges
+  std::uint64_t splits = 0;             ///< of boundary edges
   std::uint64_t flips = 0;              ///< of boundary edges
   std::uint64_t moves = 0;              ///< of boundary vertices
   std::uint64_t rejected_link = 0;      ///< the mesh or its boundary would be no manifold

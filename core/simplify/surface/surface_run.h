@@ -89,6 +89,9 @@ struct SurfaceRun {
   /// Whether what the bound permits is there to be spent on shapes.
   bool spends_bound() const { return is_for_shape() && !options.sparing; }
 
+  /// Whether the skin that was coarsened, or may be, is evened out for the best shapes.
+  bool evens_boundary() const { return is_for_shape() && takes_boundary(); }
+
   /// Whether the skin is worked on: where it was coarsened, or where the bound is there to be spent.
   bool takes_boundary() const { return report.surface.collapses > 0 || spends_bound(); }
 
@@ -103,6 +106,11 @@ struct SurfaceRun {
     return static_cast<std::uint64_t>(std::ceil(area / (kFaceShare * edge * edge)));
   }
 
+  /// The length of edges of a skin of so many boundary faces.
+  double edge_of_skin(std::size_t faces) const {
+    return std::sqrt(area / (kFaceShare * static_cast<double>(faces)));
+  }
+
   /// Where sizes differ, what is refused in one place must not be made up for in another: no edge that is
   /// longer than wanted is collapsed while there is a plan. Relative to the wanted size.
   double longest_for(double tets, double boundary_size) const {
@@ -112,8 +120,7 @@ struct SurfaceRun {
 
   /// The other way round: tets that go with the boundary as it is.
   double tets_for_faces() const {
-    const double edge = std::sqrt(area / (kFaceShare * static_cast<double>(boundary.size())));
-    const double inner = edge / options.boundary_size;
+    const double inner = edge_of_skin(boundary.size()) / options.boundary_size;
     return room / (kTetShare * inner * inner * inner);
   }
 };

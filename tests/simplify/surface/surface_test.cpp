@@ -151,15 +151,29 @@ double spread_of_edges(const TetMesh& mesh) {
   return std::sqrt(count * squares / (sum * sum) - 1.0);
 }
 
-TEST(SimplifySurface, SpendingTheBoundLeavesAnEvenSkin) {
+TEST(SimplifySurface, WhatWasCoarsenedHasAnEvenSkin) {
   const TetMesh input = make_marching_ring(3);
-  for (const double ratio : {0.6, 0.8}) {
-    SCOPED_TRACE(ratio);
-    SurfaceOptions options = with_bound(0.1, ratio);
-    options.sparing = false;
+  for (const bool sparing : {false, true}) {
+    for (const double ratio : {0.6, 0.8}) {
+      SCOPED_TRACE(std::to_string(sparing) + " " + std::to_string(ratio));
+      SurfaceOptions options = with_bound(0.1, ratio);
+      options.sparing = sparing;
+      const Outcome outcome = simplify_and_judge(input, options);
+      EXPECT_EQ(outcome.report.stop, "ratio");
+      EXPECT_GT(outcome.report.surface.splits, 0U);
+      EXPECT_LT(spread_of_edges(outcome.mesh), 0.215);  // up to 0.28 where no length is evened out
+    }
+  }
+}
+
+TEST(SimplifySurface, ACountIsMissedByNoMoreThanTheLastChange) {
+  const TetMesh input = make_bulged_block(8, 4);
+  for (std::uint64_t tets = 300; tets <= 600; tets += 50) {
+    SurfaceOptions options = with_bound(0.5);
+    options.stop.tets = tets;
     const Outcome outcome = simplify_and_judge(input, options);
-    EXPECT_EQ(outcome.report.stop, "ratio");
-    EXPECT_LT(spread_of_edges(outcome.mesh), 0.235);  // 0.27 and 0.25 where short edges are left
+    EXPECT_LE(outcome.report.tets_out, tets);
+    EXPECT_GE(outcome.report.tets_out + 2, tets);
   }
 }
 
