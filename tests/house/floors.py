@@ -26,7 +26,7 @@ MOST_FILES = 17
 PLAN = {
     "core/base": ["."],
     "core/mesh": [".", "io", "subdivision", "shapes"],
-    "core/simplify": ["quality", "sizing", "cover", "fusion", "star_kernel", "tet_operations", "refined", "surface"],
+    "core/simplify": ["quality", "sizing", "cover", "fusion", "star_kernel", "tet_operations", "skin_guard", "refined", "surface"],
     "core/springs": ["solvers", "network", "lattice", "identification", "training"],
     "core/dynamics": ["linear_algebra", "elasticity", "finite_elements", "statics", "motion", "spring_engine", "tet_engine",
                       "position_kernel", "integrators", "time_loop", "stability", "reduced", "enriched", "pod"],

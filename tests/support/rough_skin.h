@@ -11,7 +11,7 @@
 #include "core/judge/mesh/judge.h"
 #include "core/judge/surface/surface.h"
 #include "core/mesh/geometry.h"
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/surface/surface_collapse.h"
 #include "tests/support/small_meshes.h"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 

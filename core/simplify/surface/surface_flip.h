@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/tet_operations/flips.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"

@@ -12,7 +12,7 @@
 #include "core/simplify/quality/quality.h"
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/sizing/sizing.h"
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/surface/surface_options.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 

@@ -1,7 +1,7 @@
 // Moves of boundary vertices under the guard of a GuardedBoundary.
 #pragma once
 
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/surface/surface_collapse.h"
 #include "core/simplify/tet_operations/score_rule.h"
 #include "core/simplify/tet_operations/working_mesh.h"

@@ -1,4 +1,4 @@
-#include "core/simplify/surface/feature_lines.h"
+#include "core/simplify/skin_guard/feature_lines.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // Sharp edges kept by angle: the operations on lines, and whole runs against closed forms and the judge.
-#include "core/simplify/surface/feature_lines.h"
+#include "core/simplify/skin_guard/feature_lines.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include "core/judge/surface/feature_distance.h"
 #include "core/judge/surface/surface.h"
 #include "core/mesh/shapes/shapes.h"
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/surface/surface.h"
 #include "tests/support/small_meshes.h"
 

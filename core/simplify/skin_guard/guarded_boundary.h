@@ -9,8 +9,8 @@
 
 #include "core/simplify/cover/cover_check.h"
 #include "core/simplify/sizing/triangle_tree.h"
-#include "core/simplify/surface/face_contact.h"
-#include "core/simplify/surface/feature_lines.h"
+#include "core/simplify/skin_guard/face_contact.h"
+#include "core/simplify/skin_guard/feature_lines.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {

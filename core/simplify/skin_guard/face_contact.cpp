@@ -1,4 +1,4 @@
-#include "core/simplify/surface/face_contact.h"
+#include "core/simplify/skin_guard/face_contact.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/simplify/surface/guarded_boundary.h"
+#include "core/simplify/skin_guard/guarded_boundary.h"
 
 #include <algorithm>
 #include <bit>
