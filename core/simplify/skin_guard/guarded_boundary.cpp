@@ -315,7 +315,8 @@ void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& chang
     covered_by_[f].clear();
   }
   const std::size_t slots = faces_.size();
-  make_room(slots + change.fresh.size() - std::min(change.fresh.size(), change.removed.size()));
+  if (change.fresh.size() > change.removed.size())
+    make_room(slots + change.fresh.size() - change.removed.size());
   for (std::size_t i = 0; i < change.fresh.size(); ++i) {
     const Index f = number_of_fresh(change, i, slots);
     faces_[f] = change.fresh[i];

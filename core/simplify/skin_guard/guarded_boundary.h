@@ -56,6 +56,18 @@ class GuardedBoundary {
   const Triangle& face(Index f) const { return faces_[f]; }
   std::span<const Index> faces_of(Index v) const { return of_vertex_[v]; }
 
+  /// Calls visit(a, b), a < b, for each edge of the faces, in their order. `visit` changes none of them.
+  template <typename Visit>
+  void for_each_edge(const Visit& visit) const {
+    for (Index f = 0; f < slots(); ++f) {
+      const Triangle& t = faces_[f];
+      for (std::size_t k = 0; k < 3 && is_alive(f); ++k) {
+        const Index next = t[(k + 1) % 3];
+        if (t[k] < next) visit(t[k], next);  // the other face has it the other way round
+      }
+    }
+  }
+
   /// The sharp edges to keep. The guard does not ask them by itself: a collapse along one does
   /// (permits_collapse), and nothing else may take away or move what has a rank.
   const FeatureLines& lines() const { return lines_; }

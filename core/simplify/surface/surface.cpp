@@ -1,10 +1,8 @@
 #include "core/simplify/surface/surface.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <utility>
 #include <vector>
 

@@ -79,6 +79,36 @@ void coarsen_inside(SurfaceRun& run, std::uint64_t tets,
   }
 }
 
+/// Flips and moves in the skin, where it was coarsened, and moves inside.
+void even_out(SurfaceRun& run) {
+  Smoother smoother(run.mesh, run.scores);
+  smoother.sweep(2);
+  if (!run.takes_boundary()) return;
+  BoundaryFlipper flipper = flipper_of(run);
+  flip_boundary(run, flipper);
+  move_boundary(run);
+}
+
+/// Splits edges of the skin that are too long for so many faces, as long as there are fewer.
+void split_long_edges(SurfaceRun& run, std::uint64_t faces) {
+  SurfaceSplitOptions options;
+  options.shortest = kLongEdge * run.edge_of_skin(faces);
+  options.least_score = kLeastScores.front();
+  options.face_target = static_cast<std::uint64_t>(std::ceil(kLeftForShort * static_cast<double>(faces)));
+  run.report.surface.splits += split_boundary_edges(run.mesh, run.boundary, run.scores, options);
+}
+
+/// The lengths of a skin's edges, of which collapses leave many too short and many too long: short ones go,
+/// and long ones are split in exchange. Each face more takes some three tets: `tets` have to be left for the
+/// inside to follow.
+void even_edges(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
+  cure_short_edges(run, kShortEdge, faces, tets);
+  split_long_edges(run, faces);
+  even_out(run);
+  cure_short_edges(run, kShortEdge, faces, tets);
+  even_out(run);
+}
+
 }  // namespace
 
 BoundaryFlipper flipper_of(SurfaceRun& run) {
@@ -99,40 +129,6 @@ void move_boundary(SurfaceRun& run) {
   else
     mend_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
 }
-
-namespace {
-
-/// Flips and moves in the skin, where it was coarsened, and moves inside.
-void even_out(SurfaceRun& run) {
-  Smoother smoother(run.mesh, run.scores);
-  smoother.sweep(2);
-  if (!run.takes_boundary()) return;
-  BoundaryFlipper flipper = flipper_of(run);
-  flip_boundary(run, flipper);
-  move_boundary(run);
-}
-
-/// Splits edges of the skin that are too long for so many faces, as long as there are fewer.
-std::uint64_t split_long_edges(SurfaceRun& run, std::uint64_t faces) {
-  SurfaceSplitOptions options;
-  options.shortest = kLongEdge * run.edge_of_skin(faces);
-  options.least_score = kLeastScores.front();
-  options.face_target = static_cast<std::uint64_t>(std::ceil(kLeftForShort * static_cast<double>(faces)));
-  return split_boundary_edges(run.mesh, run.boundary, run.scores, options);
-}
-
-/// The lengths of a skin's edges, of which collapses leave many too short and many too long: short ones go,
-/// and long ones are split in exchange. Each face more takes some three tets: `tets` have to be left for the
-/// inside to follow.
-void even_edges(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
-  cure_short_edges(run, kShortEdge, faces, tets);
-  run.report.surface.splits += split_long_edges(run, faces);
-  even_out(run);
-  cure_short_edges(run, kShortEdge, faces, tets);
-  even_out(run);
-}
-
-}  // namespace
 
 void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough, Way way) {
   if (run.faces_for(target) >= run.boundary.size()) return;  // the skin is coarse enough: all is refined's

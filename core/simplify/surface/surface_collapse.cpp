@@ -79,15 +79,9 @@ class BoundaryCollapser {
         changed_at_(mesh.points.size(), 0) {}
 
   void run() {
-    for (Index f = 0; f < boundary_.slots(); ++f) {
-      if (!boundary_.is_alive(f)) continue;
-      const Triangle& t = boundary_.face(f);
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index a = t[k];
-        const Index b = t[(k + 1) % 3];
-        if (a < b && may_collapse(a, b)) edges_.append(a, b);  // the other face has it the other way round
-      }
-    }
+    boundary_.for_each_edge([this](Index a, Index b) {
+      if (may_collapse(a, b)) edges_.append(a, b);
+    });
     edges_.heapify();
     std::uint64_t before = 0;
     do {

@@ -19,17 +19,10 @@ struct LongEdge {
 std::vector<LongEdge> collect_long_edges(const WorkingMesh& mesh, const GuardedBoundary& boundary,
                                          double shortest) {
   std::vector<LongEdge> edges;
-  for (Index f = 0; f < boundary.slots(); ++f) {
-    if (!boundary.is_alive(f)) continue;
-    const Triangle& t = boundary.face(f);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = t[k];
-      const Index b = t[(k + 1) % 3];
-      if (a > b) continue;  // the other face has it the other way round
-      const double square = length_sq(mesh.points[b] - mesh.points[a]);
-      if (square > shortest * shortest && !boundary.lines().is_line(a, b)) edges.push_back({square, a, b});
-    }
-  }
+  boundary.for_each_edge([&](Index a, Index b) {
+    const double square = length_sq(mesh.points[b] - mesh.points[a]);
+    if (square > shortest * shortest && !boundary.lines().is_line(a, b)) edges.push_back({square, a, b});
+  });
   std::sort(edges.begin(), edges.end(), [](const LongEdge& x, const LongEdge& y) {
     return std::tuple(-x.length_sq, x.a, x.b) < std::tuple(-y.length_sq, y.a, y.b);
   });

@@ -19,12 +19,7 @@ constexpr double kBound = 0.3;
 /// Each edge of the skin, once.
 std::vector<std::array<Index, 2>> edges_of(const GuardedBoundary& boundary) {
   std::vector<std::array<Index, 2>> edges;
-  for (Index f = 0; f < boundary.slots(); ++f) {
-    const Triangle& t = boundary.face(f);
-    for (std::size_t k = 0; k < 3 && boundary.is_alive(f); ++k) {
-      if (t[k] < t[(k + 1) % 3]) edges.push_back({t[k], t[(k + 1) % 3]});
-    }
-  }
+  boundary.for_each_edge([&](Index a, Index b) { edges.push_back({a, b}); });
   return edges;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "core/simplify/surface/surface_flip.h"
 #include "core/simplify/surface/surface_smoothing.h"
 #include "tests/support/refined_checks.h"
@@ -20,12 +22,9 @@ std::uint64_t split(GuardedSkin& skin, const SurfaceSplitOptions& options) {
 
 double longest_edge(const GuardedSkin& skin) {
   double longest = 0.0;
-  for (Index f = 0; f < skin.boundary.slots(); ++f) {
-    if (!skin.boundary.is_alive(f)) continue;
-    const Triangle& t = skin.boundary.face(f);
-    for (std::size_t k = 0; k < 3; ++k)
-      longest = std::max(longest, length(skin.mesh.points[t[k]] - skin.mesh.points[t[(k + 1) % 3]]));
-  }
+  skin.boundary.for_each_edge([&](Index a, Index b) {
+    longest = std::max(longest, length(skin.mesh.points[b] - skin.mesh.points[a]));
+  });
   return longest;
 }
 
