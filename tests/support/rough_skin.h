@@ -41,8 +41,10 @@ struct GuardedSkin {
   simplify::ScoreRule scores;
   simplify::SurfaceReport report;
 
-  GuardedSkin(const TetMesh& given, double bound, double feature_deg = 0.0)
+  GuardedSkin(const TetMesh& given, double bound, double feature_deg = 0.0,
+              const simplify::SizingOptions& sizing = {})
       : input(given),
+        field(sizing, given),
         mesh(simplify::build_working_mesh(TetMesh(given), field)),
         boundary(mesh, bound, feature_deg),
         scores(simplify::scale_of_ideal_volume(total_volume(given) / static_cast<double>(given.tets.size()),

@@ -8,8 +8,8 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "core/simplify/refined/body_rate.h"
 #include "core/simplify/refined/refined.h"
-#include "core/simplify/refined/vertex_rate.h"
 #include "core/simplify/surface/surface_coarsening.h"
 #include "core/simplify/surface/surface_run.h"
 #include "core/simplify/tet_operations/smoothing.h"
@@ -205,7 +205,8 @@ SurfaceRunReport simplify_by(TetMesh& mesh, const SurfaceOptions& options, Way w
   SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality, way);
   const bool is_short = report.stop == "limit";
   const bool is_other_short = other_report.stop == "limit";
-  const bool is_better = is_short == is_other_short ? greatest_rate(other) < greatest_rate(mesh) : is_short;
+  const bool is_better =
+      is_short == is_other_short ? greatest_rate_of_body(other) < greatest_rate_of_body(mesh) : is_short;
   if (!is_better) return report;
   mesh = std::move(other);
   return other_report;

@@ -82,15 +82,16 @@ struct SurfaceRun {
   double flips_below(double score) const { return scores.far().flip_share * score; }
   double repairs_below(double score) const { return scores.far().repair_share * score; }
 
-  /// Whether skin and inside are evened out for the best shapes. That leads away from sizes that are wanted,
-  /// and from what makes a step longer.
-  bool is_for_shape() const { return options.objective == Objective::kShape && field.is_empty(); }
+  /// Whether skin and inside are evened out for the best shapes. Moves and flips for the sum of gains lead
+  /// away from sizes that are wanted.
+  bool is_for_shape() const { return options.objective != Objective::kQuality && field.is_empty(); }
 
   /// Whether what the bound permits is there to be spent on shapes.
   bool spends_bound() const { return is_for_shape() && !options.sparing; }
 
-  /// Whether the skin that was coarsened, or may be, is evened out for the best shapes.
-  bool evens_boundary() const { return is_for_shape() && takes_boundary(); }
+  /// Whether the lengths of the skin's edges are evened out, over the sizes that are wanted, once it was
+  /// coarsened, or may be.
+  bool evens_boundary() const { return options.objective != Objective::kQuality && takes_boundary(); }
 
   /// Whether the skin is worked on: where it was coarsened, or where the bound is there to be spent.
   bool takes_boundary() const { return report.surface.collapses > 0 || spends_bound(); }

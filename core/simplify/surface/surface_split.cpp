@@ -5,26 +5,27 @@
 #include <vector>
 
 #include "core/mesh/orientation.h"
+#include "core/simplify/tet_operations/edge_heap.h"
 
 namespace palpate::simplify {
 namespace {
 
 struct LongEdge {
-  double length_sq;
-  Index a;  ///< a < b
+  double key;  ///< see key_of_edge
+  Index a;     ///< a < b
   Index b;
 };
 
 /// The boundary edges that are longer than wanted and on no feature line, the longest first.
 std::vector<LongEdge> collect_long_edges(const WorkingMesh& mesh, const GuardedBoundary& boundary,
-                                         double shortest) {
+                                         const SizingField& field, double shortest) {
   std::vector<LongEdge> edges;
   boundary.for_each_edge([&](Index a, Index b) {
-    const double square = length_sq(mesh.points[b] - mesh.points[a]);
-    if (square > shortest * shortest && !boundary.lines().is_line(a, b)) edges.push_back({square, a, b});
+    const double key = key_of_edge(mesh, field, a, b);
+    if (key > shortest * shortest && !boundary.lines().is_line(a, b)) edges.push_back({key, a, b});
   });
   std::sort(edges.begin(), edges.end(), [](const LongEdge& x, const LongEdge& y) {
-    return std::tuple(-x.length_sq, x.a, x.b) < std::tuple(-y.length_sq, y.a, y.b);
+    return std::tuple(-x.key, x.a, x.b) < std::tuple(-y.key, y.a, y.b);
   });
   return edges;
 }
@@ -96,7 +97,7 @@ std::uint64_t split_boundary_edges(WorkingMesh& mesh, GuardedBoundary& boundary,
                                    const SurfaceSplitOptions& options) {
   BoundarySplitter splitter(mesh, boundary, scores, options);
   std::uint64_t splits = 0;
-  for (const LongEdge& edge : collect_long_edges(mesh, boundary, options.shortest)) {
+  for (const LongEdge& edge : collect_long_edges(mesh, boundary, scores.field(), options.shortest)) {
     if (boundary.size() >= options.face_target || mesh.alive >= options.tet_target) break;
     if (splitter.try_split(edge.a, edge.b)) ++splits;
   }

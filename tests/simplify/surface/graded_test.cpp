@@ -102,6 +102,32 @@ TEST(GradedSizes, EdgesFollowALinearFieldInABox) {
   expect_edges_follow(Objective::kQuality, 1.2, 0.8605);
 }
 
+/// The standard deviation of length / wanted length over the edges of a skin, over their mean.
+double spread_over_wanted(const TetMesh& mesh) {
+  const SurfaceMesh skin = judge::build_boundary(mesh);
+  double count = 0.0;
+  double sum = 0.0;
+  double squares = 0.0;
+  for (const Triangle& t : skin.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& a = skin.points[t[k]];
+      const Vec3& b = skin.points[t[(k + 1) % 3]];
+      const double ratio = length(b - a) / wanted_at(0.5 * (a.x + b.x));
+      count += 1.0;
+      sum += ratio;
+      squares += ratio * ratio;
+    }
+  }
+  return std::sqrt(count * squares / (sum * sum) - 1.0);
+}
+
+TEST(GradedSizes, ACoarsenedSkinIsEvenedOutOverThem) {
+  const double evened = spread_over_wanted(surfaced(linear_grid()));
+  const double left = spread_over_wanted(surfaced(linear_grid(), Objective::kQuality));
+  EXPECT_LT(evened, 0.25);  // 0.35 where no length is evened out
+  EXPECT_LT(evened, 0.9 * left);
+}
+
 TEST(GradedSizes, RefinedFollowsInsideAndKeepsTheBoundary) {
   TetMesh graded = cube();
   RefinedOptions options;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include "core/simplify/surface/surface_flip.h"
 #include "core/simplify/surface/surface_smoothing.h"
@@ -69,6 +71,41 @@ TEST(SurfaceSplit, TheLongestGoesFirstUpToTheTargets) {
   EXPECT_EQ(split(none, options), 0U);
   EXPECT_EQ(copy_of(none.mesh).points.size(), vertices);
   expect_consistent(none.mesh);
+}
+
+TEST(SurfaceSplit, WithWantedSizesTheLongestOverThemGoesFirst) {
+  const TetMesh block = make_rough_block(1);
+  const auto [low, high] = std::minmax_element(block.points.begin(), block.points.end(),
+                                               [](const Vec3& p, const Vec3& q) { return p.x < q.x; });
+  // Ten times as long at the one end as at the other: no edge is ten times as long as another.
+  const auto wanted_at = [&](double x) { return 0.1 + 0.9 * (x - low->x) / (high->x - low->x); };
+  std::vector<double> sizes;
+  for (const Vec3& p : block.points) sizes.push_back(wanted_at(p.x));
+  SizingOptions sizing;
+  sizing.sizes = make_size_grid(block, sizes);
+  GuardedSkin skin(block, kSplitBound, 0.0, sizing);
+  std::array<Index, 2> longest{};
+  std::array<Index, 2> farthest_out{};
+  double greatest = 0.0;
+  double most = 0.0;
+  skin.boundary.for_each_edge([&](Index a, Index b) {
+    const double size = length(skin.mesh.points[b] - skin.mesh.points[a]);
+    const double over = size / skin.field.relative_size(0.5 * (skin.mesh.points[a] + skin.mesh.points[b]));
+    if (size > greatest) longest = {a, b};
+    if (over > most) farthest_out = {a, b};
+    greatest = std::max(greatest, size);
+    most = std::max(most, over);
+  });
+  ASSERT_NE(longest, farthest_out);
+  SurfaceSplitOptions options;
+  options.face_target = skin.boundary.size() + 1;
+  EXPECT_EQ(split(skin, options), 1U);
+  bool has_longest = false;
+  skin.boundary.for_each_edge([&](Index a, Index b) {
+    has_longest = has_longest || std::array{a, b} == longest;
+    EXPECT_NE((std::array{a, b}), farthest_out);
+  });
+  EXPECT_TRUE(has_longest);
 }
 
 TEST(SurfaceSplit, WhatFollowsIsHeldToTheBound) {
