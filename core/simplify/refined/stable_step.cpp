@@ -1,6 +1,7 @@
 #include "core/simplify/refined/stable_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -39,6 +40,9 @@ constexpr double kLeastGainOfRound = 0.01;
 /// So often one vertex is seen to in a round.
 constexpr int kTriesOfVertex = 4;
 
+/// Shares of a move of the skin, where it permits no more.
+constexpr std::array kSharesOfSkinMove{1.0, 0.5, 0.25, 0.125};
+
 /// Sums of this power of the rates stand for the greatest one, so that it has a gradient.
 double power_of(double x) {
   const double square = x * x;
@@ -60,8 +64,9 @@ FlipRule any_flip(FlipRule rule) {
 
 }  // namespace
 
-StepLengthener::StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window)
-    : mesh_(mesh), scores_(scores), trial_(mesh, scores_, any_flip(window)) {}
+StepLengthener::StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window,
+                               SkinMoves* skin)
+    : mesh_(mesh), scores_(scores), trial_(mesh, scores_, any_flip(window)), skin_(skin) {}
 
 void StepLengthener::renew(Index v) {
   known_[v] = measure_vertex(mesh_, v);
@@ -124,10 +129,16 @@ bool StepLengthener::improve(Index v) {
 }
 
 bool StepLengthener::try_moves(Index v) {
-  bool helped = mesh_.is_free(v) && try_move(v);
   std::vector<Index> around;
   collect_link(v, around);
-  for (const Index w : around) helped = (mesh_.is_free(w) && try_move(w)) || helped;
+  around.insert(around.begin(), v);
+  bool helped = false;
+  for (const Index w : around) {
+    if (mesh_.is_free(w))
+      helped = try_move(w) || helped;
+    else if (skin_ != nullptr && skin_->may_move(w))
+      helped = try_skin_move(w) || helped;
+  }
   return helped;
 }
 
@@ -174,15 +185,17 @@ void StepLengthener::take_star(Index v) {
 }
 
 /// Down the gradient of the sum of powers, by forward differences, as long as the greatest rate falls.
-StepLengthener::Place StepLengthener::descend(const Vec3& from, double edge) {
+StepLengthener::Place StepLengthener::descend(const Vec3& from, double edge, const Vec3& normal) {
   const double guard = std::min(star_.evaluate(from).worst, kGuardScore);
   Place here = look_at(from);
   double step = kFirstStepOfRate * edge;
   const double d = kDifferenceOfRate * edge;
+  const double size_sq = length_sq(normal);
   for (int i = 0; i < kStepsOfRate; ++i) {
-    const Vec3 gradient{look_at(here.at + Vec3{d, 0.0, 0.0}).powers - here.powers,
-                        look_at(here.at + Vec3{0.0, d, 0.0}).powers - here.powers,
-                        look_at(here.at + Vec3{0.0, 0.0, d}).powers - here.powers};
+    Vec3 gradient{look_at(here.at + Vec3{d, 0.0, 0.0}).powers - here.powers,
+                  look_at(here.at + Vec3{0.0, d, 0.0}).powers - here.powers,
+                  look_at(here.at + Vec3{0.0, 0.0, d}).powers - here.powers};
+    if (size_sq > 0.0) gradient = gradient - (dot(gradient, normal) / size_sq) * normal;
     const double norm = length(gradient);
     if (!(norm > 0.0)) break;
     bool is_better = false;
@@ -215,6 +228,25 @@ bool StepLengthener::try_move(Index v) {
   put(v, found.at);
   ++counts_.moves;
   return true;
+}
+
+/// The same for a vertex of the skin, within its plane, as far as the skin permits.
+bool StepLengthener::try_skin_move(Index v) {
+  take_star(v);
+  const Vec3 from = mesh_.points[v];
+  const double before = look_at(from).most;
+  const double guard = std::min(star_.evaluate(from).worst, kGuardScore);
+  const Vec3 whole = descend(from, length(mesh_.points[link_[0]] - from), skin_->normal_at(v)).at - from;
+  for (const double share : kSharesOfSkinMove) {
+    const Vec3 to = from + share * whole;
+    if (!(look_at(to).most < (1.0 - kLeastGain) * before)) return false;
+    if (star_.evaluate(to, guard).worst < guard || !star_.is_positive(to) || !skin_->take_move(v, to))
+      continue;
+    put(v, to);
+    ++counts_.moves;
+    return true;
+  }
+  return false;
 }
 
 /// Moves v wherever it is better, by however little.

@@ -30,18 +30,34 @@ struct StepCounts {
   std::uint64_t faces_removed = 0;
 };
 
+/// What a StepLengthener asks of a skin whose vertices may move.
+class SkinMoves {
+ public:
+  SkinMoves() = default;
+  SkinMoves(const SkinMoves&) = delete;
+  SkinMoves& operator=(const SkinMoves&) = delete;
+  virtual ~SkinMoves() = default;
+  virtual bool may_move(Index v) const = 0;
+  /// The normal of the skin at v, of any length: v moves within the plane.
+  virtual Vec3 normal_at(Index v) const = 0;
+  /// Whether the skin permits v to be there; then the skin has it there, and the caller moves it in the mesh.
+  virtual bool take_move(Index v, const Vec3& to) = 0;
+};
+
 /// Makes the longest stable step of a mesh longer: sees to the vertices with the greatest rates, one after
 /// another, by moves of free vertices around them and by flips.
 ///
 /// A change is made if the greatest rate among the vertices that it touches falls by half a percent at least,
 /// no tet is left with a score below both the worst that was there and a guard (0.08; by solid angles q 0.43,
 /// 23.6 degrees), and every tet stays positive, exactly. So the greatest rate of the mesh never rises.
-/// Boundary vertices and faces, and kept tets, stay as they are. Time: a star's gradients a trial; on organs
+/// Boundary faces and kept tets stay as they are, and boundary vertices where they are unless a skin permits
+/// moves. Time: a star's gradients a trial; on organs
 /// up to 30 times that of simplify_refined.
 class StepLengthener {
  public:
   /// Holds references to the mesh and the score rule.
-  StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window);
+  StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window,
+                 SkinMoves* skin = nullptr);
   StepLengthener(const StepLengthener&) = delete;
   StepLengthener& operator=(const StepLengthener&) = delete;
 
@@ -67,9 +83,10 @@ class StepLengthener {
   bool improve(Index v);
   bool try_moves(Index v);
   bool try_move(Index v);
+  bool try_skin_move(Index v);
   void take_star(Index v);
   Place look_at(const Vec3& place);
-  Place descend(const Vec3& from, double edge);
+  Place descend(const Vec3& from, double edge, const Vec3& normal = {});
   void settle(Index v);
   void put(Index v, const Vec3& place);
   bool try_flips(Index v, bool with_moves);
@@ -80,7 +97,8 @@ class StepLengthener {
 
   WorkingMesh& mesh_;
   ScoreRule scores_;
-  Flipper trial_;  ///< makes any flip
+  Flipper trial_;    ///< makes any flip
+  SkinMoves* skin_;  ///< null: the skin stays
   StepCounts counts_;
   std::vector<VertexRate> known_;  ///< one a vertex
   std::vector<double> rates_;      ///< theirs

@@ -12,6 +12,7 @@
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface_coarsening.h"
 #include "core/simplify/surface/surface_run.h"
+#include "core/simplify/surface/surface_smoothing.h"
 #include "core/simplify/tet_operations/smoothing.h"
 
 namespace palpate::simplify {
@@ -143,6 +144,17 @@ void validate_options(const SurfaceOptions& options) {
 
 namespace {
 
+/// Lets go of the vertices that hold the longest stable step down, those of a skin that was coarsened too:
+/// all of the bound is there for that.
+void lengthen_step(SurfaceRun& run, std::uint64_t target) {
+  run.aim_at(static_cast<double>(target));
+  const bool moves_skin = run.takes_boundary() && run.options.boundary_smoothing;
+  if (moves_skin) run.boundary.raise_bound(run.mesh, run.options.max_surface_error);
+  StepSkinMoves skin(run.mesh, run.boundary, run.report.surface);
+  StepLengthener lengthener(run.mesh, run.scores, window_of(run, target), moves_skin ? &skin : nullptr);
+  lengthener.run(kStepRounds);
+}
+
 /// simplify_surface with tets scored for one thing, and a longer step made in the end if the options want it.
 SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, Objective scored, Way way) {
   const bool to_limit = !options.stop.tets && !options.stop.ratio;
@@ -175,10 +187,7 @@ SurfaceRunReport simplify_scored(TetMesh& mesh, const SurfaceOptions& options, O
     if (run.evens_boundary()) make_up_for_last(run, window_of(run, target).fewest_tets, target);
   }
   if (run.takes_boundary()) polish(run, target);
-  if (options.objective == Objective::kStableStep) {
-    run.aim_at(static_cast<double>(target));
-    StepLengthener(run.mesh, run.scores, window_of(run, target)).run(kStepRounds);
-  }
+  if (options.objective == Objective::kStableStep) lengthen_step(run, target);
   run.report.boundary_faces_out = run.boundary.size();
   run.report.feature_edges_out = run.boundary.lines().size();
   mesh = extract_mesh(std::move(run.mesh));

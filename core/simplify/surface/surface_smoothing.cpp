@@ -127,7 +127,7 @@ void plan_move(const GuardedBoundary& boundary, Index v, BoundaryChange& change)
   change.moved = v;
 }
 
-bool may_move(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
+bool is_loose(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {
   return mesh.is_vertex_alive(v) && mesh.is_on_boundary(v) &&
          hold_on(mesh, boundary, v) == FeatureRank::kNone;
 }
@@ -221,7 +221,7 @@ void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRu
                      SurfaceReport& report) {
   BoundarySmoother smoother(mesh, boundary, scores, volume);
   for (Index v = 0; v < mesh.points.size(); ++v) {
-    if (may_move(mesh, boundary, v) && smoother.smooth(v)) ++report.moves;
+    if (is_loose(mesh, boundary, v) && smoother.smooth(v)) ++report.moves;
   }
 }
 
@@ -230,7 +230,7 @@ void mend_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule
   StarQuality star;
   BoundaryChange change;
   for (Index v = 0; v < mesh.points.size(); ++v) {
-    if (!may_move(mesh, boundary, v)) continue;
+    if (!is_loose(mesh, boundary, v)) continue;
     const Vec3 from = mesh.points[v];
     star.start(scores.at(from), from);
     add_star(mesh, v, kNoIndex, star);
@@ -251,6 +251,28 @@ void mend_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule
       break;
     }
   }
+}
+
+bool StepSkinMoves::may_move(Index v) const {
+  return is_loose(mesh_, boundary_, v);
+}
+
+Vec3 StepSkinMoves::normal_at(Index v) const {
+  return measure_fan(mesh_, boundary_, v).normal;
+}
+
+bool StepSkinMoves::take_move(Index v, const Vec3& to) {
+  Rim rim;
+  rim.take(mesh_, boundary_, v);
+  const Vec3& from = mesh_.points[v];
+  if (rim.bend(to) > kBendLeeway * rim.bend(from) + kFlat * measure_fan(mesh_, boundary_, v).edge)
+    return false;
+  plan_move(boundary_, v, change_);
+  change_.to = to;
+  if (boundary_.check(mesh_, change_) != BoundaryVerdict::kAllowed) return false;
+  boundary_.apply(mesh_, change_);
+  ++report_.moves;
+  return true;
 }
 
 }  // namespace palpate::simplify

@@ -1,6 +1,7 @@
 // Moves of boundary vertices under the guard of a GuardedBoundary.
 #pragma once
 
+#include "core/simplify/refined/stable_step.h"
 #include "core/simplify/skin_guard/guarded_boundary.h"
 #include "core/simplify/surface/surface_collapse.h"
 #include "core/simplify/tet_operations/score_rule.h"
@@ -22,5 +23,23 @@ void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRu
 /// tenth.
 void mend_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores,
                    SurfaceReport& report);
+
+/// Moves of vertices of a guarded skin that make a step longer: within the bound, none on a feature line, and
+/// none that bends the skin around by more than a fiftieth more. Counts them.
+class StepSkinMoves final : public SkinMoves {
+ public:
+  /// Holds references.
+  StepSkinMoves(const WorkingMesh& mesh, GuardedBoundary& boundary, SurfaceReport& report)
+      : mesh_(mesh), boundary_(boundary), report_(report) {}
+  bool may_move(Index v) const override;
+  Vec3 normal_at(Index v) const override;
+  bool take_move(Index v, const Vec3& to) override;
+
+ private:
+  const WorkingMesh& mesh_;
+  GuardedBoundary& boundary_;
+  SurfaceReport& report_;
+  BoundaryChange change_;
+};
 
 }  // namespace palpate::simplify

@@ -7,13 +7,16 @@
 #include <cmath>
 
 #include "core/judge/linear_elements/linear_elements.h"
+#include "core/judge/surface/feature_distance.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "core/simplify/refined/body_rate.h"
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface.h"
+#include "core/simplify/surface/surface_smoothing.h"
 #include "tests/support/refined_checks.h"
+#include "tests/support/rough_skin.h"
 #include "tests/support/small_meshes.h"
 
 namespace palpate::simplify {
@@ -143,6 +146,26 @@ TEST(StableStep, WhatIsKeptStays) {
       EXPECT_NE(std::find(mesh.points.begin(), mesh.points.end(), input.points[v]), mesh.points.end());
   }
   EXPECT_GT(kept, 10U);
+}
+
+TEST(StableStep, MovesOfASkinLetGoOfMoreWithinItsBound) {
+  constexpr double kBound = 0.2;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(seed);
+    GuardedSkin held(make_rough_block(seed), kBound);
+    StepLengthener(held.mesh, held.scores, FlipRule{}).run(kStepRounds);
+    EXPECT_EQ(held.judged(0.0).points.size(), held.input.points.size());
+    GuardedSkin moved(make_rough_block(seed), kBound);
+    StepSkinMoves moves(moved.mesh, moved.boundary, moved.report);
+    StepLengthener(moved.mesh, moved.scores, FlipRule{}, &moves).run(kStepRounds);
+    EXPECT_GT(moved.report.moves, 0U);
+    expect_consistent(moved.mesh);
+    const TetMesh output = moved.judged(kBound);
+    EXPECT_LT(greatest_rate(output), 0.9 * greatest_rate(held.judged(0.0)));
+    EXPECT_LT(judge::total_bend(judge::build_boundary(output)),
+              1.02 * judge::total_bend(judge::build_boundary(moved.input)));
+    EXPECT_NEAR(moved.volume(), total_volume(moved.input), 0.002 * total_volume(moved.input));
+  }
 }
 
 TEST(StableStep, OfSurfaceIsSeldomShorterThanThatOfEitherKindOfScores) {
