@@ -1,7 +1,7 @@
-// Fuzzing of the operations on meshes: fusions, collapses, flips, moves, repairs and coarsening of the skin,
-// one after another in any order, on bodies drawn at random, with the judge as the oracle. The audit beside
-// it runs whole methods, and operations of one kind; here each sequence is replayed by a seed and a number,
-// and a fault is made as short as it can be:
+// Fuzzing of the operations on meshes: fusions, collapses, flips, moves, repairs, and coarsening, collapses,
+// splits, flips and moves of the skin, one after another in any order, on bodies drawn at random, with the
+// judge as the oracle. The audit beside it runs whole methods, and operations of one kind; here each sequence
+// is replayed by a seed and a number, and a fault is made as short as it can be:
 //   PALPATE_OPERATIONS_SEED=7 PALPATE_OPERATIONS=912 build/release/bin/palpate_tests
 //   --gtest_filter=OperationFuzz.Replay
 // Longer, from another seed on:
@@ -116,7 +116,7 @@ struct Broken {
 
 /// The judge notices an operation that is broken, and the shortest sequence ends with that one.
 TEST(OperationFuzz, AnOperationThatIsBrokenOnPurposeIsCaughtAndCutDown) {
-  const std::array<Broken, 8> all{{
+  const std::array<Broken, 9> all{{
       {Sabotage::kMoveUnchecked, {Operation::kMove}, 100},
       {Sabotage::kMoveOnBoundary, {Operation::kMove}, 100},
       {Sabotage::kMoveKept, {Operation::kMove}, 100},
@@ -125,6 +125,7 @@ TEST(OperationFuzz, AnOperationThatIsBrokenOnPurposeIsCaughtAndCutDown) {
       {Sabotage::kFuseOnBoundary, {Operation::kFuse}, 100},
       {Sabotage::kInsertUnseen, {Operation::kInsertVertex}, 100},
       {Sabotage::kLoseTet, {Operation::kRemoveEdge}, 20},
+      {Sabotage::kSkinStrays, {Operation::kSkin}, 100},
   }};
   for (const Broken& broken : all) {
     SCOPED_TRACE("sabotage " + std::to_string(static_cast<int>(broken.sabotage)));

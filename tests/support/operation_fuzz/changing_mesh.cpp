@@ -11,6 +11,9 @@
 #include "core/mesh/topology.h"
 #include "core/simplify/refined/repair.h"
 #include "core/simplify/surface/surface.h"
+#include "core/simplify/surface/surface_flip.h"
+#include "core/simplify/surface/surface_smoothing.h"
+#include "core/simplify/surface/surface_split.h"
 #include "core/simplify/tet_operations/edge_collapse.h"
 #include "tests/support/refined_checks.h"
 
@@ -279,21 +282,82 @@ bool ChangingMesh::repair(SplitMix64& random) {
   return counts.moves + counts.edges_removed + counts.faces_removed + counts.splits + counts.insertions > 0;
 }
 
-bool ChangingMesh::coarsen_skin(SplitMix64& random) {
+bool ChangingMesh::coarsen_skin(TetMesh& mesh, double bound, SplitMix64& random) {
   simplify::SurfaceOptions options;
   options.stop.ratio = 0.05 * random.uniform();
   options.effort = static_cast<int>(random.below(2));
+  options.objective = std::array{simplify::Objective::kShape, simplify::Objective::kQuality,
+                                 simplify::Objective::kStableStep}[random.below(3)];
   options.sizing = sizing_;
-  TetMesh mesh = copy();
-  const BoundingBox box = bounding_box(mesh.points);
-  options.max_surface_error = 0.02 * random.uniform() * length(box.high - box.low);
+  options.max_surface_error = bound;
   try {
     simplify_surface(mesh, options);
   } catch (const InputError&) {
     return false;
   }
-  build(std::move(mesh));
   return true;
+}
+
+bool ChangingMesh::pass_over_skin(TetMesh& mesh, double bound, SplitMix64& random) {
+  WorkingMesh working = build_working_mesh(std::move(mesh), field_);
+  simplify::GuardedBoundary boundary(working, bound);
+  const ScoreRule scores(simplify::scale_of_ideal_volume(
+                             mean_volume_, std::array{simplify::ScoreForm::kMeanRatio,
+                                                      simplify::ScoreForm::kSolidAngle}[random.below(2)]),
+                         field_);
+  simplify::SurfaceReport report;
+  const auto least_score = [&] { return std::array{0.03, 1e-9}[random.below(2)]; };
+  for (std::uint64_t passes = 1 + random.below(4); passes > 0; --passes) {
+    const std::uint64_t few = 2 * random.below(20);
+    switch (random.below(5)) {
+      case 0: {
+        simplify::SurfaceSplitOptions options;
+        options.least_score = least_score();
+        options.face_target = boundary.size() + few;
+        options.most_tets = most_tets_;
+        report.splits += split_boundary_edges(working, boundary, scores, options);
+        break;
+      }
+      case 1: {
+        simplify::SurfaceCollapseOptions options;
+        options.least_score = least_score();
+        options.is_cure = random.below(2) == 0;
+        options.face_target = boundary.size() - std::min<std::uint64_t>(boundary.size(), few);
+        collapse_boundary_edges(working, boundary, scores, options, report);
+        break;
+      }
+      case 2: {
+        const auto aim = std::array{simplify::FlipAim::kSum, simplify::FlipAim::kWorst}[random.below(2)];
+        report.flips += simplify::BoundaryFlipper(working, boundary, scores, aim).pass(0.3);
+        break;
+      }
+      case 3: {
+        if (random.below(2) == 0)
+          smooth_boundary(working, boundary, scores, boundary.volume(working), report);
+        else
+          mend_boundary(working, boundary, scores, report);
+        break;
+      }
+      default: {
+        simplify::StepSkinMoves moves(working, boundary, report);
+        simplify::StepLengthener(working, scores, {.most_tets = most_tets_}, &moves).run(1);
+      }
+    }
+  }
+  mesh = extract_mesh(std::move(working));
+  return report.splits + report.collapses + report.flips + report.moves > 0;
+}
+
+std::optional<double> ChangingMesh::change_skin(SplitMix64& random) {
+  TetMesh mesh = copy();
+  const BoundingBox box = bounding_box(mesh.points);
+  const double bound = 0.02 * random.uniform() * length(box.high - box.low);
+  const double held = sabotage_ == Sabotage::kSkinStrays ? 10.0 * bound : bound;
+  const bool has_changed =
+      random.below(2) == 0 ? coarsen_skin(mesh, held, random) : pass_over_skin(mesh, held, random);
+  if (!has_changed) return std::nullopt;
+  build(std::move(mesh));
+  return bound;
 }
 
 /// One tet to its barycenter, if no tet around turns over.

@@ -31,8 +31,10 @@ class ChangingMesh {
   /// Tries an operation, all but kSkin, somewhere at random. Returns whether the mesh has changed.
   bool perform(Operation operation, SplitMix64& random);
 
-  /// simplify_surface by a few percent. Returns false if it refused.
-  bool coarsen_skin(SplitMix64& random);
+  /// simplify_surface by a few percent, or some passes over the skin: collapses, splits, flips, moves, and
+  /// moves for a longer step. Returns how far the skin may be from where it was, or nothing if the mesh is as
+  /// it was.
+  std::optional<double> change_skin(SplitMix64& random);
 
  private:
   struct Workshop;  ///< the working mesh and what works on it
@@ -47,6 +49,8 @@ class ChangingMesh {
   bool collapse_shortest(SplitMix64& random);
   bool repair(SplitMix64& random);
   bool fuse(SplitMix64& random);
+  bool coarsen_skin(TetMesh& mesh, double bound, SplitMix64& random);
+  bool pass_over_skin(TetMesh& mesh, double bound, SplitMix64& random);
   bool may_move(Index v) const;
   void lose_tet(Index tet);
 

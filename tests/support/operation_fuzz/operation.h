@@ -18,7 +18,7 @@ enum class Operation {
   kCollapse,      ///< of one edge, if the link condition holds and all tets stay positive
   kCollapseShortest,
   kRepair,
-  kSkin,    ///< palpate.surface takes some tets away, skin and inside
+  kSkin,    ///< palpate.surface takes some tets away, or what it is made of changes the skin in any order
   kFuse,    ///< of one tet
   kRebuild  ///< from the mesh of flips and collapses to that of fusions, or back
 };
@@ -37,7 +37,8 @@ enum class Sabotage {
   kCollapseOnBoundary,  ///< collapses take boundary vertices away
   kFuseOnBoundary,      ///< fusions take tets with a boundary vertex
   kInsertUnseen,        ///< a vertex is inserted that does not see all that is around it
-  kLoseTet              ///< removing an edge loses a tet
+  kLoseTet,             ///< removing an edge loses a tet
+  kSkinStrays           ///< changes of the skin are held to ten times the bound that they are judged by
 };
 
 }  // namespace palpate::testing_support

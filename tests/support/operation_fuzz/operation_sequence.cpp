@@ -19,7 +19,7 @@ constexpr std::array<const char*, kOperations> kNames{
 
 /// How often each is drawn, a share of the sum; fusions have a mesh and a turn of their own.
 constexpr std::array<std::uint64_t, kOperations> kWeight{320, 260, 260, 240, 60, 80, 260,
-                                                         260, 180, 8,   4,   1,  0,  10};
+                                                         260, 180, 8,   4,   6,  0,  10};
 
 constexpr std::uint64_t kWeights = std::accumulate(kWeight.begin(), kWeight.end(), std::uint64_t{0});
 
@@ -55,14 +55,20 @@ std::optional<std::string> find_fault(const TetMesh& mesh, const TetMesh& input,
   return find_kept_fault(mesh, input, changing);
 }
 
-/// What palpate.surface may not do: it may change the skin, and so the mesh that is compared with.
-std::optional<std::string> find_skin_fault(const TetMesh& mesh, const TetMesh& before,
+/// What palpate.surface may not do: it may change the skin within a bound, and so the mesh that is compared
+/// with.
+std::optional<std::string> find_skin_fault(const TetMesh& mesh, const TetMesh& before, double bound,
                                            const ChangingMesh& changing) {
   const judge::Comparison comparison = judge::compare_with_input(mesh, before);
   if (!comparison.euler_unchanged || !comparison.components_unchanged) return "another topology of the skin";
-  if (judge::count_self_intersections(judge::build_boundary(before)) == 0 &&
-      judge::count_self_intersections(judge::build_boundary(mesh)) > 0)
+  const SurfaceMesh skin = judge::build_boundary(mesh);
+  const SurfaceMesh skin_before = judge::build_boundary(before);
+  if (judge::count_self_intersections(skin_before) == 0 && judge::count_self_intersections(skin) > 0)
     return "a skin that meets itself";
+  const judge::SurfaceDistance distance = judge::measure_surface_distance(skin, skin_before);
+  const double rounding = 1e-12 * distance.diagonal;
+  if (!(distance.lower() <= bound + rounding))
+    return "a skin " + std::to_string(distance.lower()) + " off, its bound is " + std::to_string(bound);
   return find_kept_fault(mesh, before, changing);
 }
 
@@ -74,11 +80,12 @@ std::optional<std::string> perform(Operation operation, ChangingMesh& mesh, Spli
     return std::nullopt;
   }
   const TetMesh before = mesh.copy();
-  if (!mesh.coarsen_skin(random)) return std::nullopt;
+  const std::optional<double> bound = mesh.change_skin(random);
+  if (!bound) return std::nullopt;
   ++result.changed[static_cast<std::size_t>(operation)];
   const TetMesh after = mesh.copy();
   if (auto what = find_fault(before, input, mesh)) return what;  // what came before is still its own
-  if (auto what = find_skin_fault(after, before, mesh)) return what;
+  if (auto what = find_skin_fault(after, before, *bound, mesh)) return what;
   input = after;
   return std::nullopt;
 }
