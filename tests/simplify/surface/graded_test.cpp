@@ -11,6 +11,7 @@
 #include "core/mesh/topology.h"
 #include "core/simplify/refined/refined.h"
 #include "core/simplify/surface/surface.h"
+#include "tests/support/edge_spread.h"
 #include "tests/support/refined_checks.h"
 
 namespace palpate::simplify {
@@ -102,30 +103,13 @@ TEST(GradedSizes, EdgesFollowALinearFieldInABox) {
   expect_edges_follow(Objective::kQuality, 0.8605);
 }
 
-/// The standard deviation of length / wanted length over the edges of a skin, over their mean.
-double spread_over_wanted(const TetMesh& mesh) {
-  const SurfaceMesh skin = judge::build_boundary(mesh);
-  double count = 0.0;
-  double sum = 0.0;
-  double squares = 0.0;
-  for (const Triangle& t : skin.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3& a = skin.points[t[k]];
-      const Vec3& b = skin.points[t[(k + 1) % 3]];
-      const double ratio = length(b - a) / wanted_at(0.5 * (a.x + b.x));
-      count += 1.0;
-      sum += ratio;
-      squares += ratio * ratio;
-    }
-  }
-  return std::sqrt(count * squares / (sum * sum) - 1.0);
-}
-
 TEST(GradedSizes, ACoarsenedSkinIsEvenedOutOverThem) {
-  const double evened = spread_over_wanted(surfaced(linear_grid()));
-  const double left = spread_over_wanted(surfaced(linear_grid(), Objective::kQuality));
+  const auto spread_by = [](Objective objective) {
+    return spread_of_edges(surfaced(linear_grid(), objective), [](const Vec3& x) { return wanted_at(x.x); });
+  };
+  const double evened = spread_by(Objective::kShape);
   EXPECT_LT(evened, 0.25);  // 0.35 where no length is evened out
-  EXPECT_LT(evened, 0.9 * left);
+  EXPECT_LT(evened, 0.9 * spread_by(Objective::kQuality));
 }
 
 TEST(GradedSizes, RefinedFollowsInsideAndKeepsTheBoundary) {
