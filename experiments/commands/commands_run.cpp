@@ -319,8 +319,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->needs(resume);
   command
       ->add_option("--jobs", arguments->jobs,
-                   "Run cases that are not timed (timed: false) so many at a time; timed ones run\n"
-                   "alone, whatever this says")
+                   "Run cases that are not timed (timed: false) so many at a time, and make the\n"
+                   "inputs of a plan of scenes that takes no times; timed ones run alone,\n"
+                   "whatever this says")
       ->check(whole_number_from(1, 1024))
       ->type_name("N");
   command

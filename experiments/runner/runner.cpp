@@ -54,6 +54,10 @@ class Runner {
   }
 
   RunResult run() {
+    if (!prepare_beside()) {
+      result_.interrupted = true;
+      return result_;
+    }
     try {
       prepare();
     } catch (const PreparationInterrupted&) {
@@ -86,6 +90,22 @@ class Runner {
     int most = 0;
     for (std::size_t i = 0; i < cases_.size(); ++i) most = std::max(most, bounds_of(i).most);
     return plan_.run.warmup + most;
+  }
+
+  /// Fills the cache with the inputs of several scenes side by side, before they are taken from there one
+  /// after the other. Only those of a new run of all cases that takes no times: what a simplifier took is
+  /// one. Returns false if it was interrupted.
+  bool prepare_beside() {
+    const CaseChoice choice{options_.case_id, options_.only, options_.part};
+    const bool is_timed = std::find(timed_.begin(), timed_.end(), true) != timed_.end();
+    if (options_.jobs < 2 || plan_.scenes.size() < 2 || is_timed || !choice.is_all() ||
+        options_.prepare_only || folder_.earlier_provenance())
+      return true;
+    progress_.say("inputs of " + std::to_string(plan_.scenes.size()) + " scenes, " +
+                  std::to_string(options_.jobs) + " at a time");
+    const fs::path place = fs::absolute(folder_.fresh_scratch());
+    return prepare_side_by_side(plan_.subjects,
+                                {plan_.file, place, threads_, options_.jobs, options_.stop_flag});
   }
 
   /// Plan, inputs and provenance: made, or taken up and compared.

@@ -62,6 +62,44 @@ class PartsRunTest : public testing::Test {
     return records;
   }
 
+  /// A plan of three scenes that no other test has: what lies in the cache from before would be found as
+  /// well.
+  std::string add_scenes_plan(const std::string& run) {
+    const std::string scene =
+        "schema: palpate/scene/1\nmesh: {make: cube, vertices: 64, length_m: 0.1}\n"
+        "material: {young_modulus_pa: MODULUS, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
+        "clamp: [{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e+6}]\n"
+        "load: [{gravity_m_s2: [0, 0, -9.81]}]\nanalysis: static\n";
+    std::string scenes;
+    for (const std::string name : {"soft", "firm", "other"}) {
+      std::string text = scene;
+      const std::string modulus =
+          std::to_string(9000 + scenes.size() + run.size()) + "." + std::to_string(::getpid());
+      text.replace(text.find("MODULUS"), 7, modulus);
+      fixture_.folder().add(name + ".yaml", text);
+      scenes += (scenes.empty() ? "{name: " : ", {name: ") + name + ", file: " + name + ".yaml}";
+    }
+    return fixture_.folder()
+        .add("deform.yaml", "schema: palpate/plan/1\nquestion: q\ncontest: deform\nscenes: [" + scenes +
+                                "]\nreference: {method: fem.p2, levels: 2}\n"
+                                "contestants: [{method: fem.p1, label: p1}]\nrun: {repeats: 1, warmup: 0, " +
+                                run + "}\nmeasure: [displacement_l2]\n")
+        .string();
+  }
+
+  /// The scenes all levels of whose references were in the cache.
+  std::set<std::string> scenes_from_cache(const std::string& name) const {
+    std::set<std::string> found;
+    for (const json& record : read_records(folder(name) + "/records.jsonl")) {
+      if (!record.at("contestant").is_null()) continue;
+      const json& levels = record.at("judge").at("level_reports");
+      if (std::all_of(levels.begin(), levels.end(),
+                      [](const json& level) { return level.at("from_cache").get<bool>(); }))
+        found.insert(record.at("scene").at("name").get<std::string>());
+    }
+    return found;
+  }
+
   json provenance_of(const std::string& name) const {
     return json::parse(test::bytes_of(fixture_.folder() / name / "provenance.json"));
   }
@@ -275,40 +313,26 @@ TEST_F(PartsRunTest, PreparingMakesInputsAndRunsNothing) {
 }
 
 TEST_F(PartsRunTest, WhatWasPreparedSideBySideIsFoundByTheRun) {
-  const std::string scene =
-      "schema: palpate/scene/1\nmesh: {make: cube, vertices: 64, length_m: 0.1}\n"
-      "material: {young_modulus_pa: MODULUS, poisson_ratio: 0.3, density_kg_m3: 1000}\n"
-      "clamp: [{half_space: {normal: [0, 0, 1], offset_m: 0}, elastic_pa_per_m: 1.0e+6}]\n"
-      "load: [{gravity_m_s2: [0, 0, -9.81]}]\nanalysis: static\n";
-  std::string scenes;
-  for (const std::string name : {"soft", "firm", "other"}) {
-    std::string text = scene;
-    // No other test's: what lies in the cache from before would be found as well.
-    const std::string modulus = std::to_string(9000 + scenes.size()) + "." + std::to_string(::getpid());
-    text.replace(text.find("MODULUS"), 7, modulus);
-    fixture_.folder().add(name + ".yaml", text);
-    scenes += (scenes.empty() ? "{name: " : ", {name: ") + name + ", file: " + name + ".yaml}";
-  }
-  const std::string plan =
-      fixture_.folder()
-          .add("deform.yaml", "schema: palpate/plan/1\nquestion: q\ncontest: deform\nscenes: [" + scenes +
-                                  "]\nreference: {method: fem.p2, levels: 2}\n"
-                                  "contestants: [{method: fem.p1, label: p1}]\nrun: {repeats: 1, warmup: 0}\n"
-                                  "measure: [displacement_l2]\n")
-          .string();
+  const std::string plan = add_scenes_plan("timed: true");
   SideBySide setting;
   setting.plan = plan;
   setting.folder = folder("ahead");
   setting.jobs = 2;
   EXPECT_TRUE(prepare_side_by_side({"soft", "firm"}, setting));
   EXPECT_FALSE(std::filesystem::exists(folder("ahead") + "/soft/records.jsonl"));
-  ASSERT_EQ(run(plan, "all").exit_code, 0);
-  for (const json& record : read_records(folder("all") + "/records.jsonl")) {
-    if (!record.at("contestant").is_null()) continue;
-    const std::string name = record.at("scene").at("name").get<std::string>();
-    for (const json& level : record.at("judge").at("level_reports"))
-      EXPECT_EQ(level.at("from_cache").get<bool>(), name != "other") << record.dump();
-  }
+  ASSERT_EQ(run(plan, "all", {"--jobs", "2"}).exit_code, 0);
+  EXPECT_EQ(scenes_from_cache("all"), (std::set<std::string>{"firm", "soft"})) << "a timed run makes its own";
+}
+
+TEST_F(PartsRunTest, AnUntimedRunPreparesItsScenesSideBySide) {
+  const std::string plan = add_scenes_plan("timed: false");
+  ASSERT_EQ(run(plan, "one", {"--jobs", "2", "--only", "soft"}).exit_code, 0);
+  EXPECT_EQ(scenes_from_cache("one"), std::set<std::string>{}) << "a choice of cases makes its own";
+  const ProgramResult result = run(plan, "all", {"--jobs", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.error, HasSubstr("inputs of 3 scenes, 2 at a time"));
+  EXPECT_EQ(scenes_from_cache("all"), (std::set<std::string>{"firm", "other", "soft"}));
+  EXPECT_THAT(run(plan, "all", {"--jobs", "2", "--resume"}).error, Not(HasSubstr("at a time")));
 }
 
 TEST_F(PartsRunTest, BadPartsAndPlansAreNamed) {
