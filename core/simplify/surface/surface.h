@@ -28,8 +28,12 @@ void validate_options(const SurfaceOptions& options);
 /// same bound.
 ///
 /// Sparing: an eighth of the bound is tried first, then a quarter, half and all of it, each only if the one
-/// before did not get the boundary as coarse as wanted. Without it all is taken at once, and (kShape without
-/// sizes) a boundary that is coarse enough is evened out by flips and moves too.
+/// before did not get the boundary as coarse as wanted. Without it all is taken at once, and (but by q or
+/// with sizes) a boundary that is coarse enough is evened out by flips and moves too.
+///
+/// With kStableStep two runs are made, scored by shapes and by q; the vertices that hold the step down, of a
+/// boundary that was coarsened too, are moved in the end, within all of the bound; and the mesh whose
+/// greatest_rate_of_body is the smaller one is taken.
 /// Source: docs/surface.md.
 SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options);
 
