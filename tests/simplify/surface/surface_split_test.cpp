@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "core/mesh/geometry.h"
 #include "core/simplify/surface/surface_flip.h"
 #include "core/simplify/surface/surface_smoothing.h"
 #include "tests/support/refined_checks.h"
@@ -75,10 +76,9 @@ TEST(SurfaceSplit, TheLongestGoesFirstUpToTheTargets) {
 
 TEST(SurfaceSplit, WithWantedSizesTheLongestOverThemGoesFirst) {
   const TetMesh block = make_rough_block(1);
-  const auto [low, high] = std::minmax_element(block.points.begin(), block.points.end(),
-                                               [](const Vec3& p, const Vec3& q) { return p.x < q.x; });
+  const BoundingBox box = bounding_box(block.points);
   // Ten times as long at the one end as at the other: no edge is ten times as long as another.
-  const auto wanted_at = [&](double x) { return 0.1 + 0.9 * (x - low->x) / (high->x - low->x); };
+  const auto wanted_at = [&](double x) { return 0.1 + 0.9 * (x - box.low.x) / (box.high.x - box.low.x); };
   std::vector<double> sizes;
   for (const Vec3& p : block.points) sizes.push_back(wanted_at(p.x));
   SizingOptions sizing;
