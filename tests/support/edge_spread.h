@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "core/judge/mesh/judge.h"
+#include "core/judge/surface/surface.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/tet_mesh.h"
 
