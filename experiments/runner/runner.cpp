@@ -49,15 +49,12 @@ class Runner {
         timed_(find_timed(plan, cases_)),
         states_(cases_.size()),
         halving_(plan, cases_),
-        selected_(choose_cases(plan, cases_, {options.case_id, options.only, options.part})) {
+        choice_{options.case_id, options.only, options.part},
+        selected_(choose_cases(plan, cases_, choice_)) {
     contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
   }
 
   RunResult run() {
-    if (!prepare_beside()) {
-      result_.interrupted = true;
-      return result_;
-    }
     try {
       prepare();
     } catch (const PreparationInterrupted&) {
@@ -94,18 +91,17 @@ class Runner {
 
   /// Fills the cache with the inputs of several scenes side by side, before they are taken from there one
   /// after the other. Only those of a new run of all cases that takes no times: what a simplifier took is
-  /// one. Returns false if it was interrupted.
-  bool prepare_beside() {
-    const CaseChoice choice{options_.case_id, options_.only, options_.part};
+  /// one. Throws: PreparationInterrupted.
+  void prepare_beside() {
     const bool is_timed = std::find(timed_.begin(), timed_.end(), true) != timed_.end();
-    if (options_.jobs < 2 || plan_.scenes.size() < 2 || is_timed || !choice.is_all() ||
-        options_.prepare_only || folder_.earlier_provenance())
-      return true;
+    if (options_.jobs < 2 || plan_.scenes.size() < 2 || is_timed || !choice_.is_all() ||
+        options_.prepare_only)
+      return;
     progress_.say("inputs of " + std::to_string(plan_.scenes.size()) + " scenes, " +
                   std::to_string(options_.jobs) + " at a time");
     const fs::path place = fs::absolute(folder_.fresh_scratch());
-    return prepare_side_by_side(plan_.subjects,
-                                {plan_.file, place, threads_, options_.jobs, options_.stop_flag});
+    const SideBySide setting{plan_.file, place, threads_, options_.jobs, options_.stop_flag};
+    if (!prepare_side_by_side(plan_.subjects, setting)) throw PreparationInterrupted();
   }
 
   /// Plan, inputs and provenance: made, or taken up and compared.
@@ -126,6 +122,7 @@ class Runner {
         throw InputError(folder_.paths().plan().string(), 0, "a file that can be written", error.message());
     }
     progress_.say("run " + options_.folder.string());
+    if (!then) prepare_beside();
     std::vector<const Case*> wanted;
     for (const std::size_t index : selected_) wanted.push_back(&cases_[index]);
     json known = then.value_or(now);
@@ -136,7 +133,7 @@ class Runner {
     if (!known.contains("sittings")) known["sittings"] = json::array();
     sitting_ = known["sittings"].size();
     known["sittings"].push_back(describe_sitting(now));
-    const json chosen = describe_choice({options_.case_id, options_.only, options_.part});
+    const json chosen = describe_choice(choice_);
     if (!chosen.is_null()) known["sittings"].back()["chosen"] = chosen;
     provenance_ = std::move(known);
     write_provenance();
@@ -422,6 +419,7 @@ class Runner {
   std::vector<CaseState> states_;
   HalvingRecords halving_;
   int left_out_ = 0;  ///< repeats, by halving
+  CaseChoice choice_;
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
   std::set<std::string> recorded_inputs_;

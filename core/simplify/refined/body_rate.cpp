@@ -15,9 +15,6 @@
 namespace palpate::simplify {
 namespace {
 
-/// lambda / mu at Poisson's ratio 0.3.
-constexpr double kLamePerShear = 1.5;
-
 constexpr Eigen::Index kVectors = 20;  ///< that Lanczos's method keeps
 constexpr Eigen::Index kRestarts = 100;
 constexpr double kTolerance = 1e-3;
@@ -30,18 +27,11 @@ class ScaledStiffness {
   explicit ScaledStiffness(const TetMesh& mesh) : inverse_root_(mesh.points.size(), 0.0) {
     parts_.reserve(mesh.tets.size());
     for (const Tet& t : mesh.tets) {
-      const Vec3& p = mesh.points[t[0]];
-      const Vec3 a = mesh.points[t[1]] - p;
-      const Vec3 b = mesh.points[t[2]] - p;
-      const Vec3 c = mesh.points[t[3]] - p;
-      const double six = dot(cross(a, b), c);
-      Part part{t, six / 6.0, {}};
-      part.gradients[1] = (1.0 / six) * cross(b, c);
-      part.gradients[2] = (1.0 / six) * cross(c, a);
-      part.gradients[3] = (1.0 / six) * cross(a, b);
-      part.gradients[0] = Vec3{} - part.gradients[1] - part.gradients[2] - part.gradients[3];
-      for (const Index v : t) inverse_root_[v] += 0.25 * part.volume;
-      parts_.push_back(part);
+      const std::vector<Vec3>& p = mesh.points;
+      const ShapeGradients shape = gradients_of_tet(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
+      const double volume = shape.six_volumes / 6.0;
+      for (const Index v : t) inverse_root_[v] += 0.25 * volume;
+      parts_.push_back({t, volume, shape.at_corner});
     }
     for (double& mass : inverse_root_) mass = mass > 0.0 ? 1.0 / std::sqrt(mass) : 0.0;
   }

@@ -51,11 +51,10 @@ class SkinMoves {
 /// no tet is left with a score below both the worst that was there and a guard (0.08; by solid angles q 0.43,
 /// 23.6 degrees), and every tet stays positive, exactly. So the greatest rate of the mesh never rises.
 /// Boundary faces and kept tets stay as they are, and boundary vertices where they are unless a skin permits
-/// moves. Time: a star's gradients a trial; on organs
-/// up to 30 times that of simplify_refined.
+/// moves. Time: a star's gradients a trial; on organs up to 30 times that of simplify_refined.
 class StepLengthener {
  public:
-  /// Holds references to the mesh and the score rule.
+  /// Holds references to the mesh, the score rule and the skin, if one is given: without, the skin stays.
   StepLengthener(WorkingMesh& mesh, const ScoreRule& scores, const FlipRule& window,
                  SkinMoves* skin = nullptr);
   StepLengthener(const StepLengthener&) = delete;

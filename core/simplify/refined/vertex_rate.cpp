@@ -6,27 +6,29 @@
 namespace palpate::simplify {
 namespace {
 
-/// (lambda + mu) / mu at Poisson's ratio 0.3.
-constexpr double kSpread = 2.5;
+constexpr double kSpread = kLamePerShear + 1.0;  ///< (lambda + mu) / mu
 
 }  // namespace
 
+ShapeGradients gradients_of_tet(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  ShapeGradients out;
+  out.six_volumes = dot(cross(a - p, b - p), c - p);
+  if (out.six_volumes == 0.0) return out;
+  const double inverse = 1.0 / out.six_volumes;
+  auto& [at_p, at_a, at_b, at_c] = out.at_corner;
+  at_a = inverse * cross(b - p, c - p);
+  at_b = inverse * cross(c - p, a - p);
+  at_c = inverse * cross(a - p, b - p);
+  at_p = Vec3{} - at_a - at_b - at_c;
+  return out;
+}
+
 void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::array<VertexRate*, 4>& to,
              double sign) {
-  const Vec3& a = *base[0];
-  const Vec3& b = *base[1];
-  const Vec3& c = *base[2];
-  const double six = dot(cross(a - p, b - p), c - p);
-  if (six == 0.0) return;
-  const double volume = std::abs(six) / 6.0;
-  const double inverse = 1.0 / six;
-  const Vec3 at_a = inverse * cross(b - p, c - p);
-  const Vec3 at_b = inverse * cross(c - p, a - p);
-  const Vec3 at_c = inverse * cross(a - p, b - p);
-  to[0]->add(Vec3{} - at_a - at_b - at_c, volume, sign);
-  to[1]->add(at_a, volume, sign);
-  to[2]->add(at_b, volume, sign);
-  to[3]->add(at_c, volume, sign);
+  const ShapeGradients shape = gradients_of_tet(p, *base[0], *base[1], *base[2]);
+  if (shape.six_volumes == 0.0) return;
+  const double volume = std::abs(shape.six_volumes) / 6.0;
+  for (std::size_t i = 0; i < 4; ++i) to[i]->add(shape.at_corner[i], volume, sign);
 }
 
 void VertexRate::add(const Vec3& gradient, double tet_volume, double sign) {

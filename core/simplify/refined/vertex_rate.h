@@ -26,6 +26,18 @@ struct VertexRate {
   double rate() const;
 };
 
+/// lambda / mu at Poisson's ratio 0.3.
+inline constexpr double kLamePerShear = 1.5;
+
+/// The shape functions of a tet.
+struct ShapeGradients {
+  double six_volumes = 0.0;       ///< below 0 for a tet that is turned over
+  std::array<Vec3, 4> at_corner;  ///< one a corner
+};
+
+/// Of the tet (p, a, b, c). All is 0 for a flat one.
+ShapeGradients gradients_of_tet(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+
 /// Adds the tet (p, base) to the rates of its four vertices, or takes it away (sign -1). The gradient of a
 /// vertex's shape function is the normal of the face opposite over six volumes.
 void add_tet(const Vec3& p, const std::array<const Vec3*, 3>& base, const std::array<VertexRate*, 4>& to,

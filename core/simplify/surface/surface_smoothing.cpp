@@ -119,6 +119,11 @@ class Rim {
   std::vector<Vec3> normals_;
 };
 
+/// How much the skin around a vertex may be bent after a move of it, `edge` being the longest of its faces.
+double most_bend(Rim& rim, const Vec3& from, double edge) {
+  return kBendLeeway * rim.bend(from) + kFlat * edge;
+}
+
 /// The faces around v with another place for it, which is still to be said.
 void plan_move(const GuardedBoundary& boundary, Index v, BoundaryChange& change) {
   change.removed.assign(boundary.faces_of(v).begin(), boundary.faces_of(v).end());
@@ -152,7 +157,7 @@ class BoundarySmoother {
     const StarFigures before = figures_;
     const Fan fan = measure_fan(mesh_, boundary_, v);
     rim_.take(mesh_, boundary_, v);
-    most_bend_ = kBendLeeway * rim_.bend(from) + kFlat * fan.edge;
+    most_bend_ = most_bend(rim_, from, fan.edge);
     for (const double step : kMiddleSteps) {
       if (try_place(from + step * (fan.middle - from))) break;
     }
@@ -264,9 +269,8 @@ Vec3 StepSkinMoves::normal_at(Index v) const {
 bool StepSkinMoves::take_move(Index v, const Vec3& to) {
   Rim rim;
   rim.take(mesh_, boundary_, v);
-  const Vec3& from = mesh_.points[v];
-  if (rim.bend(to) > kBendLeeway * rim.bend(from) + kFlat * measure_fan(mesh_, boundary_, v).edge)
-    return false;
+  const double edge = measure_fan(mesh_, boundary_, v).edge;
+  if (rim.bend(to) > most_bend(rim, mesh_.points[v], edge)) return false;
   plan_move(boundary_, v, change_);
   change_.to = to;
   if (boundary_.check(mesh_, change_) != BoundaryVerdict::kAllowed) return false;

@@ -52,6 +52,13 @@ TetMesh split_tets(const TetMesh& mesh) {
   return split;
 }
 
+TetMesh regular_tet(double edge) {
+  TetMesh mesh = make_regular_tet();
+  const double size = length(mesh.points[1] - mesh.points[0]);
+  for (Vec3& p : mesh.points) p = (edge / size) * p;
+  return mesh;
+}
+
 double judged_step(const TetMesh& mesh) {
   const judge::LinearElementFigures figures = judge::measure_linear_elements(mesh);
   EXPECT_EQ(figures.reason, "");
@@ -61,13 +68,7 @@ double judged_step(const TetMesh& mesh) {
 TEST(StableStep, ARegularTetIsKnown) {
   // All altitudes h = a sqrt(2 / 3): S = V n n^T / h^2, so the rate is (2.5 + 1) 4 / h^2 = 21 / a^2.
   const double a = 0.7;
-  const double s = a / std::sqrt(8.0);
-  TetMesh mesh;
-  mesh.points = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
-  mesh.tets = {{0, 2, 1, 3}};
-  if (signed_volume(mesh.points[0], mesh.points[2], mesh.points[1], mesh.points[3]) < 0.0)
-    mesh.tets = {{0, 1, 2, 3}};
-  const WorkingMesh working = build_working_mesh(std::move(mesh), SizingField());
+  const WorkingMesh working = build_working_mesh(regular_tet(a), SizingField());
   for (Index v = 0; v < 4; ++v)
     EXPECT_NEAR(measure_vertex(working, v).rate(), 21.0 / (a * a), 1e-11 / (a * a));
 }
@@ -94,14 +95,8 @@ TEST(StableStep, OfOneTetTheBodysRateIsKnown) {
   // Of all strains of a regular tet stretching it alike, u = x - c, is the stiffest: V 3 (3 lambda + 2 mu)
   // over (V / 4) sum |x - c|^2, where the sum is 1.5 a^2. The others have 16 / a^2.
   const double a = 0.7;
-  const double s = a / std::sqrt(8.0);
-  TetMesh mesh;
-  mesh.points = {{s, s, s}, {s, -s, -s}, {-s, s, -s}, {-s, -s, s}};
-  mesh.tets = {{0, 2, 1, 3}};
-  if (signed_volume(mesh.points[0], mesh.points[2], mesh.points[1], mesh.points[3]) < 0.0)
-    mesh.tets = {{0, 1, 2, 3}};
   const double stretch = 3.0 * (3.0 * 1.5 + 2.0) / (0.25 * 1.5 * a * a);
-  EXPECT_NEAR(greatest_rate_of_body(mesh), stretch, 1e-3 * stretch);
+  EXPECT_NEAR(greatest_rate_of_body(regular_tet(a)), stretch, 1e-3 * stretch);
 }
 
 TEST(StableStep, IsLongerWithTheBoundaryUntouched) {
