@@ -5,7 +5,6 @@
 #include <cstddef>
 
 #include "core/mesh/orientation.h"
-#include "core/simplify/sizing/triangle_tree.h"
 
 namespace palpate::simplify {
 namespace {
@@ -130,7 +129,6 @@ bool are_clearly_apart(const Corners& s, const Corners& t, std::size_t shared) {
 }  // namespace
 
 bool are_in_contact(const PlacedFace& a, const PlacedFace& b) {
-  if (distance_sq_of_boxes(bounding_box(a.corner), bounding_box(b.corner)) > 0.0) return false;
   PlacedFace first = a;
   PlacedFace second = b;
   const std::size_t shared = bring_shared_first(first, second);

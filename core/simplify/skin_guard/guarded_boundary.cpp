@@ -32,28 +32,12 @@ TriangleCorners corners_of(const WorkingMesh& mesh, const Triangle& t) {
   return {mesh.points[t[0]], mesh.points[t[1]], mesh.points[t[2]]};
 }
 
-std::vector<BoxedTriangle> collect_corners(const WorkingMesh& mesh, const std::vector<Triangle>& faces) {
-  std::vector<BoxedTriangle> corners;
-  corners.reserve(faces.size());
-  for (const Triangle& t : faces) corners.emplace_back(corners_of(mesh, t));
-  return corners;
-}
-
 double at_least_rounding(double max_error, const WorkingMesh& mesh) {
   double largest = 0.0;
   for (const Vec3& p : mesh.points) {
     largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   }
   return std::max(kShareOfBound * max_error, kRounding * largest);
-}
-
-double mean_edge(const std::vector<BoxedTriangle>& faces) {
-  double sum = 0.0;
-  for (const BoxedTriangle& face : faces) {
-    const TriangleCorners& t = face.corner;
-    sum += length(t[1] - t[0]) + length(t[2] - t[1]) + length(t[0] - t[2]);
-  }
-  return sum / (3.0 * static_cast<double>(std::max<std::size_t>(1, faces.size())));
 }
 
 void erase_one(std::vector<Index>& items, Index item) {
@@ -82,13 +66,12 @@ GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, doub
     : faces_(collect_faces(mesh)),
       of_vertex_(mesh.points.size()),
       alive_(faces_.size()),
-      input_faces_(faces_),
-      input_(collect_corners(mesh, faces_)),
-      tree_(mesh.points, faces_),
+      input_(mesh, faces_),
       cover_(at_least_rounding(max_error, mesh)),
+      sheet_(at_least_rounding(max_error, mesh)),
       covering_(faces_.size()),
       covered_by_(faces_.size()),
-      cell_(1.5 * mean_edge(input_)),
+      cell_(1.5 * input_.mean_edge()),
       cells_(std::bit_ceil(2 * faces_.size() + 1)),
       removed_stamp_(faces_.size(), 0),
       seen_stamp_(faces_.size(), 0),
@@ -99,7 +82,8 @@ GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, doub
     link(f);
     covering_[f] = {f};
     covered_by_[f] = {f};
-    enter_grid(f, input_[f].corner);
+    places_.push_back(input_.triangle(f));
+    enter_grid(f);
   }
   if (feature_deg > 0.0) lines_ = FeatureLines(mesh, faces_, feature_deg, at_least_rounding(max_error, mesh));
 }
@@ -109,6 +93,7 @@ void GuardedBoundary::raise_bound(const WorkingMesh& mesh, double max_error) {
   const CoverTest raised(limit);
   require(raised.limit_sq() >= cover_.limit_sq(), "guarded boundary: a bound may only grow");
   cover_ = raised;
+  sheet_ = SheetCover(limit);
   if (!lines_.is_empty()) lines_.raise_limit(limit);
 }
 
@@ -131,14 +116,14 @@ void GuardedBoundary::unlink(Index f) {
 }
 
 template <typename Visit>
-void GuardedBoundary::for_each_cell(const TriangleCorners& t, const Visit& visit) const {
-  const auto range = [&](double a, double b, double c) {
-    const auto cell = [&](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
-    return std::pair{cell(std::min({a, b, c})), cell(std::max({a, b, c}))};
+void GuardedBoundary::for_each_cell(const BoundingBox& box, const Visit& visit) const {
+  const auto range = [this](double low, double high) {
+    const auto cell = [this](double x) { return static_cast<std::int64_t>(std::floor(x / cell_)); };
+    return std::pair{cell(low), cell(high)};
   };
-  const auto [x0, x1] = range(t[0].x, t[1].x, t[2].x);
-  const auto [y0, y1] = range(t[0].y, t[1].y, t[2].y);
-  const auto [z0, z1] = range(t[0].z, t[1].z, t[2].z);
+  const auto [x0, x1] = range(box.low.x, box.high.x);
+  const auto [y0, y1] = range(box.low.y, box.high.y);
+  const auto [z0, z1] = range(box.low.z, box.high.z);
   for (std::int64_t x = x0; x <= x1; ++x) {
     for (std::int64_t y = y0; y <= y1; ++y) {
       for (std::int64_t z = z0; z <= z1; ++z) visit(hash_cell(x, y, z) & (cells_.size() - 1));
@@ -146,16 +131,12 @@ void GuardedBoundary::for_each_cell(const TriangleCorners& t, const Visit& visit
   }
 }
 
-void GuardedBoundary::enter_grid(Index f, const TriangleCorners& t) {
-  for_each_cell(t, [&](std::size_t cell) { cells_[cell].push_back(f); });
+void GuardedBoundary::enter_grid(Index f) {
+  for_each_cell(places_[f].box, [&](std::size_t cell) { cells_[cell].push_back(f); });
 }
 
-void GuardedBoundary::leave_grid(Index f, const TriangleCorners& t) {
-  for_each_cell(t, [&](std::size_t cell) { erase_one(cells_[cell], f); });
-}
-
-PlacedFace GuardedBoundary::placed(const WorkingMesh& mesh, Index f) const {
-  return {faces_[f], corners_of(mesh, faces_[f])};
+void GuardedBoundary::leave_grid(Index f) {
+  for_each_cell(places_[f].box, [&](std::size_t cell) { erase_one(cells_[cell], f); });
 }
 
 void GuardedBoundary::place_fresh(const WorkingMesh& mesh, const BoundaryChange& change) {
@@ -174,32 +155,36 @@ BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryCh
   if (of_vertex_.size() < mesh.points.size()) of_vertex_.resize(mesh.points.size());  // some were added
   for (const Index f : change.removed) removed_stamp_[f] = stamp_;
   place_fresh(mesh, change);
-  if (change.moved != kNoIndex && !cover_.is_near(change.to, tree_)) return BoundaryVerdict::kTooFar;
+  if (change.moved != kNoIndex && !cover_.is_near(change.to, input_.tree())) return BoundaryVerdict::kTooFar;
   collect_concerned(change);
-  collect_around(mesh, change);
-  if (!may_stay_near() || !input_stays_near(change) || !stays_near_input()) return BoundaryVerdict::kTooFar;
-  return touches_others(mesh, change) ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
+  collect_around(change);
+  if (!may_stay_near()) return BoundaryVerdict::kTooFar;
+  lay_tiles(change);
+  if (!input_stays_near(change) || !stays_near_input(change)) return BoundaryVerdict::kTooFar;
+  return touches_others() ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
 }
 
-bool GuardedBoundary::touches_others(const WorkingMesh& mesh, const BoundaryChange& change) {
+bool GuardedBoundary::touches_others() {
   for (std::size_t i = 0; i < fresh_.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (are_in_contact(fresh_[i], fresh_[j])) return true;
     }
   }
-  return change.fresh.empty() || std::any_of(fresh_.begin(), fresh_.end(),
-                                             [&](const PlacedFace& face) { return touches(mesh, face); });
+  return fresh_.empty() ||
+         std::any_of(fresh_.begin(), fresh_.end(), [this](const PlacedFace& face) { return touches(face); });
 }
 
 /// Whether it is in contact with a face that stays.
-bool GuardedBoundary::touches(const WorkingMesh& mesh, const PlacedFace& face) {
+bool GuardedBoundary::touches(const PlacedFace& face) {
   ++visit_;
+  const BoundingBox box = bounding_box(face.corner);
   bool found = false;
-  for_each_cell(face.corner, [&](std::size_t cell) {
+  for_each_cell(box, [&](std::size_t cell) {
     found = found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
               if (visited_[f] == visit_) return false;
               visited_[f] = visit_;
-              return !is_removed(f) && are_in_contact(face, placed(mesh, f));
+              return distance_sq_of_boxes(box, places_[f].box) == 0.0 && !is_removed(f) &&
+                     are_in_contact(face, placed(f));
             });
   });
   return found;
@@ -213,25 +198,18 @@ double GuardedBoundary::volume(const WorkingMesh& mesh) const {
   return enclosed_volume(skin);
 }
 
-std::optional<Vec3> GuardedBoundary::find_contact(const WorkingMesh& mesh) const {
+std::optional<Vec3> GuardedBoundary::find_contact() const {
   for (Index f = 0; f < faces_.size(); ++f) {
     if (!is_alive(f)) continue;
-    const PlacedFace face = placed(mesh, f);
+    const PlacedFace face = placed(f);
     bool touches = false;
-    for_each_cell(face.corner, [&](std::size_t cell) {
-      touches = touches || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index g) {
-                  return g < f && are_in_contact(face, placed(mesh, g));
-                });
+    for_each_cell(places_[f].box, [&](std::size_t cell) {
+      touches = touches || std::any_of(cells_[cell].begin(), cells_[cell].end(),
+                                       [&](Index g) { return g < f && are_in_contact(face, placed(g)); });
     });
     if (touches) return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
   }
   return std::nullopt;
-}
-
-/// Corners of the current faces are near the input, and the only one of another place was looked at.
-bool GuardedBoundary::stays_near_input() {
-  return std::all_of(fresh_.begin(), fresh_.end(),
-                     [&](const PlacedFace& face) { return cover_.is_inside_covered(face.corner, tree_); });
 }
 
 /// The input's triangles that the removed faces cover.
@@ -247,44 +225,76 @@ void GuardedBoundary::collect_concerned(const BoundaryChange& change) {
   }
 }
 
-/// Faces that stay, at the outline of the change.
-void GuardedBoundary::collect_around(const WorkingMesh& mesh, const BoundaryChange& change) {
+/// Faces that stay: those at the outline of the change, and those that cover the rest of what it concerns.
+void GuardedBoundary::collect_around(const BoundaryChange& change) {
   around_.clear();
   candidates_.clear();
   for (const PlacedFace& face : fresh_) candidates_.emplace_back(face.corner);
   for (const Triangle& t : change.fresh) {
     for (const Index v : t) {
       if (v == change.moved) continue;
-      for (const Index f : of_vertex_[v]) {
-        if (is_removed(f) || seen_stamp_[f] == stamp_) continue;
-        seen_stamp_[f] = stamp_;
-        around_.push_back(f);
-        candidates_.emplace_back(corners_of(mesh, faces_[f]));
-      }
+      for (const Index f : of_vertex_[v]) add_around(f);
     }
   }
+  for (const Index i : concerned_) {
+    for (const Index f : covering_[i]) add_around(f);
+  }
+}
+
+void GuardedBoundary::add_around(Index f) {
+  if (is_removed(f) || seen_stamp_[f] == stamp_) return;
+  seen_stamp_[f] = stamp_;
+  around_.push_back(f);
+  candidates_.push_back(places_[f]);
 }
 
 /// What is necessary for both distances, before the proof: most changes that go too far end here.
 bool GuardedBoundary::may_stay_near() {
+  std::size_t hint = 0;  // neighbours are near the same one
   for (const Index i : concerned_) {
     for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t& seen = point_stamp_[input_faces_[i][k]];
+      std::uint32_t& seen = point_stamp_[input_.face(i)[k]];
       if (seen == stamp_) continue;
       seen = stamp_;
-      if (!cover_.is_near(input_[i].corner[k], candidates_)) return false;
+      if (!cover_.is_near(input_.triangle(i).corner[k], candidates_, hint)) return false;
     }
   }
   return std::all_of(fresh_.begin(), fresh_.end(), [&](const PlacedFace& face) {
     const TriangleCorners& t = face.corner;
-    return cover_.is_near((1.0 / 3.0) * (t[0] + t[1] + t[2]), tree_);
+    return cover_.is_near((1.0 / 3.0) * (t[0] + t[1] + t[2]), input_.tree());
   });
+}
+
+/// Sees both skins along the mean normal of what would change, which is that of what would go, too.
+void GuardedBoundary::lay_tiles(const BoundaryChange& change) {
+  Vec3 direction;
+  for (const PlacedFace& face : fresh_) {
+    const TriangleCorners& t = face.corner;
+    direction = direction + cross(t[1] - t[0], t[2] - t[0]);
+  }
+  sheet_.look_against(direction, fresh_.empty() ? Vec3{} : fresh_.front().corner[0]);
+  face_tiles_.clear();
+  for (std::size_t k = 0; k < candidates_.size(); ++k) {
+    const bool is_fresh = k < fresh_.size();
+    const Triangle& number = is_fresh ? change.fresh[k] : faces_[around_[k - fresh_.size()]];
+    face_tiles_.push_back(sheet_.tile(number, candidates_[k].corner));
+  }
+  lay_input_tiles(concerned_);
+}
+
+void GuardedBoundary::lay_input_tiles(const std::vector<Index>& triangles) {
+  input_tiles_.clear();
+  for (const Index i : triangles)
+    input_tiles_.push_back(sheet_.tile(input_.face(i), input_.triangle(i).corner));
 }
 
 bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
   proof_count_ = 0;
-  for (const Index i : concerned_) {
-    if (!cover_.is_covered(input_[i], candidates_, used_)) return false;
+  for (std::size_t k = 0; k < concerned_.size(); ++k) {
+    const Index i = concerned_[k];
+    if (!sheet_.is_covered(input_tiles_[k], face_tiles_, used_) &&
+        !cover_.is_covered(input_.triangle(i), candidates_, used_))
+      return false;
     if (proofs_.size() == proof_count_) proofs_.emplace_back();
     Proof& proof = proofs_[proof_count_++];
     proof.input = i;
@@ -297,19 +307,50 @@ bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
   return true;
 }
 
+/// Corners of the current faces are near the input, and the only one of another place was looked at.
+bool GuardedBoundary::stays_near_input(const BoundaryChange& change) {
+  std::vector<std::size_t>& left = open_faces_;
+  left.clear();
+  for (std::size_t k = 0; k < fresh_.size(); ++k) {
+    if (!sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) left.push_back(k);
+  }
+  if (left.empty()) return true;
+  widen_concerned();
+  return std::all_of(left.begin(), left.end(), [&](std::size_t k) {
+    const TriangleCorners& t = fresh_[k].corner;
+    sheet_.look_against(cross(t[1] - t[0], t[2] - t[0]), t[0]);
+    lay_input_tiles(concerned_);
+    return sheet_.is_covered(sheet_.tile(change.fresh[k], t), input_tiles_, used_) ||
+           cover_.is_inside_covered(t, input_.tree());
+  });
+}
+
+/// Adds the triangles beside those that a change concerns.
+void GuardedBoundary::widen_concerned() {
+  const std::size_t count = concerned_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    for (const Index i : input_.neighbours(concerned_[k])) {
+      if (i == kNoIndex || input_stamp_[i] == stamp_) continue;
+      input_stamp_[i] = stamp_;
+      concerned_.push_back(i);
+    }
+  }
+}
+
 void GuardedBoundary::make_room(std::size_t faces) {
   faces_.resize(faces);
   covered_by_.resize(faces);
+  places_.resize(faces, places_.front());
   removed_stamp_.resize(faces, 0);
   seen_stamp_.resize(faces, 0);
   visited_.resize(faces, 0);
 }
 
-void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& change) {
+void GuardedBoundary::apply(const BoundaryChange& change) {
   require(fresh_.size() == change.fresh.size(),
           "guarded boundary: the change is not the one that was checked");
   for (const Index f : change.removed) {
-    leave_grid(f, corners_of(mesh, faces_[f]));
+    leave_grid(f);
     unlink(f);
     faces_[f][0] = kNoIndex;
     covered_by_[f].clear();
@@ -321,7 +362,8 @@ void GuardedBoundary::apply(const WorkingMesh& mesh, const BoundaryChange& chang
     const Index f = number_of_fresh(change, i, slots);
     faces_[f] = change.fresh[i];
     link(f);
-    enter_grid(f, fresh_[i].corner);
+    places_[f] = candidates_[i];
+    enter_grid(f);
   }
   alive_ = alive_ + change.fresh.size() - change.removed.size();
   for (std::size_t k = 0; k < proof_count_; ++k) {

@@ -8,9 +8,10 @@
 #include <vector>
 
 #include "core/simplify/cover/cover_check.h"
-#include "core/simplify/sizing/triangle_tree.h"
+#include "core/simplify/cover/sheet_cover.h"
 #include "core/simplify/skin_guard/face_contact.h"
 #include "core/simplify/skin_guard/feature_lines.h"
+#include "core/simplify/skin_guard/input_skin.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -78,13 +79,13 @@ class GuardedBoundary {
 
   /// The middle of a face that is in contact with another one now, if there is one. Time: linear in the faces
   /// where few meet.
-  std::optional<Vec3> find_contact(const WorkingMesh& mesh) const;
+  std::optional<Vec3> find_contact() const;
 
   /// Whether a change keeps two-sided distance and embedding. Remembers the proof for apply().
   BoundaryVerdict check(const WorkingMesh& mesh, const BoundaryChange& change);
 
-  /// Carries out the change that was checked last. Call it before the mesh changes.
-  void apply(const WorkingMesh& mesh, const BoundaryChange& change);
+  /// Carries out the change that was checked last; the caller does so in the mesh.
+  void apply(const BoundaryChange& change);
 
  private:
   /// A triangle of the input's skin that a change concerns, and the current faces that would cover it.
@@ -94,43 +95,50 @@ class GuardedBoundary {
   };
 
   void make_room(std::size_t faces);
-  bool touches_others(const WorkingMesh& mesh, const BoundaryChange& change);
-  bool touches(const WorkingMesh& mesh, const PlacedFace& face);
+  bool touches_others();
+  bool touches(const PlacedFace& face);
   bool may_stay_near();
-  bool stays_near_input();
+  void lay_tiles(const BoundaryChange& change);
+  void lay_input_tiles(const std::vector<Index>& triangles);
   bool input_stays_near(const BoundaryChange& change);
+  bool stays_near_input(const BoundaryChange& change);
+  void widen_concerned();
   void place_fresh(const WorkingMesh& mesh, const BoundaryChange& change);
   void collect_concerned(const BoundaryChange& change);
-  void collect_around(const WorkingMesh& mesh, const BoundaryChange& change);
-  PlacedFace placed(const WorkingMesh& mesh, Index f) const;
+  void collect_around(const BoundaryChange& change);
+  void add_around(Index f);
+  PlacedFace placed(Index f) const { return {faces_[f], places_[f].corner}; }
   bool is_removed(Index f) const { return removed_stamp_[f] == stamp_; }
   void link(Index f);
   void unlink(Index f);
   template <typename Visit>
-  void for_each_cell(const TriangleCorners& t, const Visit& visit) const;
-  void enter_grid(Index f, const TriangleCorners& t);
-  void leave_grid(Index f, const TriangleCorners& t);
+  void for_each_cell(const BoundingBox& box, const Visit& visit) const;
+  void enter_grid(Index f);
+  void leave_grid(Index f);
 
   std::vector<Triangle> faces_;
   std::vector<std::vector<Index>> of_vertex_;
   std::size_t alive_ = 0;
   FeatureLines lines_;
 
-  std::vector<Triangle> input_faces_;
-  std::vector<BoxedTriangle> input_;
-  TriangleTree tree_;
+  InputSkin input_;
   CoverTest cover_;
+  SheetCover sheet_;
   std::vector<std::vector<Index>> covering_;  // of each input triangle: faces whose union is within the bound
   std::vector<std::vector<Index>> covered_by_;  // of each face: input triangles; may hold some of long ago
 
   double cell_ = 1.0;
   std::vector<std::vector<Index>> cells_;  // by hash: faces whose box meets the cell
+  std::vector<BoxedTriangle> places_;      // of each face
 
   // The change under examination.
   std::vector<PlacedFace> fresh_;
   std::vector<Index> concerned_;
   std::vector<Index> around_;
   std::vector<BoxedTriangle> candidates_;
+  std::vector<Tile> face_tiles_;   // of the candidates
+  std::vector<Tile> input_tiles_;  // of those concerned
+  std::vector<std::size_t> open_faces_;
   std::vector<Index> used_;
   std::vector<Proof> proofs_;
   std::size_t proof_count_ = 0;

@@ -263,7 +263,7 @@ class BoundaryCollapser {
   }
 
   void collapse(Index gone, Index survivor) {
-    boundary_.apply(mesh_, change_);
+    boundary_.apply(change_);
     if (hold(gone) == FeatureRank::kOnLine) boundary_.lines().collapse(gone, survivor);
     apply_collapse(mesh_, gone, survivor, change_.to);
     ++report_.collapses;

@@ -206,7 +206,7 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
     return orientation(p[t[0]], p[t[1]], p[t[2]], p[t[3]]) > 0;
   };
   if (!std::all_of(fresh_.begin(), fresh_.end(), is_positive) || !is_permitted(fan)) return false;
-  boundary_.apply(mesh_, change_);
+  boundary_.apply(change_);
   apply_flip(mesh_, std::span<const Index>(fan.tets.data(), fan.size), fresh_, added_);
   return true;
 }

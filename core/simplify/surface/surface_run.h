@@ -55,7 +55,7 @@ struct SurfaceRun {
     report.boundary_faces_in = boundary.size();
     report.feature_edges_in = boundary.lines().size();
     report.feature_corners = boundary.lines().corners();
-    report.input_contact = boundary.find_contact(mesh);
+    report.input_contact = boundary.find_contact();
     for (Index f = 0; f < boundary.slots(); ++f) {
       const Triangle& t = boundary.face(f);
       area += graded_area(t);

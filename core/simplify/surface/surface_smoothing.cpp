@@ -178,7 +178,7 @@ class BoundarySmoother {
       if (!(there.sum > worth) || there.worst < kLeastOfWorstOfSkin * before.worst ||
           !star_.is_positive(change_.to) || boundary_.check(mesh_, change_) != BoundaryVerdict::kAllowed)
         continue;
-      boundary_.apply(mesh_, change_);
+      boundary_.apply(change_);
       apply_move(mesh_, v, change_.to);
       excess_ += dot(fan.normal, share * whole) / 6.0;
       return true;
@@ -250,7 +250,7 @@ void mend_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule
       if (!(then.worst >= kWorthMending * now.worst) || !star.is_positive(change.to) ||
           boundary.check(mesh, change) != BoundaryVerdict::kAllowed)
         continue;
-      boundary.apply(mesh, change);
+      boundary.apply(change);
       apply_move(mesh, v, change.to);
       ++report.moves;
       break;
@@ -274,7 +274,7 @@ bool StepSkinMoves::take_move(Index v, const Vec3& to) {
   plan_move(boundary_, v, change_);
   change_.to = to;
   if (boundary_.check(mesh_, change_) != BoundaryVerdict::kAllowed) return false;
-  boundary_.apply(mesh_, change_);
+  boundary_.apply(change_);
   ++report_.moves;
   return true;
 }

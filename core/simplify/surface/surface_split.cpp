@@ -47,7 +47,7 @@ class BoundarySplitter {
       remove_vertex(mesh_, middle);
       return false;
     }
-    boundary_.apply(mesh_, change_);
+    boundary_.apply(change_);
     mesh_.vertex_flags[middle] = kOnBoundary;
     apply_flip(mesh_, old_, fresh_, added_);
     return true;

@@ -92,7 +92,7 @@ TEST(GuardedBoundary, ErrorsDoNotAddUpUnseen) {
   GuardedBoundary boundary(top.mesh, 0.1);
   const BoundaryChange first = top.to(boundary, {2, 2, 4.08});
   ASSERT_EQ(boundary.check(top.mesh, first), BoundaryVerdict::kAllowed);
-  boundary.apply(top.mesh, first);
+  boundary.apply(first);
   apply_move(top.mesh, top.middle, first.to);
   EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 4.16})), BoundaryVerdict::kTooFar);
   EXPECT_EQ(boundary.check(top.mesh, top.to(boundary, {2, 2, 3.92})), BoundaryVerdict::kAllowed);

@@ -137,18 +137,22 @@ TEST(SimplifySurface, NeedlesOfAScannersSkinAreCuredHoweverMuchMayBeSpent) {
 
 TEST(SimplifySurface, WhatWasCoarsenedHasAnEvenSkin) {
   const TetMesh input = make_marching_ring(3);
+  double sum = 0.0;
+  double count = 0.0;
   for (const bool sparing : {false, true}) {
-    for (const double ratio : {0.6, 0.8}) {
+    for (const double ratio : {0.6, 0.7, 0.8, 0.9}) {
       SCOPED_TRACE(std::to_string(sparing) + " " + std::to_string(ratio));
       SurfaceOptions options = with_bound(0.1, ratio);
       options.sparing = sparing;
       const Outcome outcome = simplify_and_judge(input, options);
       EXPECT_EQ(outcome.report.stop, "ratio");
       EXPECT_GT(outcome.report.surface.splits, 0U);
-      EXPECT_LT(spread_of_edges(outcome.mesh, [](const Vec3&) { return 1.0; }),
-                0.215);  // up to 0.28 where no length is evened out
+      sum += spread_of_edges(outcome.mesh, [](const Vec3&) { return 1.0; });
+      count += 1.0;
     }
   }
+  // A single one varies by a tenth with single decisions. Up to 0.28 where no length is evened out.
+  EXPECT_LT(sum / count, 0.195);
 }
 
 TEST(SimplifySurface, ACountIsMissedByNoMoreThanTheLastChange) {
