@@ -16,7 +16,6 @@ namespace palpate::simplify {
 namespace {
 
 constexpr Eigen::Index kVectors = 20;  ///< that Lanczos's method keeps
-constexpr Eigen::Index kRestarts = 100;
 constexpr double kTolerance = 1e-3;
 
 /// M^-1/2 K M^-1/2 / mu, tet by tet, as Spectra asks for it.
@@ -75,17 +74,25 @@ class ScaledStiffness {
 
 }  // namespace
 
-double greatest_rate_of_body(const TetMesh& mesh) {
+std::optional<double> greatest_rate_of_body(const TetMesh& mesh, int most_restarts) {
   if (mesh.tets.empty()) return 0.0;
   ScaledStiffness stiffness(mesh);
   Spectra::SymEigsSolver<ScaledStiffness> solver(stiffness, 1, std::min(kVectors, stiffness.rows()));
   try {
     solver.init();
-    solver.compute(Spectra::SortRule::LargestAlge, kRestarts, kTolerance);
+    solver.compute(Spectra::SortRule::LargestAlge, most_restarts, kTolerance);
   } catch (const std::runtime_error&) {  // its small tridiagonal problem can fail
-    return greatest_rate(mesh);
+    return std::nullopt;
   }
-  return solver.info() == Spectra::CompInfo::Successful ? solver.eigenvalues()[0] : greatest_rate(mesh);
+  if (solver.info() != Spectra::CompInfo::Successful) return std::nullopt;
+  return solver.eigenvalues()[0];
+}
+
+bool swings_slower(const TetMesh& a, const TetMesh& b) {
+  const std::optional<double> rate_a = greatest_rate_of_body(a);
+  const std::optional<double> rate_b = greatest_rate_of_body(b);
+  if (rate_a && rate_b) return *rate_a < *rate_b;
+  return greatest_rate(a) < greatest_rate(b);
 }
 
 }  // namespace palpate::simplify

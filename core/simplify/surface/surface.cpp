@@ -214,8 +214,7 @@ SurfaceRunReport simplify_by(TetMesh& mesh, const SurfaceOptions& options, Way w
   SurfaceRunReport other_report = simplify_scored(other, options, Objective::kQuality, way);
   const bool is_short = report.stop == "limit";
   const bool is_other_short = other_report.stop == "limit";
-  const bool is_better =
-      is_short == is_other_short ? greatest_rate_of_body(other) < greatest_rate_of_body(mesh) : is_short;
+  const bool is_better = is_short == is_other_short ? swings_slower(other, mesh) : is_short;
   if (!is_better) return report;
   mesh = std::move(other);
   return other_report;

@@ -33,7 +33,7 @@ void validate_options(const SurfaceOptions& options);
 ///
 /// With kStableStep two runs are made, scored by shapes and by q; the vertices that hold the step down, of a
 /// boundary that was coarsened too, are moved in the end, within all of the bound; and the mesh whose
-/// greatest_rate_of_body is the smaller one is taken.
+/// greatest frequency is the smaller one is taken (swings_slower).
 /// Source: docs/surface.md.
 SurfaceRunReport simplify_surface(TetMesh& mesh, const SurfaceOptions& options);
 
