@@ -159,7 +159,7 @@ BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryCh
   collect_concerned(change);
   collect_around(change);
   if (!may_stay_near()) return BoundaryVerdict::kTooFar;
-  lay_tiles(change);
+  if ((is_seen_ = reaches_beyond_limit())) lay_tiles(change);
   if (!input_stays_near(change) || !stays_near_input(change)) return BoundaryVerdict::kTooFar;
   return touches_others() ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
 }
@@ -265,6 +265,16 @@ bool GuardedBoundary::may_stay_near() {
   });
 }
 
+/// Whether an edge of the fresh faces is longer than the bound. If none is, a triangle near by is within the
+/// bound of one face, mostly, and that is found sooner than a sheet is laid.
+bool GuardedBoundary::reaches_beyond_limit() const {
+  return std::any_of(fresh_.begin(), fresh_.end(), [this](const PlacedFace& face) {
+    const TriangleCorners& t = face.corner;
+    return std::max({length_sq(t[1] - t[0]), length_sq(t[2] - t[1]), length_sq(t[0] - t[2])}) >
+           cover_.limit_sq();
+  });
+}
+
 /// Sees both skins along the mean normal of what would change, which is that of what would go, too.
 void GuardedBoundary::lay_tiles(const BoundaryChange& change) {
   Vec3 direction;
@@ -292,7 +302,7 @@ bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
   proof_count_ = 0;
   for (std::size_t k = 0; k < concerned_.size(); ++k) {
     const Index i = concerned_[k];
-    if (!sheet_.is_covered(input_tiles_[k], face_tiles_, used_) &&
+    if (!(is_seen_ && sheet_.is_covered(input_tiles_[k], face_tiles_, used_)) &&
         !cover_.is_covered(input_.triangle(i), candidates_, used_))
       return false;
     if (proofs_.size() == proof_count_) proofs_.emplace_back();
@@ -312,12 +322,13 @@ bool GuardedBoundary::stays_near_input(const BoundaryChange& change) {
   std::vector<std::size_t>& left = open_faces_;
   left.clear();
   for (std::size_t k = 0; k < fresh_.size(); ++k) {
-    if (!sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) left.push_back(k);
+    if (!is_seen_ || !sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) left.push_back(k);
   }
   if (left.empty()) return true;
-  widen_concerned();
+  if (is_seen_) widen_concerned();
   return std::all_of(left.begin(), left.end(), [&](std::size_t k) {
     const TriangleCorners& t = fresh_[k].corner;
+    if (!is_seen_) return cover_.is_inside_covered(t, input_.tree());
     sheet_.look_against(cross(t[1] - t[0], t[2] - t[0]), t[0]);
     lay_input_tiles(concerned_);
     return sheet_.is_covered(sheet_.tile(change.fresh[k], t), input_tiles_, used_) ||

@@ -98,6 +98,7 @@ class GuardedBoundary {
   bool touches_others();
   bool touches(const PlacedFace& face);
   bool may_stay_near();
+  bool reaches_beyond_limit() const;
   void lay_tiles(const BoundaryChange& change);
   void lay_input_tiles(const std::vector<Index>& triangles);
   bool input_stays_near(const BoundaryChange& change);
@@ -136,6 +137,7 @@ class GuardedBoundary {
   std::vector<Index> concerned_;
   std::vector<Index> around_;
   std::vector<BoxedTriangle> candidates_;
+  bool is_seen_ = false;           // along a direction: there are tiles
   std::vector<Tile> face_tiles_;   // of the candidates
   std::vector<Tile> input_tiles_;  // of those concerned
   std::vector<std::size_t> open_faces_;
