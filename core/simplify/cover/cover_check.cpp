@@ -198,19 +198,9 @@ bool CoverTest::is_near(const Vec3& p, const TriangleTree& by) const {
 }
 
 bool CoverTest::is_near(const Vec3& p, std::span<const BoxedTriangle> by) const {
-  std::size_t first = 0;
-  return is_near(p, by, first);
-}
-
-bool CoverTest::is_near(const Vec3& p, std::span<const BoxedTriangle> by, std::size_t& first) const {
-  const auto is_it = [&](const BoxedTriangle& b) {
+  return std::any_of(by.begin(), by.end(), [&](const BoxedTriangle& b) {
     return !is_beyond(limit_sq_, p, b) && distance_sq(p, b.corner) <= limit_sq_;
-  };
-  if (first < by.size() && is_it(by[first])) return true;
-  const auto found = std::find_if(by.begin(), by.end(), is_it);
-  if (found == by.end()) return false;
-  first = static_cast<std::size_t>(found - by.begin());
-  return true;
+  });
 }
 
 }  // namespace palpate::simplify

@@ -50,8 +50,6 @@ class CoverTest {
   /// to be covered.
   bool is_near(const Vec3& p, const TriangleTree& by) const;
   bool is_near(const Vec3& p, std::span<const BoxedTriangle> by) const;
-  /// The same; `first` is looked at first, and is then the one that was found.
-  bool is_near(const Vec3& p, std::span<const BoxedTriangle> by, std::size_t& first) const;
 
  private:
   static constexpr std::size_t kMostCorners = 12;

@@ -159,8 +159,8 @@ BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryCh
   collect_concerned(change);
   collect_around(change);
   if (!may_stay_near()) return BoundaryVerdict::kTooFar;
-  if ((is_seen_ = reaches_beyond_limit())) lay_tiles(change);
-  if (!input_stays_near(change) || !stays_near_input(change)) return BoundaryVerdict::kTooFar;
+  if ((is_seen_ = reaches_beyond_limit())) lay_tiles();
+  if (!input_stays_near(change) || !stays_near_input()) return BoundaryVerdict::kTooFar;
   return touches_others() ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
 }
 
@@ -170,14 +170,18 @@ bool GuardedBoundary::touches_others() {
       if (are_in_contact(fresh_[i], fresh_[j])) return true;
     }
   }
-  return fresh_.empty() ||
-         std::any_of(fresh_.begin(), fresh_.end(), [this](const PlacedFace& face) { return touches(face); });
+  if (fresh_.empty()) return true;
+  for (std::size_t k = 0; k < fresh_.size(); ++k) {
+    if (touches(k)) return true;
+  }
+  return false;
 }
 
-/// Whether it is in contact with a face that stays.
-bool GuardedBoundary::touches(const PlacedFace& face) {
+/// Whether a fresh face is in contact with a face that stays.
+bool GuardedBoundary::touches(std::size_t fresh) {
   ++visit_;
-  const BoundingBox box = bounding_box(face.corner);
+  const PlacedFace& face = fresh_[fresh];
+  const BoundingBox& box = candidates_[fresh].box;
   bool found = false;
   for_each_cell(box, [&](std::size_t cell) {
     found = found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
@@ -250,13 +254,12 @@ void GuardedBoundary::add_around(Index f) {
 
 /// What is necessary for both distances, before the proof: most changes that go too far end here.
 bool GuardedBoundary::may_stay_near() {
-  std::size_t hint = 0;  // neighbours are near the same one
   for (const Index i : concerned_) {
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& seen = point_stamp_[input_.face(i)[k]];
       if (seen == stamp_) continue;
       seen = stamp_;
-      if (!cover_.is_near(input_.triangle(i).corner[k], candidates_, hint)) return false;
+      if (!cover_.is_near(input_.triangle(i).corner[k], candidates_)) return false;
     }
   }
   return std::all_of(fresh_.begin(), fresh_.end(), [&](const PlacedFace& face) {
@@ -276,25 +279,22 @@ bool GuardedBoundary::reaches_beyond_limit() const {
 }
 
 /// Sees both skins along the mean normal of what would change, which is that of what would go, too.
-void GuardedBoundary::lay_tiles(const BoundaryChange& change) {
+void GuardedBoundary::lay_tiles() {
   Vec3 direction;
-  for (const PlacedFace& face : fresh_) {
-    const TriangleCorners& t = face.corner;
-    direction = direction + cross(t[1] - t[0], t[2] - t[0]);
-  }
+  for (std::size_t k = 0; k < fresh_.size(); ++k) direction = direction + candidates_[k].normal;
   sheet_.look_against(direction, fresh_.empty() ? Vec3{} : fresh_.front().corner[0]);
   face_tiles_.clear();
   for (std::size_t k = 0; k < candidates_.size(); ++k) {
     const bool is_fresh = k < fresh_.size();
-    const Triangle& number = is_fresh ? change.fresh[k] : faces_[around_[k - fresh_.size()]];
+    const Triangle& number = is_fresh ? fresh_[k].vertices : faces_[around_[k - fresh_.size()]];
     face_tiles_.push_back(sheet_.tile(number, candidates_[k].corner));
   }
-  lay_input_tiles(concerned_);
+  lay_input_tiles();
 }
 
-void GuardedBoundary::lay_input_tiles(const std::vector<Index>& triangles) {
+void GuardedBoundary::lay_input_tiles() {
   input_tiles_.clear();
-  for (const Index i : triangles)
+  for (const Index i : concerned_)
     input_tiles_.push_back(sheet_.tile(input_.face(i), input_.triangle(i).corner));
 }
 
@@ -318,21 +318,23 @@ bool GuardedBoundary::input_stays_near(const BoundaryChange& change) {
 }
 
 /// Corners of the current faces are near the input, and the only one of another place was looked at.
-bool GuardedBoundary::stays_near_input(const BoundaryChange& change) {
+bool GuardedBoundary::stays_near_input() {
+  const auto is_near = [this](const PlacedFace& face) {
+    return cover_.is_inside_covered(face.corner, input_.tree());
+  };
+  if (!is_seen_) return std::all_of(fresh_.begin(), fresh_.end(), is_near);
   std::vector<std::size_t>& left = open_faces_;
   left.clear();
   for (std::size_t k = 0; k < fresh_.size(); ++k) {
-    if (!is_seen_ || !sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) left.push_back(k);
+    if (!sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) left.push_back(k);
   }
   if (left.empty()) return true;
-  if (is_seen_) widen_concerned();
+  widen_concerned();
   return std::all_of(left.begin(), left.end(), [&](std::size_t k) {
-    const TriangleCorners& t = fresh_[k].corner;
-    if (!is_seen_) return cover_.is_inside_covered(t, input_.tree());
-    sheet_.look_against(cross(t[1] - t[0], t[2] - t[0]), t[0]);
-    lay_input_tiles(concerned_);
-    return sheet_.is_covered(sheet_.tile(change.fresh[k], t), input_tiles_, used_) ||
-           cover_.is_inside_covered(t, input_.tree());
+    const PlacedFace& face = fresh_[k];
+    sheet_.look_against(candidates_[k].normal, face.corner[0]);
+    lay_input_tiles();
+    return sheet_.is_covered(sheet_.tile(face.vertices, face.corner), input_tiles_, used_) || is_near(face);
   });
 }
 

@@ -96,13 +96,13 @@ class GuardedBoundary {
 
   void make_room(std::size_t faces);
   bool touches_others();
-  bool touches(const PlacedFace& face);
+  bool touches(std::size_t fresh);
   bool may_stay_near();
   bool reaches_beyond_limit() const;
-  void lay_tiles(const BoundaryChange& change);
-  void lay_input_tiles(const std::vector<Index>& triangles);
+  void lay_tiles();
+  void lay_input_tiles();
   bool input_stays_near(const BoundaryChange& change);
-  bool stays_near_input(const BoundaryChange& change);
+  bool stays_near_input();
   void widen_concerned();
   void place_fresh(const WorkingMesh& mesh, const BoundaryChange& change);
   void collect_concerned(const BoundaryChange& change);

@@ -171,8 +171,8 @@ TEST(SheetCover, SeesATipInsideAndARidgeAcrossASide) {
                         {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}};
   EXPECT_TRUE(Question(one, tip).holds(1.001));
   EXPECT_FALSE(Question(one, tip).holds(0.999));
-  // A roof whose ridge runs over (3, y): corners at x = 0 and 6 are 1 below it, and so is no corner of a
-  // tile.
+  // A roof whose ridge runs over (3, y): only where it crosses the sides is it 1 above the
+  // triangle.
   const SurfaceMesh roof{
       {{3, -9, 1}, {3, 19, 1}, {-9, -9, -3}, {-9, 19, -3}, {19, -9, -13. / 3}, {19, 19, -13. / 3}},
       {{0, 1, 2}, {1, 3, 2}, {0, 4, 1}, {4, 5, 1}}};
