@@ -7,6 +7,7 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,12 @@
 #include "experiments/contestants/stop.h"
 
 namespace palpate::experiments {
+
+/// Thrown out of longer work of several contestants once the stop flag rose. What was finished is kept where
+/// a later start looks for it.
+struct RunInterrupted : std::runtime_error {
+  RunInterrupted() : std::runtime_error("the run was interrupted") {}
+};
 
 /// What to ask of a contestant.
 struct ContestantTask {

@@ -9,6 +9,9 @@
 
 namespace palpate::experiments {
 
+/// After so many s a solve at rest is given up.
+inline constexpr double kReferenceTimeout = 7200.0;
+
 /// What came of it.
 struct Solution {
   ContestantAnswer answer;  ///< to be read only where `failure` is empty and it was not interrupted

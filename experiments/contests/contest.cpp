@@ -17,7 +17,7 @@ nlohmann::json mesh_facts(const std::string& name, const TetMesh& mesh, const st
 }
 
 void require_going_on(const ContestSetting& setting) {
-  if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw PreparationInterrupted();
+  if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw RunInterrupted();
 }
 
 ContestantTask start_task(const std::string& method, const std::filesystem::path& mesh,

@@ -33,10 +33,7 @@ struct ContestSetting {
   Progress& progress;
 };
 
-/// Thrown by Contest::prepare where the run is to stop: what it has made is made anew by a later start.
-struct PreparationInterrupted {};
-
-/// Throws: PreparationInterrupted once the run is to stop.
+/// Throws: RunInterrupted once the run is to stop.
 void require_going_on(const ContestSetting& setting);
 
 /// One contest over the life of a run.
@@ -46,7 +43,7 @@ class Contest {
 
   /// Makes the inputs of these cases below the run folder, or takes them up again: `earlier` is the
   /// provenance of an earlier start, or null. Returns what the provenance is to name of them, by its keys
-  /// there. Throws: InputError if an input is no longer what `earlier` names; PreparationInterrupted.
+  /// there. Throws: InputError if an input is no longer what `earlier` names; RunInterrupted.
   virtual nlohmann::json prepare(const std::vector<const Case*>& cases, const nlohmann::json& earlier) = 0;
 
   /// Appends the records of inputs that are not in `recorded` (by their case).

@@ -15,9 +15,6 @@
 
 namespace palpate::experiments {
 
-/// After so many s a solve of a reference at rest is given up.
-inline constexpr double kReferenceTimeout = 7200.0;
-
 /// Whether a support is a pad that moves.
 bool is_moved(const ElasticSupport& support);
 

@@ -38,7 +38,7 @@ nlohmann::json describe_mesh(const RunMesh& mesh);
 /// Fills `meshes` with the plan's, in its order, and says their notes: makes or reads them, or reads those
 /// that an earlier start wrote, where `earlier`, its provenance, is not null.
 /// Returns: what the provenance is to name of them; nothing new where `earlier` names them.
-/// Throws:  as obtain_mesh; InputError if a mesh is no longer what `earlier` names; PreparationInterrupted
+/// Throws:  as obtain_mesh; InputError if a mesh is no longer what `earlier` names; RunInterrupted
 ///          between two meshes, if the run is to stop.
 nlohmann::json prepare_meshes(const ContestSetting& setting, const nlohmann::json& earlier,
                               std::vector<RunMesh>& meshes);

@@ -16,8 +16,7 @@
 #include "experiments/records/untimed.h"
 #include "experiments/rounds/case_choice.h"
 #include "experiments/rounds/case_groups.h"
-#include "experiments/rounds/case_state.h"
-#include "experiments/rounds/halving.h"
+#include "experiments/rounds/case_ledger.h"
 #include "experiments/rounds/rest_time.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
@@ -47,8 +46,7 @@ class Runner {
         folder_(options.folder, options.resume),
         cases_(build_cases(plan, registry)),
         timed_(find_timed(plan, cases_)),
-        states_(cases_.size()),
-        halving_(plan, cases_),
+        ledger_(plan, cases_),
         choice_{options.case_id, options.only, options.part},
         selected_(choose_cases(plan, cases_, choice_)) {
     contest_ = make_contest({plan_, registry_, folder_, threads_, options.stop_flag, progress_});
@@ -57,7 +55,7 @@ class Runner {
   RunResult run() {
     try {
       prepare();
-    } catch (const PreparationInterrupted&) {
+    } catch (const RunInterrupted&) {
       result_.interrupted = true;
       return result_;
     }
@@ -67,13 +65,13 @@ class Runner {
     }
     if (options_.retry_failed) set_failures_aside();
     RecordFile records(folder_.paths().records());
-    load_records();
+    ledger_.load(folder_.paths().records());
     take_parts(records);
     result_.interrupted = !train_springs();
     if (!result_.interrupted) record_inputs(records);
     if (!result_.interrupted && options_.jobs > 1) run_parts(records);
     if (!result_.interrupted) run_rounds(records);
-    state_repeats(plan_.run, cases_, states_, provenance_);
+    ledger_.state_repeats(provenance_);
     write_provenance();
     summarise();
     return result_;
@@ -81,17 +79,10 @@ class Runner {
 
  private:
   const PlanContestant& contestant_of(const Case& c) const { return plan_.contestants[c.contestant]; }
-  RepeatBounds bounds_of(std::size_t index) const { return repeat_bounds(plan_.run, cases_[index]); }
-  /// The most rounds of any case, with its warm-up.
-  int rounds() const {
-    int most = 0;
-    for (std::size_t i = 0; i < cases_.size(); ++i) most = std::max(most, bounds_of(i).most);
-    return plan_.run.warmup + most;
-  }
 
   /// Fills the cache with the inputs of several scenes side by side, before they are taken from there one
   /// after the other. Only those of a new run of all cases that takes no times: what a simplifier took is
-  /// one. Throws: PreparationInterrupted.
+  /// one. Throws: RunInterrupted.
   void prepare_beside() {
     const bool is_timed = std::find(timed_.begin(), timed_.end(), true) != timed_.end();
     if (options_.jobs < 2 || plan_.scenes.size() < 2 || is_timed || !choice_.is_all() ||
@@ -101,7 +92,7 @@ class Runner {
                   std::to_string(options_.jobs) + " at a time");
     const fs::path place = fs::absolute(folder_.fresh_scratch());
     const SideBySide setting{plan_.file, place, threads_, options_.jobs, options_.stop_flag};
-    if (!prepare_side_by_side(plan_.subjects, setting)) throw PreparationInterrupted();
+    if (!prepare_side_by_side(plan_.subjects, setting)) throw RunInterrupted();
   }
 
   /// Plan, inputs and provenance: made, or taken up and compared.
@@ -129,7 +120,7 @@ class Runner {
     known.update(contest_->prepare(wanted, then.value_or(json())));
     known["cases"] = json::array();  // all of them: what is missing from the records can be told
     for (const Case& c : cases_) known["cases"].push_back(c.id);
-    state_repeats(plan_.run, cases_, states_, known);
+    ledger_.state_repeats(known);
     if (!known.contains("sittings")) known["sittings"] = json::array();
     sitting_ = known["sittings"].size();
     known["sittings"].push_back(describe_sitting(now));
@@ -156,7 +147,7 @@ class Runner {
         trained[who] = train_cached(contestant.train, {registry_, fs::absolute(folder_.fresh_scratch()),
                                                        progress_, threads_, options_.stop_flag});
       }
-    } catch (const TrainingInterrupted&) {
+    } catch (const RunInterrupted&) {
       return false;
     }
     if (trained.empty()) return true;
@@ -203,7 +194,7 @@ class Runner {
     }
     for (const fs::path& part : left) take(taker, part, records);
     fs::remove_all(folder_.paths().parts());
-    load_records();
+    ledger_.load(folder_.paths().records());
   }
 
   PartTaker make_taker() {
@@ -221,7 +212,7 @@ class Runner {
   void run_parts(RecordFile& records) {
     const std::vector<bool> free = find_free(cases_, timed_);
     std::vector<bool> due(cases_.size(), false);
-    for (const std::size_t index : selected_) due[index] = free[index] && has_due(index);
+    for (const std::size_t index : selected_) due[index] = free[index] && ledger_.has_due(index);
     const auto parts = split_cases(cases_, due, kPartsAJob * static_cast<std::size_t>(options_.jobs));
     if (parts.empty()) return;
     const SideBySide setting{plan_.file, folder_.paths().parts(), threads_, options_.jobs,
@@ -234,71 +225,24 @@ class Runner {
       progress_.reach(++done, -1.0);
     });
     fs::remove_all(folder_.paths().parts());
-    load_records();
-  }
-
-  /// What the folder's records say of cases and inputs, from the start.
-  void load_records() {
-    states_.assign(cases_.size(), {});
-    halving_ = HalvingRecords(plan_, cases_);
-    recorded_inputs_.clear();
-    failed_inputs_.clear();
-    std::map<std::string, std::size_t> index;
-    for (std::size_t i = 0; i < cases_.size(); ++i) index[cases_[i].id] = i;
-    for_each_record(folder_.paths().records(), [&](const json& record) {
-      const std::string id = record.at("case").get<std::string>();
-      const auto found = index.find(id);
-      if (found != index.end()) {
-        remember(found->second, record);
-      } else {
-        note_input(record);
-      }
-    });
-  }
-
-  /// Takes the record of a case in, and lets go of what no further repeat of it needs.
-  void remember(std::size_t index, const json& record) {
-    CaseState& state = states_[index];
-    state.remember(record, bounds_of(index));
-    if (plan_.run.halving_from > 0) halving_.add(index, record);
-    if (state.done.size() >= static_cast<std::size_t>(bounds_of(index).least) && !has_due(index))
-      state.drop_answers();
-  }
-
-  /// An input's record: that there is one, and why it failed.
-  void note_input(const json& record) {
-    const std::string id = record.at("case").get<std::string>();
-    recorded_inputs_.insert(id);
-    if (plan_.run.halving_from > 0) halving_.add_reference(record);
-    if (!record.at("contestant").is_null() || record.at("outcome") == "accepted") return;
-    failed_inputs_[id] = record.at("outcome").get<std::string>() + ": " + reason_of(record);
+    ledger_.load(folder_.paths().records());
   }
 
   void record_inputs(RecordFile& records) {
-    const bool finished = contest_->record_inputs(recorded_inputs_, [&](json record) {
+    const bool finished = contest_->record_inputs(ledger_.recorded_inputs(), [&](json record) {
       record["sitting"] = sitting_;
       records.append(record);
-      note_input(record);
+      ledger_.note_input(record);
       ++result_.records_added;
     });
     result_.interrupted = !finished;
   }
 
-  bool is_due(std::size_t index, int repeat) const {
-    return states_[index].is_due(repeat, plan_.run.warmup, bounds_of(index));
-  }
-
-  /// Whether any repeat of a case is to be run.
-  bool has_due(std::size_t index) const { return count_due(index) > 0; }
-  int count_due(std::size_t index) const {
-    return states_[index].count_due(plan_.run.warmup, bounds_of(index));
-  }
-
   void run_rounds(RecordFile& records) {
     RestTime rest;
-    for (const std::size_t index : selected_) rest.add(count_due(index), states_[index].wall_s);
+    for (const std::size_t index : selected_) rest.add(ledger_.count_due(index), ledger_.state(index).wall_s);
     progress_.start(rest.repeats());
-    for (int repeat = 0; repeat < rounds() && !result_.interrupted; ++repeat) {
+    for (int repeat = 0; repeat < ledger_.rounds() && !result_.interrupted; ++repeat) {
       run_round(repeat, records, rest);
       if (!result_.interrupted) halve(repeat + 1 - plan_.run.warmup, rest);
     }
@@ -310,19 +254,9 @@ class Runner {
 
   /// At the end of a rung, cases that cannot be on the frontier any more get no more repeats.
   void halve(int measured, RestTime& rest) {
-    const int first = plan_.run.halving_from;
-    if (first == 0 || measured >= plan_.run.repeats || !is_rung(measured, first)) return;
-    std::vector<bool> is_open(cases_.size(), false);
-    for (const std::size_t index : selected_) is_open[index] = states_[index].end != RepeatsEnd::kHalved;
-    const auto halved = find_halved(halving_.figures(plan_.run.warmup, measured), is_open);
-    for (std::size_t index = 0; index < halved.size(); ++index) {
-      if (!halved[index]) continue;
-      CaseState& state = states_[index];
-      const int due = count_due(index);
-      rest.remove(due, state.wall_s);
+    for (const auto& [index, due] : ledger_.halve(measured, selected_)) {
+      rest.remove(due, ledger_.state(index).wall_s);
       left_out_ += due;
-      state.end = RepeatsEnd::kHalved;
-      state.halved_by = cases_[*halved[index]].id;
     }
   }
 
@@ -335,7 +269,7 @@ class Runner {
     for (std::size_t place = 0; place < order.size(); ++place) position[order[place]] = place;
     std::erase_if(order, [&](std::size_t index) { return selected.count(index) == 0; });
     for (const std::size_t index : order) {
-      if (!is_due(index, repeat)) continue;
+      if (!ledger_.is_due(index, repeat)) continue;
       if (options_.stop_flag != nullptr && *options_.stop_flag != 0) result_.interrupted = true;
       if (result_.interrupted) return;
       progress_.show(cases_[index].id);
@@ -344,9 +278,9 @@ class Runner {
       (*record)["position"] = position[index];
       records.append(*record);
       ++result_.records_added;
-      rest.remove(count_due(index), states_[index].wall_s);
-      remember(index, *record);
-      rest.add(count_due(index), states_[index].wall_s);
+      rest.remove(ledger_.count_due(index), ledger_.state(index).wall_s);
+      ledger_.remember(index, *record);
+      rest.add(ledger_.count_due(index), ledger_.state(index).wall_s);
       progress_.step(rest.seconds());
     }
   }
@@ -354,7 +288,7 @@ class Runner {
   /// The stop with tets_of resolved; nothing if the case that it needs left no mesh.
   std::optional<Stop> resolve_stop(const Case& c) const {
     if (!c.tets_of) return c.stop;
-    const auto& tets = states_[*c.tets_of].tets;
+    const auto& tets = ledger_.state(*c.tets_of).tets;
     return tets ? std::optional(Stop{StopKind::kTets, *tets, c.stop.of}) : std::nullopt;
   }
 
@@ -362,18 +296,18 @@ class Runner {
   /// from.
   Case resolve_bound(const Case& c) const {
     Case resolved = c;
-    if (!c.stop.at_its_distance || !states_[*c.tets_of].distance) return resolved;
+    if (!c.stop.at_its_distance || !ledger_.state(*c.tets_of).distance) return resolved;
     const double unit_m = c.options.at(kUnitOfDistance).get<double>();
-    resolved.options[kBoundOfDistance] = unit_m * *states_[*c.tets_of].distance;
+    resolved.options[kBoundOfDistance] = unit_m * *ledger_.state(*c.tets_of).distance;
     return resolved;
   }
 
   /// Runs one repeat. Nothing comes back if it was interrupted.
   std::optional<json> run_due(std::size_t index, int repeat) {
     const Case c = resolve_bound(cases_[index]);
-    RepeatTask task{c, repeat, states_[index], resolve_stop(c), ""};
+    RepeatTask task{c, repeat, ledger_.state(index), resolve_stop(c), ""};
     if (!task.stop) task.not_run = "needs the tets of " + cases_[*c.tets_of].id + ", which left no mesh";
-    if (task.stop && c.stop.at_its_distance && !states_[*c.tets_of].distance)
+    if (task.stop && c.stop.at_its_distance && !ledger_.state(*c.tets_of).distance)
       task.not_run = "needs the distance that " + cases_[*c.tets_of].id + " strays, which has none";
     auto record =
         run_repeat({plan_, registry_, folder_, *contest_, threads_, options_.stop_flag}, std::move(task));
@@ -393,8 +327,8 @@ class Runner {
     for (const std::size_t index : selected_) {
       const Case& c = cases_[index];
       const PlanContestant& contestant = contestant_of(c);
-      result_.is_whole = result_.is_whole && !has_due(index);
-      const CaseState& state = states_[index];
+      result_.is_whole = result_.is_whole && !ledger_.has_due(index);
+      const CaseState& state = ledger_.state(index);
       if (!state.first_failure.empty()) result_.failures[c.id] = state.first_failure;
       const std::string worst = state.worst.empty() ? "not run" : state.worst;
       ++result_.outcomes[contestant.label][worst];
@@ -402,7 +336,7 @@ class Runner {
       result_.required_rejected = result_.required_rejected || worst == "rejected";
       result_.required_failed = result_.required_failed || (worst != "accepted" && worst != "rejected");
     }
-    for (const auto& [id, failure] : failed_inputs_) {
+    for (const auto& [id, failure] : ledger_.failed_inputs()) {
       result_.required_rejected = true;
       result_.failures[id] = failure;
     }
@@ -416,14 +350,11 @@ class Runner {
   RunFolder folder_;
   std::vector<Case> cases_;
   std::vector<bool> timed_;  ///< by case
-  std::vector<CaseState> states_;
-  HalvingRecords halving_;
+  CaseLedger ledger_;
   int left_out_ = 0;  ///< repeats, by halving
   CaseChoice choice_;
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;
-  std::set<std::string> recorded_inputs_;
-  std::map<std::string, std::string> failed_inputs_;  ///< case -> outcome and reason
   json provenance_;
   json node_;                ///< this machine, as times name it
   std::size_t sitting_ = 0;  ///< which of the run's starts and resumptions this is

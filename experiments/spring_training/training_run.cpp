@@ -21,8 +21,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kReferenceTimeout = 7200.0;  // s
-
 /// Solves a problem with finite elements. Returns: the file of the displacement.
 std::string solve_field(const std::string& name, const ProblemPaths& files, const std::string& method,
                         int refine, const TrainingSetting& setting) {
@@ -38,7 +36,7 @@ std::string solve_field(const std::string& name, const ProblemPaths& files, cons
   task.timeout_s = kReferenceTimeout;
   task.stop_flag = setting.stop_flag;
   const Solution solution = solve(task, "converged");
-  if (solution.interrupted) throw TrainingInterrupted();
+  if (solution.interrupted) throw RunInterrupted();
   if (!solution.failure.empty())
     throw UnavailableError(method + " on the training case " + name + " " + solution.failure);
   return fs::absolute(solution.answer.output).string();
@@ -192,7 +190,7 @@ json run_training(const TrainingPlan& plan, const TrainingSetting& setting, cons
     watch.look();
     return response.at("report");
   } catch (const UnavailableError&) {
-    if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw TrainingInterrupted();
+    if (setting.stop_flag != nullptr && *setting.stop_flag != 0) throw RunInterrupted();
     throw;
   }
 }

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 #include <string>
 
 #include "core/mesh/boundary_problem.h"
@@ -26,11 +25,6 @@ struct TrainingSetting {
   std::function<void(const std::string&)> note{};         ///< gets what a person should know; may be empty
 };
 
-/// Thrown when the stop flag rose. What was solved stays in the cache.
-struct TrainingInterrupted : std::runtime_error {
-  TrainingInterrupted() : std::runtime_error("training was interrupted") {}
-};
-
 /// Where a run leaves its constants.
 struct TrainingFiles {
   std::filesystem::path springs;  ///< as core/springs/network/springs_csv.h writes them
@@ -47,7 +41,7 @@ BoundaryProblem place_case(const TrainingPlan& plan, std::size_t clamp, std::siz
 /// reference/springs/training_run.h) and returns the report of that.
 /// Throws: InputError as build_problem does, with the case's clamp or load; UnavailableError if a program
 /// cannot
-///         run, or the elements do not converge; TrainingInterrupted.
+///         run, or the elements do not converge; RunInterrupted; what was solved stays in the cache.
 nlohmann::json run_training(const TrainingPlan& plan, const TrainingSetting& setting,
                             const TrainingFiles& files);
 
