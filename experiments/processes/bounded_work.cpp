@@ -19,6 +19,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/sanitizers.h"
 #include "experiments/processes/time_bound.h"
 #include "experiments/text/terminal.h"
 
@@ -58,16 +59,14 @@ std::uint64_t own_size() {
   return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
 }
 
-void bound_memory([[maybe_unused]] std::uint64_t bytes) {
-#ifndef PALPATE_SANITIZED
-  if (bytes == 0) return;
+void bound_memory(std::uint64_t bytes) {
+  if (bytes == 0 || kIsSanitized) return;
   rlimit bound{};
   ::getrlimit(RLIMIT_AS, &bound);
   bound.rlim_cur = std::min<std::uint64_t>(own_size() + bytes, bound.rlim_max);
   bound.rlim_max = bound.rlim_cur;
   if (::setrlimit(RLIMIT_AS, &bound) != 0)
     throw UnavailableError(std::string("cannot bound the memory of a process: ") + std::strerror(errno));
-#endif
 }
 
 /// The child's side.

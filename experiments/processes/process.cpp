@@ -20,6 +20,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "core/base/sanitizers.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/child/process_tree.h"
 #include "experiments/processes/child/report.h"
@@ -70,9 +71,7 @@ void bound_resource(decltype(RLIMIT_AS) kind, std::uint64_t most) {
   redirect(STDERR_FILENO, spec.standard_error);
   bound_resource(RLIMIT_CORE, 0);
   if (spec.file_bytes > 0) bound_resource(RLIMIT_FSIZE, spec.file_bytes);
-#ifndef PALPATE_SANITIZED
-  if (spec.memory_bytes > 0) bound_resource(RLIMIT_AS, spec.memory_bytes);
-#endif
+  if (spec.memory_bytes > 0 && !kIsSanitized) bound_resource(RLIMIT_AS, spec.memory_bytes);
   hand_over(ends);
   ::execv(arguments[0], arguments.data());
   ChildReport report;
@@ -215,11 +214,7 @@ ProcessResult describe(int child_status, const Reports& reports, Wait wait, cons
 /// text.
 std::vector<char*> command_of(const ProcessSpec& spec, std::string& memory) {
   static std::string starter = program_folder() + "/palpate_child";
-#ifdef PALPATE_SANITIZED
-  memory = "0";
-#else
-  memory = std::to_string(spec.memory_bytes);
-#endif
+  memory = kIsSanitized ? "0" : std::to_string(spec.memory_bytes);
   std::vector<char*> arguments{starter.data(), memory.data()};
   for (const std::string& a : spec.arguments) arguments.push_back(const_cast<char*>(a.c_str()));
   arguments.push_back(nullptr);

@@ -18,6 +18,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/sanitizers.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
 #include "experiments/contestants/contestant.h"
@@ -110,12 +111,6 @@ std::string line_of(std::uint64_t cycle, const CycleFigures& f, std::uint64_t st
   line.back() = '\n';
   return line;
 }
-
-#ifdef PALPATE_SANITIZED
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 json describe(const live::LiveBody& body, const Palpation& palpation, const Body& made) {
   const BoundingBox box = bounding_box(made.setup.mesh.points);

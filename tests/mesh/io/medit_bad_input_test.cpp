@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
+#include "core/base/sanitizers.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/orientation.h"
 #include "tests/support/scratch_folder.h"
@@ -211,16 +212,13 @@ class MemoryLimit {
  public:
   MemoryLimit() {
     ::getrlimit(RLIMIT_AS, &former_);
-#ifndef PALPATE_SANITIZED
+    if (kIsSanitized) return;
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     const rlimit limit{pages * 4096 + (32U << 20U), former_.rlim_max};
     ::setrlimit(RLIMIT_AS, &limit);
-#endif
   }
-  ~MemoryLimit() {
-    ::setrlimit(RLIMIT_AS, &former_);
-  }
+  ~MemoryLimit() { ::setrlimit(RLIMIT_AS, &former_); }
   MemoryLimit(const MemoryLimit&) = delete;
   MemoryLimit& operator=(const MemoryLimit&) = delete;
 
