@@ -19,7 +19,7 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/base/sanitizers.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "experiments/processes/time_bound.h"
 #include "experiments/text/terminal.h"
 

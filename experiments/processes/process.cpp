@@ -20,10 +20,10 @@
 #include <string>
 
 #include "core/base/error.h"
-#include "core/base/sanitizers.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/child/process_tree.h"
 #include "experiments/processes/child/report.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "experiments/processes/time_bound.h"
 
 namespace palpate::experiments {

@@ -10,6 +10,8 @@ core/mesh/tet_mesh.h alone. In reference the door and what models and simplifier
 one. A contest's room includes no other contest's. No file includes, over others, itself. A room has at most MOST_FILES sources and
 a README.md whose first paragraph says what is in it. Nothing but tests includes tests. The report is Python that reads files: its
 rooms import report/shared and themselves. The pages are TypeScript that imports nothing of other wings; page/view imports no other page.
+What a sanitized build leaves out is left out by a constant, not by the preprocessor: it is compiled in every build, and so the one that
+is built at night alone cannot break unseen.
 """
 
 import collections
@@ -42,6 +44,9 @@ PLAN = {
 FLOOR = {"core/base": 0, "core/mesh": 1, "core/simplify": 2, "core/springs": 2, "core/dynamics": 2, "core/judge": 2,
          "live": 3, "reference": 3, "experiments": 4, "report": 5, "page": 5, "tests": 6}
 JUDGE_MAY_SEE = "core/mesh/tet_mesh.h"
+SANITIZED = re.compile(r"^\s*#.*\bPALPATE_SANITIZED\b", re.MULTILINE)
+# The constant, and an attribute that the sanitizers do not bear.
+SANITIZED_MAY_SEE = ("experiments/processes/child/sanitizers.h", "core/simplify/quality/batch_quality.cpp")
 
 
 class Place:
@@ -177,6 +182,8 @@ def check_sources(root):
     for source in sources:
         text = (root / source).read_text(encoding="utf-8")
         stem = source.rsplit(".", 1)[0]
+        if SANITIZED.search(text) and source not in SANITIZED_MAY_SEE:
+            found.append(f"{source}: asks for PALPATE_SANITIZED: ask for kIsSanitized ({SANITIZED_MAY_SEE[0]})")
         for match in INCLUDE.finditer(text):
             target = resolve(root, source, match.group(1))
             if not target:

@@ -88,6 +88,15 @@ class Floors(unittest.TestCase):
             found = floors.check_sources(root)
             self.assertEqual([line.split(":")[0] for line in found], ["core/base", "core/mesh", "core/new_folder"], found)
 
+    def test_what_sanitized_builds_leave_out_is_compiled_everywhere(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            self.write(root, "experiments/processes/child/sanitizers.h", "#ifdef PALPATE_SANITIZED\n#endif\n")
+            self.write(root, "core/base/a.cpp", "// PALPATE_SANITIZED in words\n")
+            self.assertEqual(floors.check_sources(root), [])
+            self.write(root, "tests/a_test.cpp", "#  if !defined(PALPATE_SANITIZED)\n#endif\n")
+            self.assertEqual([line.split(":")[0] for line in floors.check_sources(root)], ["tests/a_test.cpp"])
+
     def test_a_circle_of_files_is_found(self):
         with tempfile.TemporaryDirectory() as folder:
             root = pathlib.Path(folder)

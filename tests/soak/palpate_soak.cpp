@@ -18,11 +18,11 @@
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
-#include "core/base/sanitizers.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
 #include "experiments/contestants/contestant.h"
 #include "experiments/live/live_prepare.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "experiments/processes/stop_signals.h"
 #include "tests/soak/palpation.h"
 #include "tests/support/live_cases.h"
@@ -125,7 +125,7 @@ json describe(const live::LiveBody& body, const Palpation& palpation, const Body
           {"pad_radius_m", made.finger.radius_m},
           {"pad_pa_per_m", made.finger.stiffness_pa_per_m},
           {"deepest_m", made.finger.deepest_m},
-          {"sanitized", kIsSanitized}};
+          {"sanitized", experiments::kIsSanitized}};
 }
 
 int run(const json& wish, const std::string& out) {

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "core/base/sanitizers.h"
 #include "experiments/files/places.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/test_folder.h"
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "core/base/sanitizers.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "tests/support/hostile_contestant.h"
 
 namespace palpate::experiments {

@@ -6,9 +6,9 @@
 #include <filesystem>
 
 #include "core/base/error.h"
-#include "core/base/sanitizers.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/places.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "experiments/records/record_file.h"
 #include "experiments/runner/read_plan.h"
 #include "tests/support/experiment_fixture.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/base/sanitizers.h"
+#include "experiments/processes/child/sanitizers.h"
 
 namespace palpate::experiments {
 namespace {

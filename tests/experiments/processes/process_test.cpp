@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/base/sanitizers.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {

@@ -8,9 +8,9 @@
 
 #include "core/base/error.h"
 #include "core/base/random.h"
-#include "core/base/sanitizers.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/orientation.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate {
@@ -212,7 +212,7 @@ class MemoryLimit {
  public:
   MemoryLimit() {
     ::getrlimit(RLIMIT_AS, &former_);
-    if (kIsSanitized) return;
+    if (experiments::kIsSanitized) return;
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     const rlimit limit{pages * 4096 + (32U << 20U), former_.rlim_max};

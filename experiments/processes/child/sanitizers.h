@@ -1,7 +1,7 @@
 // Whether this build runs under AddressSanitizer (the preset `sanitize`).
 #pragma once
 
-namespace palpate {
+namespace palpate::experiments {
 
 /// AddressSanitizer reserves terabytes of address space for its shadow, so no process of such a build can
 /// have its own bounded (RLIMIT_AS). What does so asks here, and is compiled in every build.
@@ -11,4 +11,4 @@ inline constexpr bool kIsSanitized = true;
 inline constexpr bool kIsSanitized = false;
 #endif
 
-}  // namespace palpate
+}  // namespace palpate::experiments
