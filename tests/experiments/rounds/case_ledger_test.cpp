@@ -29,7 +29,8 @@ class CaseLedgerTest : public testing::Test {
   }
 
   json record_of(std::size_t index, int repeat, const std::string& outcome = "accepted") const {
-    return {{"case", cases_[index].id},
+    return {{"schema", "palpate/record/1"},
+            {"case", cases_[index].id},
             {"contestant", cases_[index].id},
             {"repeat", repeat},
             {"warmup", repeat == 0},
