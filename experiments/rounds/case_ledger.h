@@ -48,7 +48,7 @@ class CaseLedger {
   /// frontier any more (find_halved) get no more repeats. Returns: these, and how many repeats each had due.
   std::map<std::size_t, int> halve(int measured, const std::vector<std::size_t>& selected);
 
-  /// State_repeats of all cases.
+  /// Says in a provenance how many repeats each case has to have, and why they ended (case_state.h).
   void state_repeats(nlohmann::json& provenance) const;
 
  private:

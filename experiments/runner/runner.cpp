@@ -8,7 +8,6 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "experiments/files/file_hash.h"
-#include "experiments/records/case_record.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
