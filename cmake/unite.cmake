@@ -10,7 +10,7 @@ function(palpate_hall folder out)
   set(${out} ${folder} PARENT_SCOPE)
   foreach(hall "contests=contests(/[a-z]+)?" "judging=envelope|fit|fit/candidates|gates|judging|live|trials"
                "plans=grading|meshes|plan_reader|scene_reader|scene_writer|spring_training|text"
-               "running=campaign|contestants|files|processes|records|rounds|runner")
+               "running=campaign|contestants|files|processes|records|registry|rounds|runner")
     string(REGEX MATCH "^([a-z]+)=(.*)$" parts ${hall})
     set(name ${CMAKE_MATCH_1})
     if(folder MATCHES "^((tests/)?experiments)/(${CMAKE_MATCH_2})$")

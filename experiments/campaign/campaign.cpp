@@ -8,11 +8,14 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
-#include "experiments/contestants/option_spec.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/registry/contestant.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/option_spec.h"
+#include "experiments/registry/registry.h"
 #include "experiments/rounds/case_groups.h"
 
 namespace palpate::experiments {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/plan_reader/case_list.h"
 #include "experiments/plan_reader/plan.h"
+#include "experiments/registry/registry.h"
 
 namespace palpate::experiments {
 

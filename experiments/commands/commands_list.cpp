@@ -6,9 +6,11 @@
 
 #include "core/base/error.h"
 #include "experiments/commands/commands.h"
-#include "experiments/contestants/contestant.h"
 #include "experiments/judging/measure.h"
 #include "experiments/meshes/mesh_source.h"
+#include "experiments/registry/contestant.h"
+#include "experiments/registry/option_spec.h"
+#include "experiments/registry/registry.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 

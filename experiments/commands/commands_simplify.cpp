@@ -23,6 +23,7 @@
 #include "experiments/judging/poor_skin.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/processes/bounded_work.h"
+#include "experiments/registry/method_options.h"
 #include "experiments/text/nearest_name.h"
 #include "experiments/text/terminal.h"
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestants/contestant.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/registry/registry.h"
 
 namespace palpate::experiments {
 

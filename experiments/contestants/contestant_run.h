@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/contestants/stop.h"
+#include "experiments/registry/contestant.h"
 
 namespace palpate::experiments {
 

@@ -7,6 +7,7 @@
 
 #include "core/mesh/tet_mesh.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/registry/registry.h"
 #include "reference/door/moving_body.h"
 
 namespace palpate::experiments {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/envelope/envelope_axes.h"
 #include "experiments/envelope/envelope_search.h"
+#include "experiments/registry/registry.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {

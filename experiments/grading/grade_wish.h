@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/contestant.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/registry.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {

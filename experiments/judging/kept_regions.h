@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/judge/mesh/judge.h"
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {

@@ -1,8 +1,8 @@
 // What a live page starts with: the scene's own model where it can move, and the springs of every level.
 #pragma once
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/live/live_body.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/live/live_body.h"
+#include "experiments/registry/registry.h"
 
 namespace palpate::experiments {
 

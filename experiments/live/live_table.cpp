@@ -14,6 +14,7 @@
 #include "experiments/files/output_file.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/files/scratch_folder.h"
+#include "experiments/registry/method_options.h"
 #include "experiments/text/terminal.h"
 #include "reference/door/deform_problem.h"
 

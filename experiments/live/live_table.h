@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/live/live_body.h"
+#include "experiments/registry/registry.h"
 
 namespace palpate::experiments {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/grading/grade_wish.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/plan_reader/sweep.h"
+#include "experiments/registry/method_options.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {

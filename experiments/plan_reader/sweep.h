@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/contestants/stop.h"
+#include "experiments/registry/method_options.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/plan_reader/plan.h"
+#include "experiments/registry/registry.h"
 
 namespace palpate::experiments {
 

@@ -4,9 +4,11 @@
 #include <set>
 
 #include "core/base/error.h"
-#include "experiments/contestants/option_spec.h"
 #include "experiments/files/places.h"
 #include "experiments/plan_reader/plan_report.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/option_spec.h"
+#include "experiments/registry/registry.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/text/nearest_name.h"
 

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/plan_reader/case_list.h"
 #include "experiments/processes/machine_load.h"
+#include "experiments/registry/contestant.h"
 
 namespace palpate::experiments {
 

@@ -7,10 +7,11 @@
 #include "core/base/number_text.h"
 #include "core/base/plain_file.h"
 #include "experiments/contestants/contestant_run.h"
-#include "experiments/contestants/option_spec.h"
 #include "experiments/processes/machine_load.h"
 #include "experiments/records/case_record.h"
 #include "experiments/records/untimed.h"
+#include "experiments/registry/contestant.h"
+#include "experiments/registry/option_spec.h"
 #include "experiments/runner/repeat_end.h"
 #include "reference/door/contest_files.h"
 

@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/contests/contest.h"
 #include "experiments/plan_reader/case_list.h"
 #include "experiments/plan_reader/plan.h"
 #include "experiments/records/run_folder.h"
+#include "experiments/registry/registry.h"
 #include "experiments/rounds/case_state.h"
 
 namespace palpate::experiments {

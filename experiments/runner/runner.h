@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/plan_reader/plan.h"
+#include "experiments/registry/registry.h"
 #include "experiments/text/terminal.h"
 
 namespace palpate::experiments {

@@ -12,8 +12,10 @@
 
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestants/contestant.h"
 #include "experiments/meshes/mesh_source.h"
+#include "experiments/registry/contestant.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/region.h"
 #include "experiments/scene_reader/scene_dynamic.h"
 #include "experiments/scene_reader/scene_require.h"

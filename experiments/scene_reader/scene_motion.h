@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/scene.h"
 #include "reference/door/moving_body.h"
 

@@ -9,7 +9,7 @@
 
 #include "core/mesh/boundary_problem.h"
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/spring_training/training_plan.h"
 #include "experiments/text/terminal.h"
 

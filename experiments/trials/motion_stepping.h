@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/trials/fit_stepping.h"
 
 namespace palpate::experiments {

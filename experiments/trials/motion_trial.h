@@ -12,7 +12,7 @@
 
 #include "core/base/types.h"
 #include "core/mesh/tet_mesh.h"
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/scene.h"
 
 namespace palpate::experiments {

@@ -25,7 +25,7 @@ LARGEST_SEED = 16384
 SOURCES = ["tests/fuzz/reader_fuzz.cpp", "core/base/*.cpp", "core/mesh/io/medit.cpp", "core/mesh/io/off.cpp", "core/mesh/io/word_reader.cpp", "core/simplify/sizing/size_file.cpp",
            "core/springs/network/*_csv.cpp", "reference/door/*.cpp", "reference/reduced/pod_file.cpp", "reference/cgal/surface_file.cpp",
            "reference/cgal/*_claims.cpp", "experiments/text/yaml_value.cpp", "experiments/contestants/answer_form.cpp",
-           "experiments/contestants/contestant.cpp", "experiments/contestants/stop.cpp",
+           "experiments/registry/*.cpp", "experiments/contestants/stop.cpp",
            "experiments/records/record_file.cpp", "experiments/gates/accepted_figures.cpp", "experiments/fit/candidates/fit_candidates.cpp",
            "experiments/plan_reader/*.cpp", "experiments/runner/read_plan.cpp", "experiments/contests/*/plan_*.cpp",
            "experiments/contests/stability/stability_answer.cpp", "experiments/contests/engine/engine_judge.cpp", "experiments/scene_reader/*.cpp",

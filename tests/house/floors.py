@@ -35,7 +35,7 @@ PLAN = {
     "core/judge": ["mesh", "linear_elements", "surface", "displacement", "motion"],
     "live": ["body", "interface"],
     "reference": ["door", "linear_systems", "elastic_models", "simplifier_support", "*"],
-    "experiments": ["text", "files", "processes/child", "processes", "contestants", "judging", "meshes", "scene_reader", "grading", "scene_writer",
+    "experiments": ["text", "files", "processes/child", "processes", "registry", "contestants", "judging", "meshes", "scene_reader", "grading", "scene_writer",
                     "spring_training", "plan_reader", "records", "rounds", "contests", "contests/*", "runner", "gates", "trials", "fit/candidates", "fit", "envelope", "campaign",
                     "live", "commands", "commands/live", "commands/campaign", "commands/scenes", "."],
     "report": ["shared", "*", "."],

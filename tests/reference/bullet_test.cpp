@@ -13,6 +13,7 @@
 #include "core/mesh/shapes/shapes.h"
 #include "core/mesh/topology.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/registry/registry.h"
 #ifdef PALPATE_HAS_BULLET
 #include "reference/bullet/mass_springs.h"
 #endif

@@ -13,6 +13,8 @@
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/registry.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/small_meshes.h"
 

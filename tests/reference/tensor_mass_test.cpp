@@ -13,6 +13,8 @@
 #include "core/mesh/topology.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/files/places.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/registry.h"
 #include "reference/closed_form/known_cases.h"
 #include "reference/door/deform_problem.h"
 #include "reference/tensor_mass/relaxation.h"

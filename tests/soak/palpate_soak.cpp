@@ -20,10 +20,10 @@
 #include "core/base/number_text.h"
 #include "core/base/stopwatch.h"
 #include "core/mesh/geometry.h"
-#include "experiments/contestants/contestant.h"
 #include "experiments/live/live_prepare.h"
 #include "experiments/processes/child/sanitizers.h"
 #include "experiments/processes/stop_signals.h"
+#include "experiments/registry/registry.h"
 #include "tests/soak/palpation.h"
 #include "tests/support/live_cases.h"
 

@@ -6,6 +6,7 @@
 
 #include "core/mesh/tet_mesh.h"
 #include "experiments/contestants/contestant_run.h"
+#include "experiments/registry/registry.h"
 #include "tests/support/scratch_folder.h"
 
 namespace palpate::test {

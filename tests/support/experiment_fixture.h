@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "experiments/runner/runner.h"
 #include "tests/support/scratch_folder.h"
 

@@ -15,6 +15,7 @@
 
 #include "experiments/files/places.h"
 #include "experiments/records/record_file.h"
+#include "experiments/registry/description.h"
 
 namespace palpate::test {
 namespace {

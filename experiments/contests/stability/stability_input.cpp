@@ -9,8 +9,9 @@
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/mesh/geometry.h"
-#include "experiments/contestants/stability_settings.h"
 #include "experiments/contests/stability/driven_mesh.h"
+#include "experiments/registry/option_spec.h"
+#include "experiments/registry/stability_settings.h"
 
 namespace palpate::experiments {
 namespace {

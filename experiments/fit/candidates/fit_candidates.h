@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/grading/grade_wish.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/trials/fit_stepping.h"
 

@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/envelope/envelope_search.h"
+#include "experiments/registry/registry.h"
 #include "experiments/scene_reader/scene.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"

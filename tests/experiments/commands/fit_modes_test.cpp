@@ -6,7 +6,7 @@
 #include <fstream>
 #include <map>
 
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/registry.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 

@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "experiments/contestants/contestant.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
+#include "experiments/registry/registry.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/scene_text.h"
 

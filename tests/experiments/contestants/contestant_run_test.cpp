@@ -8,6 +8,7 @@
 #include "core/base/error.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/child/sanitizers.h"
+#include "experiments/registry/description.h"
 #include "tests/support/experiment_fixture.h"
 #include "tests/support/test_folder.h"
 

@@ -10,6 +10,7 @@
 #include "experiments/files/places.h"
 #include "experiments/processes/child/sanitizers.h"
 #include "experiments/records/record_file.h"
+#include "experiments/registry/description.h"
 #include "experiments/runner/read_plan.h"
 #include "tests/support/experiment_fixture.h"
 

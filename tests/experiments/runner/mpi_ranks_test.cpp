@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "experiments/campaign/campaign.h"
-#include "experiments/contestants/option_spec.h"
+#include "experiments/registry/option_spec.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
 #include "tests/support/experiment_fixture.h"

@@ -1,4 +1,4 @@
-#include "experiments/contestants/stability_settings.h"
+#include "experiments/registry/stability_settings.h"
 
 #include <optional>
 #include <string>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "experiments/contestants/option_spec.h"
+#include "experiments/registry/option_spec.h"
 
 namespace palpate::experiments {
 

@@ -1,25 +1,19 @@
-#include "experiments/contestants/contestant.h"
+#include "experiments/registry/description.h"
 
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstdlib>
-#include <set>
+#include <map>
 #include <sstream>
 
-#include "core/base/error.h"
-#include "experiments/contestants/stability_settings.h"
-#include "experiments/files/file_hash.h"
-#include "experiments/files/places.h"
-#include "experiments/processes/program_output.h"
+#include "experiments/registry/method_options.h"
+#include "experiments/registry/stability_settings.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
 namespace {
-
-using nlohmann::json;
 
 const std::vector<std::string> kStops{"fusions", "tets", "ratio", "limit"};
 
@@ -144,32 +138,6 @@ Contestant read_contest(const YamlFields& fields, const Contestant& shared, cons
   return contestant;
 }
 
-std::string bounds_text(const OptionSpec& option) {
-  std::ostringstream text;
-  text << (option.type == OptionType::kInteger ? "a whole number" : "a number");
-  if (option.min && option.max) {
-    text << " from " << *option.min << " to " << *option.max;
-  } else if (option.min) {
-    text << ", at least " << *option.min;
-  } else if (option.max) {
-    text << ", at most " << *option.max;
-  }
-  return text.str();
-}
-
-template <typename T>
-json parse_bounded(const OptionSpec& option, const std::string& text, const std::string& where) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc() && end == text.data() + text.size();
-  const auto real = static_cast<double>(value);
-  if (!whole || !std::isfinite(real) || (option.min && real < *option.min) ||
-      (option.max && real > *option.max)) {
-    throw InputError(where + ": " + option.name, 0, bounds_text(option), "\"" + text + "\"");
-  }
-  return value;
-}
-
 /// The program of a description: a path is relative to the description's folder, a name is looked for there
 /// and else in the build's bin folder.
 std::filesystem::path find_program(const YamlValue& value, const std::filesystem::path& folder,
@@ -235,90 +203,7 @@ void read_program(const YamlFields& fields, const std::filesystem::path& folder,
   }
 }
 
-std::string not_built(const std::filesystem::path& program, const std::vector<std::string>& packages) {
-  std::string why = "its program " + program.filename().string() + " was not built";
-  if (!packages.empty()) why += " (needs " + joined(packages) + ")";
-  return why;
-}
-
-std::string why_not_started(const std::filesystem::path& program) {
-  const std::string library = missing_library(program);
-  if (library.empty()) return "";
-  return "its program " + program.filename().string() + " lacks the shared library " + library +
-         ", of a package that palpate recommends";
-}
-
-/// Descriptions directly in `root` or one folder below it.
-std::vector<std::filesystem::path> find_descriptions(const std::filesystem::path& root) {
-  std::vector<std::filesystem::path> found;
-  std::error_code error;
-  if (std::filesystem::exists(root / "contestant.yaml", error)) found.push_back(root / "contestant.yaml");
-  for (const auto& entry : std::filesystem::directory_iterator(root, error)) {
-    const auto description = entry.path() / "contestant.yaml";
-    if (std::filesystem::exists(description, error)) found.push_back(description);
-  }
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
 }  // namespace
-
-const OptionSpec* MethodSpec::find_option(const std::string& option) const {
-  for (const OptionSpec& spec : options) {
-    if (spec.name == option) return &spec;
-  }
-  return nullptr;
-}
-
-bool MethodSpec::takes_stop(const std::string& kind) const {
-  return std::find(stops.begin(), stops.end(), kind) != stops.end();
-}
-
-std::string Contestant::unavailable() const {
-  std::error_code error;
-  if (std::filesystem::exists(program, error)) {
-    const bool runs =
-        std::filesystem::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0;
-    if (!runs) return "its program " + program.filename().string() + " is not executable";
-    for (const std::filesystem::path& file : files) {
-      if (!std::filesystem::is_regular_file(file, error)) return "its file " + file.string() + " is missing";
-    }
-    if (std::string why = why_not_started(program); !why.empty()) return why;
-    for (const std::filesystem::path& other : starts) {
-      if (!std::filesystem::exists(other, error)) return not_built(other, packages);
-      if (std::string why = why_not_started(other); !why.empty()) return why;
-    }
-    return "";
-  }
-  if (program.is_relative()) return "its program " + program.string() + " is not in PATH";
-  return not_built(program, packages);
-}
-
-Registry::Registry(std::vector<Contestant> contestants) : contestants_(std::move(contestants)) {
-  std::stable_sort(contestants_.begin(), contestants_.end(),
-                   [](const Contestant& a, const Contestant& b) { return a.folder < b.folder; });
-  std::set<std::string> seen;
-  for (const std::string& name : method_names()) {
-    if (!seen.insert(name).second) throw InputError("method " + name + " is offered by two contestants");
-  }
-}
-
-std::vector<std::string> Registry::method_names() const {
-  std::vector<std::string> names;
-  for (const Contestant& contestant : contestants_) {
-    for (const MethodSpec& method : contestant.methods) names.push_back(method.name);
-  }
-  return names;
-}
-
-std::optional<MethodEntry> Registry::find(const std::string& method) const {
-  for (const Contestant& contestant : contestants_) {
-    for (const MethodSpec& spec : contestant.methods) {
-      if (spec.name == method) return MethodEntry{&contestant, &spec};
-    }
-  }
-  return std::nullopt;
-}
 
 std::vector<Contestant> read_description(const std::filesystem::path& description,
                                          const std::filesystem::path& bin_folder) {
@@ -348,85 +233,6 @@ std::vector<Contestant> read_description(const std::filesystem::path& descriptio
     all.push_back(read_contest(item.fields({"contest", "source", "options", "methods"}), shared, sets));
   if (all.empty()) contests->fail_expected("at least one contest");
   return all;
-}
-
-Registry load_registry(const std::vector<std::filesystem::path>& more) {
-  std::vector<std::filesystem::path> roots{std::filesystem::path(source_folder()) / "reference"};
-  if (const char* extra = std::getenv("PALPATE_CONTESTANTS")) {
-    std::istringstream list(extra);
-    std::string folder;
-    while (std::getline(list, folder, ':')) {
-      if (folder.empty()) continue;
-      if (!std::filesystem::is_directory(folder))
-        throw InputError("PALPATE_CONTESTANTS", 0, "folders of contestants", "no folder " + folder);
-      roots.emplace_back(folder);
-    }
-  }
-  roots.insert(roots.end(), more.begin(), more.end());
-  std::vector<Contestant> contestants;
-  std::set<std::filesystem::path> seen;
-  for (const auto& root : roots) {
-    for (const auto& description : find_descriptions(root)) {
-      if (!seen.insert(std::filesystem::weakly_canonical(description)).second) continue;
-      for (Contestant& each : read_description(description, program_folder()))
-        contestants.push_back(std::move(each));
-    }
-  }
-  return Registry(std::move(contestants));
-}
-
-std::string hash_contestant(const Contestant& contestant) {
-  std::string all = hash_file(contestant.program);
-  if (contestant.files.empty()) return all;
-  for (const std::filesystem::path& file : contestant.files)
-    all += "\n" + file.filename().string() + " " + hash_file(file);
-  return hash_bytes(all);
-}
-
-json parse_option(const OptionSpec& option, const std::string& text, const std::string& where) {
-  switch (option.type) {
-    case OptionType::kChoice:
-      if (std::find(option.choices.begin(), option.choices.end(), text) == option.choices.end()) {
-        throw InputError(where + ": " + option.name, 0, "one of " + joined(option.choices),
-                         "\"" + text + "\"" + nearest_hint(text, option.choices));
-      }
-      return text;
-    case OptionType::kBool:
-      if (text != "true" && text != "false") {
-        throw InputError(where + ": " + option.name, 0, "true or false", "\"" + text + "\"");
-      }
-      return text == "true";
-    case OptionType::kInteger:
-      return parse_bounded<std::int64_t>(option, text, where);
-    case OptionType::kNumber:
-      return parse_bounded<double>(option, text, where);
-    case OptionType::kFile: {
-      std::error_code error;
-      if (text.empty()) return text;
-      if (!std::filesystem::is_regular_file(text, error))
-        throw InputError(where + ": " + option.name, 0, "a file", "none at \"" + text + "\"");
-      return std::filesystem::absolute(text).lexically_normal().string();
-    }
-  }
-  throw ContractError("parse_option: unknown type");
-}
-
-json resolve_options(const MethodSpec& method, const std::map<std::string, GivenOption>& given) {
-  json options = json::object();
-  for (const OptionSpec& option : method.options) {
-    if (!option.default_value.is_null()) options[option.name] = option.default_value;
-  }
-  for (const auto& [name, value] : given) {
-    const OptionSpec* option = method.find_option(name);
-    if (option == nullptr) {
-      std::vector<std::string> names;
-      for (const OptionSpec& spec : method.options) names.push_back(spec.name);
-      throw InputError(value.where + ": " + method.name + " has no option \"" + name + "\"" +
-                       nearest_hint(name, names));
-    }
-    options[name] = parse_option(*option, value.text, value.where);
-  }
-  return options;
 }
 
 }  // namespace palpate::experiments
