@@ -16,10 +16,11 @@ class RestTime {
   void remove(int due, double wall_s) { count(due, wall_s, -1.0); }
 
   std::size_t repeats() const { return static_cast<std::size_t>(known_due_ + unknown_due_); }
-  /// A case of which none was run is taken to be as long as the others' mean.
-  double seconds() const {
-    const double typical = cases_ > 0.0 ? wall_s_ / cases_ : 0.0;
-    return std::max(0.0, known_s_ + unknown_due_ * typical);
+  /// A case of which none was run is taken to be as long as the others' mean; where no case's time is known,
+  /// as in a run without times, as `typical_s`.
+  double seconds(double typical_s) const {
+    const double unknown_s = cases_ > 0.0 ? wall_s_ / cases_ : typical_s;
+    return std::max(0.0, known_s_ + unknown_due_ * unknown_s);
   }
 
  private:

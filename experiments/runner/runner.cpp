@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
+#include "core/base/stopwatch.h"
 #include "experiments/files/file_hash.h"
 #include "experiments/records/provenance.h"
 #include "experiments/records/record_file.h"
@@ -238,6 +239,7 @@ class Runner {
   }
 
   void run_rounds(RecordFile& records) {
+    rounds_clock_ = Stopwatch();
     RestTime rest;
     for (const std::size_t index : selected_) rest.add(ledger_.count_due(index), ledger_.state(index).wall_s);
     progress_.start(rest.repeats());
@@ -280,7 +282,7 @@ class Runner {
       rest.remove(ledger_.count_due(index), ledger_.state(index).wall_s);
       ledger_.remember(index, *record);
       rest.add(ledger_.count_due(index), ledger_.state(index).wall_s);
-      progress_.step(rest.seconds());
+      progress_.step(rest.seconds(rounds_clock_.seconds() / static_cast<double>(++repeats_run_)));
     }
   }
 
@@ -350,7 +352,9 @@ class Runner {
   std::vector<Case> cases_;
   std::vector<bool> timed_;  ///< by case
   CaseLedger ledger_;
-  int left_out_ = 0;  ///< repeats, by halving
+  int left_out_ = 0;        ///< repeats, by halving
+  Stopwatch rounds_clock_;  ///< since the first repeat of this sitting
+  std::size_t repeats_run_ = 0;
   CaseChoice choice_;
   std::vector<std::size_t> selected_;
   std::unique_ptr<Contest> contest_;

@@ -159,12 +159,21 @@ TEST(RestTime, IsWhatTheDueRepeatsTake) {
   rest.add(2, -1.0);
   rest.add(0, 4.0);
   EXPECT_EQ(rest.repeats(), 5U);
-  EXPECT_DOUBLE_EQ(rest.seconds(), 3 * 2.0 + 2 * 3.0)
+  EXPECT_DOUBLE_EQ(rest.seconds(7.0), 3 * 2.0 + 2 * 3.0)
       << "a case that was not run is as long as the mean of those that were";
   rest.remove(2, -1.0);
   rest.add(1, 5.0);
   EXPECT_EQ(rest.repeats(), 4U);
-  EXPECT_DOUBLE_EQ(rest.seconds(), 3 * 2.0 + 5.0);
+  EXPECT_DOUBLE_EQ(rest.seconds(7.0), 3 * 2.0 + 5.0);
+}
+
+TEST(RestTime, WhereNoTimeIsKnownTheSittingSaysHowLongOneTakes) {
+  RestTime rest;
+  for (int i = 0; i < 3; ++i) rest.add(2, -1.0);
+  rest.remove(2, -1.0);
+  rest.add(1, -1.0);
+  EXPECT_EQ(rest.repeats(), 5U);
+  EXPECT_DOUBLE_EQ(rest.seconds(1.5), 5 * 1.5);
 }
 
 TEST(CaseState, WhatIsStated) {
