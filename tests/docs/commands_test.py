@@ -17,6 +17,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -28,6 +29,7 @@ FULL = False
 ONLY = []
 NOT_LINKED = (".git", "build", "palpate", "results")  # what commands would write to, and the launcher, which builds
 MARK = "@@@ palpate"
+PAGE_LIMIT_S = 3 * 3600  # a page's commands together; trainings, fits and envelopes, on a core that others share
 
 
 def prepare(folder):
@@ -53,7 +55,7 @@ def run_commands(commands, top, environment):
     for command in commands:
         lines += [command.text, f'printf "\\n{MARK} %s\\n" "$?"']
     done = subprocess.run(["/bin/bash"], input="\n".join(lines), text=True, cwd=top, env=environment, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, timeout=3600, check=False)
+                          stderr=subprocess.STDOUT, timeout=PAGE_LIMIT_S, check=False)
     found = re.split(rf"\n{MARK} (\d+)\n", done.stdout)
     answers = [(int(code), out) for out, code in zip(found[::2], found[1::2])]
     return answers + [None] * (len(commands) - len(answers))
@@ -164,6 +166,7 @@ class Pages(unittest.TestCase):
             others += [f"{block.place} ({block.mark})" for block in blocks_of(page) if not is_run(block)]
             if not blocks or (ONLY and str(page.relative_to(ROOT)) not in ONLY):
                 continue
+            begun = time.monotonic()
             with tempfile.TemporaryDirectory() as folder:
                 top, environment = prepare(pathlib.Path(folder))
                 commands = [command for _, command in commands_to_run(blocks)]
@@ -175,6 +178,7 @@ class Pages(unittest.TestCase):
                         self.assertEqual(code, command.exit_code, out)
                         self.assertIsNone(missing_line(command.expected, out), out)
                 ran += len(commands)
+            print(f"{page.relative_to(ROOT)}: {len(commands)} commands, {time.monotonic() - begun:.0f} s", file=sys.stderr, flush=True)
         print(f"run: {ran} commands; not run here: {', '.join(others)}", file=sys.stderr)
         self.assertTrue(ran or ONLY)
 
