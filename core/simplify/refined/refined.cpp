@@ -77,8 +77,9 @@ constexpr double kHopeless = 1.03;
 constexpr std::array kBelowLimit{0.99, 0.98, 0.995};  ///< tried from there, in this order
 
 /// What collapses may leave, from strict to anything positive.
-constexpr std::array kLeastScores{0.003, 1e-9};
-constexpr std::array kLastLeastScores{0.04, 0.003, 1e-9};  ///< of the last few, with little repair to come
+constexpr std::array kLeastScores{3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6,
+                                  1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9};
+constexpr std::array kLastLeastScore{0.04};  ///< of the last few, with little repair to come
 
 std::uint64_t share_of(std::uint64_t count, double share) {
   return static_cast<std::uint64_t>(static_cast<double>(count) * share);
@@ -134,13 +135,13 @@ class Run {
     if (options_.repair)
       repair(0, 0.5 * effort_.compound_threshold,
              rule_of(kLeastShareInStages, is_short() ? mesh_.alive : share_of(mesh_.alive, kLastAim)));
-    collapse_with(kLastLeastScores, options_.repair ? share_of(target_, kRepairAim) : target_);
+    collapse_last(options_.repair ? share_of(target_, kRepairAim) : target_);
     sweep(1);
     if (!options_.repair) return true;
     if (options_.tools.never_worse) hold_floor();
     repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
     if (mesh_.alive > target_) {
-      collapse_with(kLastLeastScores, target_);
+      collapse_last(target_);
       if (floor_ && mesh_.alive > target_) give_up_floor();
       repair(1, effort_.compound_threshold, final_rule());
     }
@@ -180,11 +181,16 @@ class Run {
       return mesh_.is_alive(t) && flipper_.known_score(t) < kVeryBad;
     });
     if (!is_bad || mesh_.alive < fewest + kTetsOfASplit) return;
-    collapse_with(kLastLeastScores, mesh_.alive - kTetsOfASplit);
+    collapse_last(mesh_.alive - kTetsOfASplit);
     repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
   }
 
   void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
+
+  void collapse_last(std::uint64_t count) {
+    collapse_with(kLastLeastScore, count);
+    collapse_with(kLeastScores, count);
+  }
 
   /// From here on neither repairs nor collapses leave a tet below the worst of now.
   void hold_floor() {
@@ -199,23 +205,21 @@ class Run {
   /// left is the floor.
   void give_up_floor() {
     floor_.reset();
-    collapse_with(kLastLeastScores, target_);
+    collapse_last(target_);
     hold_floor();
   }
 
   void collapse_with(std::span<const double> least_scores, std::uint64_t count) {
+    if (mesh_.alive <= count) return;
     CollapseOptions collapse;
     collapse.floor = floor_ ? &*floor_ : nullptr;
     collapse.placement = options_.collapse_placement;
     collapse.target = count;
-    for (const double least : least_scores) {
-      if (mesh_.alive <= collapse.target) return;
-      collapse.least_score = least;
-      const CollapseReport report = collapse_edges(mesh_, scores_, collapse);
-      collapses_.collapses += report.collapses;
-      collapses_.rejected_link += report.rejected_link;
-      collapses_.rejected_shape += report.rejected_shape;
-    }
+    collapse.least_scores = least_scores;
+    const CollapseReport report = collapse_edges(mesh_, scores_, collapse);
+    collapses_.collapses += report.collapses;
+    collapses_.rejected_link += report.rejected_link;
+    collapses_.rejected_shape += report.rejected_shape;
   }
 
   void sweep(int steps) {

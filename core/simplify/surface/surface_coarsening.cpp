@@ -74,7 +74,7 @@ void coarsen_inside(SurfaceRun& run, std::uint64_t tets,
   options.target = tets;
   for (const double least : kLeastScores) {
     if (run.mesh.alive <= tets) return;
-    options.least_score = least;
+    options.least_scores = {&least, 1};
     run.report.inner.collapses += collapse_edges(run.mesh, run.scores, options).collapses;
   }
 }

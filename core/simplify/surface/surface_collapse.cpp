@@ -76,7 +76,7 @@ class BoundaryCollapser {
         options_(options),
         report_(report),
         edges_(mesh, scores.field()),
-        changed_at_(mesh.points.size(), 0) {}
+        changes_(mesh.points.size()) {}
 
   void run() {
     boundary_.for_each_edge([this](Index a, Index b) {
@@ -96,20 +96,14 @@ class BoundaryCollapser {
     while (!is_done()) {
       std::optional<WaitingEdge> edge = edges_.pop();
       if (!edge || edge->key > options_.longest * options_.longest) return;
-      if (has_changed_since(*edge) && try_collapse(edge->a, edge->b)) continue;
-      edge->refused_at = static_cast<std::uint32_t>(report_.collapses + 1);
+      if (changes_.has_changed_since(*edge) && try_collapse(edge->a, edge->b)) continue;
+      changes_.mark_refused(*edge);
       edges_.park(*edge);
     }
   }
 
   bool is_done() const {
     return boundary_.size() <= options_.face_target || mesh_.alive <= options_.tet_target;
-  }
-
-  /// Whether the star of an end has changed since the edge was refused: refused_at is one more than the
-  /// number of collapses before that.
-  bool has_changed_since(const WaitingEdge& edge) const {
-    return edge.refused_at == 0 || std::max(changed_at_[edge.a], changed_at_[edge.b]) >= edge.refused_at;
   }
 
   FeatureRank hold(Index v) const { return hold_on(mesh_, boundary_, v); }
@@ -267,9 +261,7 @@ class BoundaryCollapser {
     if (hold(gone) == FeatureRank::kOnLine) boundary_.lines().collapse(gone, survivor);
     apply_collapse(mesh_, gone, survivor, change_.to);
     ++report_.collapses;
-    for (const Index t : mesh_.star(survivor)) {
-      for (const Index v : mesh_.tets[t]) changed_at_[v] = report_.collapses;
-    }
+    changes_.note(mesh_, survivor);
     edges_.renew(gone);
     edges_.renew(survivor);
     for (const Index f : boundary_.faces_of(survivor)) {
@@ -286,7 +278,7 @@ class BoundaryCollapser {
   const SurfaceCollapseOptions& options_;
   SurfaceReport& report_;
   EdgeHeap edges_;
-  std::vector<std::uint64_t> changed_at_;  ///< number of the last collapse that changed the vertex's star
+  StarChanges changes_;
   VertexMarks marks_;
   StarQuality star_;
   PlaneSum planes_;

@@ -1,6 +1,8 @@
 #include "core/simplify/tet_operations/edge_collapse.h"
 
+#include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,26 +24,40 @@ std::size_t edges_for(const WorkingMesh& mesh, const CollapseOptions& options) {
 class Collapser {
  public:
   Collapser(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options)
-      : mesh_(mesh), rule_(rule), options_(options), edges_(mesh, rule.field(), edges_for(mesh, options)) {}
+      : mesh_(mesh),
+        rule_(rule),
+        options_(options),
+        edges_(mesh, rule.field(), edges_for(mesh, options)),
+        changes_(mesh.points.size()) {}
 
   CollapseReport run() {
-    std::uint64_t before = 0;
-    do {
-      before = report_.collapses;
-      empty_heap();
-      edges_.start_over();  // what was refused is looked at again, as stars have changed
-    } while (mesh_.alive > options_.target && report_.collapses > before);
+    for (level_ = 0; level_ < options_.least_scores.size(); ++level_) {
+      std::uint64_t before = 0;
+      do {
+        before = report_.collapses;
+        empty_heap();
+        edges_.start_over();  // what was refused is looked at again, as stars have changed
+      } while (mesh_.alive > options_.target && report_.collapses > before);
+      if (mesh_.alive <= options_.target) break;
+    }
     return report_;
   }
 
  private:
   void empty_heap() {
     while (mesh_.alive > options_.target) {
-      const std::optional<WaitingEdge> edge = edges_.pop();
+      std::optional<WaitingEdge> edge = edges_.pop();
       if (!edge || edge->key > options_.longest * options_.longest) return;
-      if (!try_collapse(edge->a, edge->b)) edges_.park(*edge);
+      if (edge->level <= level_ || changes_.has_changed_since(*edge)) {
+        if (try_collapse(edge->a, edge->b)) continue;
+        edge->level = static_cast<std::uint32_t>(next_level_);
+      }
+      changes_.mark_refused(*edge);
+      edges_.park(*edge);
     }
   }
+
+  double least_score() const { return options_.least_scores[level_]; }
 
   /// Mean of the star's base vertices, counted as often as they occur.
   Vec3 link_centroid(Index gone, Index survivor) {
@@ -57,25 +73,38 @@ class Collapser {
     return (1.0 / static_cast<double>(count)) * sum;
   }
 
-  /// Whether there is a place where all tets are good enough; `place_` is set to it.
+  /// Whether there is a place where all tets are good enough; `place_` is set to it. If not, `next_level_` is
+  /// set to the first level at which there may be one.
   bool find_place(Index gone, Index survivor) {
+    most_ = -std::numeric_limits<double>::infinity();
+    if (look_for_place(gone, survivor) > least_score()) return true;
+    while (next_level_ < options_.least_scores.size() && !(most_ > options_.least_scores[next_level_]))
+      ++next_level_;
+    return false;
+  }
+
+  /// The worst score at `place_`, or no more than is permitted if there is no place.
+  double look_for_place(Index gone, Index survivor) {
     const Vec3 at_gone = mesh_.points[gone];
     const Vec3 at_survivor = mesh_.points[survivor];
-    if (!mesh_.is_free(survivor)) return try_place(at_survivor, options_.least_score) > options_.least_score;
-    double best = try_place(0.5 * (at_gone + at_survivor), options_.least_score);
-    const bool passes = best > options_.least_score;
-    if (options_.placement == CollapsePlacement::kMidpoint) return passes;
-    if (options_.placement == CollapsePlacement::kFirst && passes) return true;
+    if (!mesh_.is_free(survivor)) return try_place(at_survivor, least_score());
+    double best = try_place(0.5 * (at_gone + at_survivor), least_score());
+    if (options_.placement == CollapsePlacement::kMidpoint) return best;
+    const auto is_enough = [&] {
+      return options_.placement == CollapsePlacement::kFirst && best > least_score();
+    };
+    if (is_enough()) return best;
     for (const Vec3& place : {link_centroid(gone, survivor), at_survivor, at_gone}) {
       best = try_place(place, best);
-      if (options_.placement == CollapsePlacement::kFirst && best > options_.least_score) return true;
+      if (is_enough()) break;
     }
-    return best > options_.least_score;
+    return best;
   }
 
   /// The larger of `best` and the worst score with the apex at `place`, which is taken if that is larger.
   double try_place(const Vec3& place, double best) {
-    const double worst = star_.evaluate(place, best).worst;
+    const double worst = star_.evaluate(place, options_.least_scores.back()).worst;
+    most_ = std::max(most_, worst);
     if (!(worst > best)) return best;
     place_ = place;
     return worst;
@@ -88,6 +117,7 @@ class Collapser {
   }
 
   bool try_collapse(Index a, Index b) {
+    next_level_ = level_ + 1;
     Index gone = a;
     Index survivor = b;
     if (!mesh_.is_free(gone)) std::swap(gone, survivor);
@@ -101,12 +131,14 @@ class Collapser {
       return false;
     }
     if (!meets_link_condition(mesh_, gone, survivor, marks_)) {
+      next_level_ = options_.least_scores.size();
       ++report_.rejected_link;
       return false;
     }
     apply_collapse(mesh_, gone, survivor, place_);
     ++report_.collapses;
     edges_.renew(gone, survivor);
+    changes_.note(mesh_, survivor);
     return true;
   }
 
@@ -115,6 +147,10 @@ class Collapser {
   const CollapseOptions& options_;
   CollapseReport report_;
   ShortestEdges edges_;
+  StarChanges changes_;
+  std::size_t level_ = 0;       ///< place in options_.least_scores
+  std::size_t next_level_ = 0;  ///< the first that may permit what this one has refused
+  double most_ = 0.0;           ///< what the worst tet would score at most, in the best of the places tried
   std::vector<Index> neighbours_;
   VertexMarks marks_;
   StarQuality star_;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include "core/simplify/tet_operations/quality_floor.h"
 #include "core/simplify/tet_operations/score_rule.h"
@@ -20,9 +21,10 @@ enum class CollapsePlacement {
 /// Where edges collapse to, when one is refused, and when enough are.
 struct CollapseOptions {
   CollapsePlacement placement = CollapsePlacement::kFirst;
-  double least_score = 0.0;             ///< a collapse may leave no tet at or below this
-  std::uint64_t target = 0;             ///< stop at the first state with at most so many tets
-  const QualityFloor* floor = nullptr;  ///< a collapse may leave no tet below it, if there is one
+  std::span<const double> least_scores;  ///< a collapse may leave no tet at or below the first of these;
+                                         ///< where that leaves nothing to collapse, the next, which is less
+  std::uint64_t target = 0;              ///< stop at the first state with at most so many tets
+  const QualityFloor* floor = nullptr;   ///< a collapse may leave no tet below it, if there is one
   double longest = std::numeric_limits<double>::infinity();  ///< edges that are longer, over the relative
                                                              ///< size wanted at their middle, stay
 };
@@ -36,7 +38,8 @@ struct CollapseReport {
 
 /// Collapses edges with at least one free end, the shortest first (relative to the wanted size at the
 /// midpoint; ties by vertex numbers), until `target` is reached or nothing more can go. What was refused is
-/// looked at again when all else is done and something has changed. Every tet stays positive, exactly.
+/// looked at again when all else is done and something around it has changed, or a lower score is permitted.
+/// Every tet stays positive, exactly.
 CollapseReport collapse_edges(WorkingMesh& mesh, const ScoreRule& rule, const CollapseOptions& options);
 
 }  // namespace palpate::simplify

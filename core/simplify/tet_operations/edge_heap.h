@@ -18,7 +18,8 @@ struct WaitingEdge {
   Index a;
   Index b;
   std::uint32_t versions;
-  std::uint32_t refused_at = 0;  ///< for callers; 0 when it is entered
+  std::uint32_t refused_at = 0;  ///< of StarChanges; 0 when it is entered
+  std::uint32_t level = 0;       ///< for callers: the first at which it is worth a try again, unchanged
 
   /// Makes std heaps give the smallest key first; ties by vertex numbers.
   friend bool operator<(const WaitingEdge& l, const WaitingEdge& r) {
@@ -34,6 +35,32 @@ inline double key_of_edge(const WorkingMesh& mesh, const SizingField& field, Ind
   const double size = field.relative_size(0.5 * (mesh.points[a] + mesh.points[b]));
   return key / (size * size);
 }
+
+/// Which edges that were refused have to be looked at again: the others would be refused for the same reason.
+class StarChanges {
+ public:
+  explicit StarChanges(std::size_t vertices) : changed_at_(vertices, 0) {}
+
+  /// To be called after a change: the stars of all corners of the tets around v are others now.
+  void note(const WorkingMesh& mesh, Index v) {
+    ++changes_;
+    for (const Index t : mesh.star(v)) {
+      for (const Index corner : mesh.tets[t]) changed_at_[corner] = changes_;
+    }
+  }
+
+  /// To be called when an edge is refused.
+  void mark_refused(WaitingEdge& edge) const { edge.refused_at = changes_ + 1; }
+
+  /// Whether an end's star has changed since the edge was refused, or it never was.
+  bool has_changed_since(const WaitingEdge& edge) const {
+    return edge.refused_at == 0 || std::max(changed_at_[edge.a], changed_at_[edge.b]) >= edge.refused_at;
+  }
+
+ private:
+  std::uint32_t changes_ = 0;
+  std::vector<std::uint32_t> changed_at_;  ///< number of the last change of the vertex's star
+};
 
 /// A heap of edges by squared length over the square of the relative size wanted at their middle. An edge is
 /// void once an end of it was renewed; one that was refused is parked until the heap starts over.

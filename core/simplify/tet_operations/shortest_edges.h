@@ -20,7 +20,7 @@ void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks, st
 /// oriented: the smaller number first, but once an end has become another edge's survivor, the last survivor
 /// first.
 ///
-/// Memory: 24 bytes an edge that it holds or that is parked, 8 a vertex.
+/// Memory: 32 bytes an edge that it holds or that is parked, 8 a vertex.
 class ShortestEdges {
  public:
   /// Begins with about `first_batch` edges. Holds references.

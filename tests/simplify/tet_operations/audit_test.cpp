@@ -12,6 +12,7 @@
 #include <iostream>
 #include <map>
 #include <set>
+#include <span>
 #include <string>
 
 #include "core/base/error.h"
@@ -404,7 +405,10 @@ TEST(Audit, OperationsInAnyOrderKeepTheMeshValid) {
         ++done.checks;
       }
       CollapseOptions collapse;
-      collapse.least_score = std::array{0.03, 0.003, 0.0, -1.0}[random.below(4)];
+      const std::array least_scores{0.03, 0.003, 0.0, -1.0};
+      const std::size_t first = random.below(least_scores.size());
+      collapse.least_scores =
+          std::span(least_scores).subspan(first, 1 + random.below(least_scores.size() - first));
       collapse.placement = std::array{CollapsePlacement::kFirst, CollapsePlacement::kBest,
                                       CollapsePlacement::kMidpoint}[random.below(3)];
       collapse.target =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/base/error.h"
@@ -265,7 +266,10 @@ bool ChangingMesh::collapse(SplitMix64& random) {
 bool ChangingMesh::collapse_shortest(SplitMix64& random) {
   WorkingMesh& mesh = shop_->mesh;
   simplify::CollapseOptions options;
-  options.least_score = std::array{0.03, 0.0, -1.0}[random.below(3)];
+  const std::array least_scores{0.03, 0.0, -1.0};
+  const std::size_t first = random.below(least_scores.size());
+  options.least_scores =
+      std::span(least_scores).subspan(first, 1 + random.below(least_scores.size() - first));
   options.placement = std::array{simplify::CollapsePlacement::kFirst, simplify::CollapsePlacement::kBest,
                                  simplify::CollapsePlacement::kMidpoint}[random.below(3)];
   options.target = mesh.alive - std::min<std::uint64_t>(mesh.alive, random.below(40));
