@@ -76,7 +76,8 @@ constexpr double kLimitResolution = 1.01;
 constexpr double kHopeless = 1.03;
 constexpr std::array kBelowLimit{0.99, 0.98, 0.995};  ///< tried from there, in this order
 
-/// What collapses may leave, from strict to anything positive.
+/// What collapses may leave, from strict to anything positive. The steps are small, as the last of many
+/// collapses are made where nothing good is left: there each should leave the best that there is.
 constexpr std::array kLeastScores{3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6,
                                   1e-6, 3e-7, 1e-7, 3e-8, 1e-8, 3e-9, 1e-9};
 constexpr std::array kLastLeastScore{0.04};  ///< of the last few, with little repair to come
@@ -121,7 +122,7 @@ class Run {
   /// Down to the wanted count, for quality. Returns false if it was abandoned.
   bool reduce() {
     const int stages = options_.interleave ? go_down() : 0;
-    collapse_to(share_of(target_, kLastAim));
+    if (!is_exhausted_) collapse_to(share_of(target_, kLastAim));
     if (static_cast<double>(mesh_.alive) > options_.abandon_beyond * static_cast<double>(target_))
       return false;
     set_window(kLeastShareInStages, mesh_.alive);
@@ -158,7 +159,8 @@ class Run {
       const std::uint64_t goal = std::max(share_of(target_, aim), share_of(before, effort_.stage_share));
       collapse_to(goal);
       // Where the boundary forbids more, another stage would only repeat this one.
-      if (mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress)) break;
+      is_exhausted_ = mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress);
+      if (is_exhausted_) break;
       set_window(kLeastShareInStages, before - 1);  // so that the count falls from stage to stage
       sweep(effort_.stage_steps);
       flip_below(effort_.stage_threshold);
@@ -188,7 +190,7 @@ class Run {
   void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
 
   void collapse_last(std::uint64_t count) {
-    collapse_with(kLastLeastScore, count);
+    if (!is_short()) collapse_with(kLastLeastScore, count);
     collapse_with(kLeastScores, count);
   }
 
@@ -269,6 +271,7 @@ class Run {
   CollapseReport collapses_;
   RepairCounts counts_;  ///< but those of the repairs
   StepCounts step_;
+  bool is_exhausted_ = false;  ///< no inner edge can be collapsed as the mesh is
 };
 
 /// The working mesh that a run leaves; what else it held is released.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/mesh/geometry.h"
 #include "core/simplify/tet_operations/shortest_edges.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -116,11 +117,30 @@ class Collapser {
                                          options_.floor->admits_star(mesh_, survivor, place_, gone));
   }
 
+  /// Whether a tet around `gone` would be inverted with `survivor`, where that is, in its place. What is told
+  /// by rounded volumes alone is so flat that its score would be refused as well.
+  bool turns_over(Index gone, Index survivor) const {
+    const auto star = mesh_.star(gone);
+    return std::any_of(star.begin(), star.end(), [&](Index t) {
+      Tet tet = mesh_.tets[t];
+      if (std::find(tet.begin(), tet.end(), survivor) != tet.end()) return false;  // it dies
+      std::replace(tet.begin(), tet.end(), gone, survivor);
+      const auto& p = mesh_.points;
+      return signed_volume(p[tet[0]], p[tet[1]], p[tet[2]], p[tet[3]]) < 0.0;
+    });
+  }
+
   bool try_collapse(Index a, Index b) {
     next_level_ = level_ + 1;
     Index gone = a;
     Index survivor = b;
     if (!mesh_.is_free(gone)) std::swap(gone, survivor);
+    // Most edges that cannot go are those to a vertex that stays where it is: no star is laid out for them.
+    if (!mesh_.is_free(survivor) && turns_over(gone, survivor)) {
+      next_level_ = options_.least_scores.size();
+      ++report_.rejected_shape;
+      return false;
+    }
     star_.start(rule_.of_collapse(mesh_, gone, survivor, mesh_.points[survivor]), mesh_.points[survivor]);
     add_star(mesh_, gone, survivor, star_);
     if (mesh_.is_free(survivor)) add_star(mesh_, survivor, gone, star_);

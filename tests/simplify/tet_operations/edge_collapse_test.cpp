@@ -11,6 +11,7 @@
 
 #include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/tet_operations/shortest_edges.h"
 #include "tests/support/refined_checks.h"
 
 namespace palpate::simplify {
@@ -80,13 +81,44 @@ TEST(EdgeCollapse, ALowerScoreIsPermittedOnlyWhereTheStricterLeavesNothing) {
   }
 }
 
+/// How many edges to a vertex that stays could still go, looked at one by one.
+std::size_t count_collapsible(Collapsed& done) {
+  WorkingMesh& mesh = done.mesh;
+  VertexMarks marks;
+  std::vector<Index> neighbours;
+  std::size_t found = 0;
+  for (Index gone = 0; gone < mesh.points.size(); ++gone) {
+    if (!mesh.is_vertex_alive(gone) || !mesh.is_free(gone)) continue;
+    collect_neighbours(mesh, gone, marks, neighbours);
+    for (const Index survivor : std::vector(neighbours)) {
+      if (mesh.is_free(survivor)) continue;
+      double worst = 1.0;
+      for (const Index t : mesh.star(gone)) {
+        std::array<Vec3, 4> p{};
+        bool dies = false;
+        for (std::size_t i = 0; i < 4; ++i) {
+          const Index v = mesh.tets[t][i];
+          dies = dies || v == survivor;
+          p[i] = mesh.points[v == gone ? survivor : v];
+        }
+        if (!dies) worst = std::min(worst, double{score_tet(done.rule.far(), p[0], p[1], p[2], p[3])});
+      }
+      if (worst > kLeastScores.back() && meets_link_condition(mesh, gone, survivor, marks)) ++found;
+    }
+  }
+  return found;
+}
+
 TEST(EdgeCollapse, NothingThatCouldGoIsPassedOver) {
   for (const TetMesh& input : {build_kuhn_cube(6, 0.2, 4), make_sliver_cube(5, 2)}) {
+    Collapsed before = collapse(input, {}, 0);
+    ASSERT_GT(count_collapsible(before), 0U);
     for (const CollapsePlacement placement :
          {CollapsePlacement::kFirst, CollapsePlacement::kBest, CollapsePlacement::kMidpoint}) {
       Collapsed done = collapse(input, kLeastScores, 0, placement);
       ASSERT_GT(done.report.collapses, 0U);
       expect_consistent(done.mesh);
+      EXPECT_EQ(count_collapsible(done), 0U);
       // All edges are looked at anew by a second run.
       CollapseOptions options;
       options.least_scores = std::span(kLeastScores).last(1);
