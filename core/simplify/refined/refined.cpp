@@ -189,6 +189,8 @@ class Run {
 
   void collapse_to(std::uint64_t count) { collapse_with(kLeastScores, std::max(count, target_)); }
 
+  /// The last few, strictly at first, unless collapses have ended far above the count: nothing strict is
+  /// left.
   void collapse_last(std::uint64_t count) {
     if (!is_short()) collapse_with(kLastLeastScore, count);
     collapse_with(kLeastScores, count);
