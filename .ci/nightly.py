@@ -48,7 +48,7 @@ def list_stages(options, folder):
     """All stages, in their order."""
     palpate = str(ROOT / "palpate")
     seed = str(options.seed)
-    own_stages = r"^(fuzz|campaign|page)\.|^live\.page|^Audit\.|^OperationFuzz\.AnyOrder"
+    own_stages = r"^(fuzz|campaign|page)\.|^live\.page|^OperationFuzz\.AnyOrder"
     without_cpp = r"^(house|report|docs|page|bench|campaign|fuzz)\.|^live\.page"
     pages = {"PALPATE_PAGES": str(folder / "contests")}
     soak = [*PYTHON, str(ROOT / "tests" / "soak" / "soak.py"), str(BUILD), "--seed", seed, "--wall", str(options.soak_wall)]

@@ -29,7 +29,7 @@ FULL = False
 ONLY = []
 NOT_LINKED = (".git", "build", "palpate", "results")  # what commands would write to, and the launcher, which builds
 MARK = "@@@ palpate"
-PAGE_LIMIT_S = 3 * 3600  # a page's commands together; trainings, fits and envelopes, on a core that others share
+PAGE_LIMIT_S = 2 * 3600  # a page's commands together; trainings, fits and envelopes, on a core that others share
 
 
 def prepare(folder):

@@ -121,12 +121,12 @@ class Run {
 
   /// Down to the wanted count, for quality. Returns false if it was abandoned.
   bool reduce() {
-    const int stages = options_.interleave ? go_down() : 0;
-    if (!is_exhausted_) collapse_to(share_of(target_, kLastAim));
+    const Descent descent = options_.interleave ? go_down() : Descent{};
+    if (!descent.is_exhausted) collapse_to(share_of(target_, kLastAim));
     if (static_cast<double>(mesh_.alive) > options_.abandon_beyond * static_cast<double>(target_))
       return false;
     set_window(kLeastShareInStages, mesh_.alive);
-    const int rounds = std::max(1, effort_.passes - stages);
+    const int rounds = std::max(1, effort_.passes - descent.stages);
     for (int i = 0; i < rounds; ++i) {
       sweep(effort_.final_steps);
       flip_below(effort_.final_threshold);
@@ -150,24 +150,28 @@ class Run {
     return true;
   }
 
-  /// Returns the number of stages.
-  int go_down() {
+  struct Descent {
     int stages = 0;
+    bool is_exhausted = false;  ///< no inner edge is left that could be collapsed
+  };
+
+  Descent go_down() {
+    Descent descent;
     double aim = kFirstAim;
     while (mesh_.alive > share_of(target_, aim)) {
       const std::uint64_t before = mesh_.alive;
       const std::uint64_t goal = std::max(share_of(target_, aim), share_of(before, effort_.stage_share));
       collapse_to(goal);
       // Where the boundary forbids more, another stage would only repeat this one.
-      is_exhausted_ = mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress);
-      if (is_exhausted_) break;
+      descent.is_exhausted = mesh_.alive > goal && mesh_.alive >= share_of(before, kLeastProgress);
+      if (descent.is_exhausted) break;
       set_window(kLeastShareInStages, before - 1);  // so that the count falls from stage to stage
       sweep(effort_.stage_steps);
       flip_below(effort_.stage_threshold);
       aim = kLaterAim;
-      ++stages;
+      ++descent.stages;
     }
-    return stages;
+    return descent;
   }
 
   /// Whether collapses have ended far above the wanted count: then no repair may take it up again.
@@ -273,7 +277,6 @@ class Run {
   CollapseReport collapses_;
   RepairCounts counts_;  ///< but those of the repairs
   StepCounts step_;
-  bool is_exhausted_ = false;  ///< no inner edge can be collapsed as the mesh is
 };
 
 /// The working mesh that a run leaves; what else it held is released.

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include "core/mesh/geometry.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/simplify/sizing/sizing.h"
 #include "core/simplify/tet_operations/shortest_edges.h"
 #include "tests/support/refined_checks.h"
 
@@ -40,12 +40,7 @@ struct Collapsed {
 
 Collapsed collapse(const TetMesh& input, std::span<const double> least_scores, std::uint64_t target,
                    CollapsePlacement placement = CollapsePlacement::kFirst) {
-  double volume = 0.0;
-  for (const Tet& t : input.tets) {
-    const auto& p = input.points;
-    volume += signed_volume(p[t[0]], p[t[1]], p[t[2]], p[t[3]]);
-  }
-  volume *= 2.0 / static_cast<double>(input.tets.size());
+  const double volume = 2.0 * graded_volume(input, kNoField) / static_cast<double>(input.tets.size());
   Collapsed done{build_working_mesh(TetMesh(input), kNoField),
                  ScoreRule(scale_of_ideal_volume(volume, ScoreForm::kMeanRatio), kNoField),
                  {}};

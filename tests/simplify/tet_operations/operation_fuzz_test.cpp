@@ -67,7 +67,7 @@ TEST(OperationFuzz, ShellsAreFineAtTheSkinAndMayBeHollow) {
 /// Sequences on ever new bodies.
 TEST(OperationFuzz, AnyOrderKeepsWhatIsPromised) {
   const std::uint64_t first = wanted("PALPATE_OPERATIONS_SEED", 1);
-  const auto quick = static_cast<std::uint64_t>(test::full_or(1'000'000, 50'000));
+  const auto quick = static_cast<std::uint64_t>(test::full_or(3'000'000, 50'000));
   const std::uint64_t total = wanted("PALPATE_OPERATIONS_TOTAL", quick);
   std::array<std::uint64_t, kOperations> changed{};
   std::uint64_t checks = 0;
