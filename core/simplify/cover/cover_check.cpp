@@ -36,9 +36,15 @@ BoxedTriangle::BoxedTriangle(const TriangleCorners& t)
   if (square > kLeastNormalSq * length_sq(t[1] - t[0]) * length_sq(t[2] - t[0])) normal_sq = square;
 }
 
-bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) const {
-  return std::all_of(piece.corner.begin(), piece.corner.begin() + static_cast<std::ptrdiff_t>(piece.size),
-                     [&](const Vec3& p) { return distance_sq(p, b) <= limit_sq_; });
+bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) {
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < piece.size; ++i) {
+    const double here = distance_sq(piece.corner[i], b);
+    if (!(here <= limit_sq_)) return false;
+    farthest = std::max(farthest, here);
+  }
+  reach_sq_ = std::max(reach_sq_, farthest);
+  return true;
 }
 
 /// Returns false if the piece has too many corners to be cut further.
@@ -130,6 +136,7 @@ template <typename FindNearest, typename Use>
 bool CoverTest::run(const TriangleCorners& triangle, std::size_t most_pieces, const FindNearest& find_nearest,
                     const Use& use) {
   open_.clear();
+  reach_sq_ = 0.0;
   Piece whole;
   for (const Vec3& p : triangle) whole.add(p);
   open_.push_back(whole);

@@ -2,7 +2,9 @@
 // a triangle that is not.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -36,6 +38,7 @@ class CoverTest {
   explicit CoverTest(double limit) : limit_sq_(limit * limit) {}
 
   double limit_sq() const { return limit_sq_; }
+  double limit() const { return std::sqrt(limit_sq_); }
 
   /// Every point of `triangle` within the limit of some triangle of `by`?
   bool is_covered(const TriangleCorners& triangle, const TriangleTree& by);
@@ -45,6 +48,9 @@ class CoverTest {
   /// The same for a short list. `used` gets the numbers of the triangles that are enough; it is cleared
   /// first.
   bool is_covered(const BoxedTriangle& triangle, std::span<const BoxedTriangle> by, std::vector<Index>& used);
+
+  /// Where the last answer was yes: no point of the triangle is farther than this from those.
+  double reach() const { return std::min(std::sqrt(reach_sq_) * (1.0 + 1e-12), limit()); }
 
   /// Is the point within the limit of some triangle? Cheap, and necessary wherever it is a point of what is
   /// to be covered.
@@ -64,7 +70,7 @@ class CoverTest {
   template <typename FindNearest, typename Use>
   bool run(const TriangleCorners& triangle, std::size_t most_pieces, const FindNearest& find_nearest,
            const Use& use);
-  bool is_within(const Piece& piece, const TriangleCorners& b) const;
+  bool is_within(const Piece& piece, const TriangleCorners& b);
   /// Just above the limit, so that a distance of exactly the limit is found.
   double bound_sq() const { return limit_sq_ * (1.0 + 1e-15) + 1e-300; }
   bool push(const Piece& piece);
@@ -72,6 +78,7 @@ class CoverTest {
   bool halve(const Piece& piece, const Vec3& middle);
 
   double limit_sq_ = 0.0;
+  double reach_sq_ = 0.0;
   std::vector<Piece> open_;
   std::vector<const BoxedTriangle*> near_;  ///< of a short list, those that are not too far by their boxes
 };

@@ -32,8 +32,9 @@ double seen_length_sq(const Vec3& v) {
   return v.x * v.x + v.y * v.y;
 }
 
-bool is_high(const Tile& t, const Vec3& p, double limit) {
-  return !(std::fabs(p.z - t.height_at(p.x, p.y)) <= limit);
+/// What is left to what only touches, and to rounding, in a difference of heights between the two.
+double leeway_between(const Tile& t, const Tile& tile) {
+  return kSlack * std::sqrt(std::max(t.reach_sq, tile.reach_sq));
 }
 
 }  // namespace
@@ -88,7 +89,7 @@ SheetCover::Sides SheetCover::measure_sides(const Tile& of, const Tile& corners)
 
 /// Takes note of the edges of a tile that meet the inside of t, `within` being how far its corners are within
 /// the sides of t. Returns whether their heights are within the limit there.
-bool SheetCover::take_edges(const Tile& t, const Tile& tile, const Sides& within, double limit) {
+bool SheetCover::take_edges(const Tile& t, const Tile& tile, const Sides& within, double leeway) {
   for (std::size_t e = 0; e < 3; ++e) {
     const std::size_t next = (e + 1) % 3;
     const std::pair<Index, Index> across{tile.number[next], tile.number[e]};
@@ -109,7 +110,8 @@ bool SheetCover::take_edges(const Tile& t, const Tile& tile, const Sides& within
     }
     if (is_beside || from > to) continue;
     const Vec3 way = tile.at[next] - tile.at[e];
-    if (is_high(t, tile.at[e] + from * way, limit) || is_high(t, tile.at[e] + to * way, limit)) return false;
+    if (is_high(t, tile.at[e] + from * way, leeway) || is_high(t, tile.at[e] + to * way, leeway))
+      return false;
     open_.emplace_back(tile.number[e], tile.number[next]);
   }
   return true;
@@ -125,13 +127,18 @@ std::array<bool, 3> SheetCover::find_corners(const Tile& tile, const Sides& with
   return is_over;
 }
 
-double SheetCover::limit_between(const Tile& t, const Tile& tile) const {
-  return limit_ - kSlack * std::sqrt(std::max(t.reach_sq, tile.reach_sq));
+/// Whether a point may be farther than the limit from the plane of t.
+bool SheetCover::is_high(const Tile& t, const Vec3& p, double leeway) {
+  const double height = std::fabs(p.z - t.height_at(p.x, p.y)) + leeway;
+  if (!(height <= limit_)) return true;
+  reach_ = std::max(reach_, height);
+  return false;
 }
 
 bool SheetCover::is_covered(const Tile& t, std::span<const Tile> by, std::vector<Index>& used) {
   used.clear();
   open_.clear();
+  reach_ = 0.0;
   if (!t.faces_viewer) return false;
   std::array<bool, 3> has_corner{};  // of t: over a tile
   for (Index i = 0; i < by.size(); ++i) {
@@ -141,17 +148,17 @@ bool SheetCover::is_covered(const Tile& t, std::span<const Tile> by, std::vector
     if (are_apart(corners)) continue;
     const Sides within = measure_sides(t, tile);
     if (are_apart(within)) continue;
-    const double limit = limit_between(t, tile);
+    const double leeway = leeway_between(t, tile);
     const std::array<bool, 3> is_over = find_corners(tile, corners);
     for (std::size_t c = 0; c < 3; ++c) {
-      if (is_over[c] && is_high(tile, t.at[c], limit)) return false;
+      if (is_over[c] && is_high(tile, t.at[c], leeway)) return false;
       has_corner[c] = has_corner[c] || is_over[c];
     }
     if (is_over[0] && is_over[1] && is_over[2]) {  // a tile is convex: enough by itself
       used.assign(1, i);
       return true;
     }
-    if (!take_edges(t, tile, within, limit)) return false;
+    if (!take_edges(t, tile, within, leeway)) return false;
     used.push_back(i);
   }
   return has_corner[0] && has_corner[1] && has_corner[2] && open_.empty();

@@ -49,14 +49,20 @@ class SheetCover {
   /// `used` gets the places in `by` of those that are enough; it is cleared first.
   bool is_covered(const Tile& t, std::span<const Tile> by, std::vector<Index>& used);
 
+  void set_limit(double limit) { limit_ = limit; }
+  /// Where the last answer was yes: no point of the triangle is farther than this from those tiles. At most
+  /// the limit.
+  double reach() const { return reach_; }
+
  private:
   using Sides = std::array<std::array<double, 3>, 3>;
   static Sides measure_sides(const Tile& of, const Tile& corners);
   static std::array<bool, 3> find_corners(const Tile& tile, const Sides& within);
-  double limit_between(const Tile& t, const Tile& tile) const;
-  bool take_edges(const Tile& t, const Tile& tile, const Sides& within, double limit);
+  bool is_high(const Tile& t, const Vec3& p, double leeway);
+  bool take_edges(const Tile& t, const Tile& tile, const Sides& within, double leeway);
 
   double limit_;
+  double reach_ = 0.0;
   Vec3 origin_;
   std::array<Vec3, 3> axes_;
   std::vector<std::pair<Index, Index>> open_;  ///< edges that meet the triangle, of one tile so far

@@ -65,6 +65,7 @@ struct Question {
   std::vector<Tile> by;
   Tile t;
   std::vector<Index> used;
+  double reach = 0.0;  ///< after a yes
 
   Question(const SurfaceMesh& one, const SurfaceMesh& sheet, const Vec3& direction = {0.0, 0.0, 1.0}) {
     SheetCover cover(1.0);
@@ -74,7 +75,12 @@ struct Question {
     t = cover.tile(one.triangles.front(), triangle_corners(one, 0));
   }
 
-  bool holds(double limit) { return SheetCover(limit).is_covered(t, by, used); }
+  bool holds(double limit) {
+    SheetCover cover(limit);
+    const bool is_covered = cover.is_covered(t, by, used);
+    reach = cover.reach();
+    return is_covered;
+  }
 };
 
 /// The height of a sheet over (x, y), by looking at each triangle for itself.
@@ -116,7 +122,12 @@ TEST(SheetCover, SaysYesFromTheGreatestDifferenceOfHeightsOn) {
     const double sampled = sampled_difference(one, sheet);
     EXPECT_FALSE(question.holds(0.999 * sampled)) << "seed " << seed;
     EXPECT_TRUE(question.holds(sampled + 0.1)) << "seed " << seed;  // slopes of 2, places 0.05 apart
+    EXPECT_GE(question.reach, sampled) << "seed " << seed;
+    EXPECT_LE(question.reach, sampled + 0.1) << "seed " << seed;
+    const double reach = question.reach;
+    EXPECT_TRUE(question.holds(reach + 1e-12)) << "seed " << seed;
     EXPECT_FALSE(question.used.empty());
+    EXPECT_FALSE(question.holds(reach - 1e-6)) << "seed " << seed;
   }
 }
 
@@ -132,11 +143,13 @@ TEST(SheetCover, ItsYesStandsBeforeTheJudge) {
     for (const double limit : {0.2, 0.4, 0.6, 0.9}) {
       if (!question.holds(limit)) continue;
       ++yes;
-      EXPECT_GE(limit, exact.forward.lower) << "seed " << seed;
+      EXPECT_GE(question.reach, exact.forward.lower) << "seed " << seed;
+      EXPECT_LE(question.reach, limit) << "seed " << seed;
       // What it used is enough by itself.
       SurfaceMesh enough{sheet.points, {}};
       for (const Index i : question.used) enough.triangles.push_back(sheet.triangles[i]);
-      EXPECT_GE(limit, judge::measure_surface_distance(one, enough).forward.lower) << "seed " << seed;
+      EXPECT_GE(question.reach, judge::measure_surface_distance(one, enough).forward.lower)
+          << "seed " << seed;
     }
   }
   EXPECT_GT(yes, 300U);

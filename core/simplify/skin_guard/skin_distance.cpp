@@ -1,0 +1,268 @@
+#include "core/simplify/skin_guard/skin_distance.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/error.h"
+
+namespace palpate::simplify {
+namespace {
+
+/// Of the input's mean edge. A change shifts the skin by more than a bound below this has left, mostly.
+constexpr double kLeastRoom = 0.1;
+
+/// Boxes are apart by no more than what is in them, but for rounding.
+constexpr double kSlack = 1.0 - 1e-9;
+
+}  // namespace
+
+SkinDistance::SkinDistance(const WorkingMesh& mesh, const SkinFaces& faces, double limit)
+    : input_(mesh, faces.all()),
+      cover_(limit),
+      sheet_(limit),
+      coverage_(faces.slots()),
+      least_room_(kLeastRoom * input_.mean_edge()),
+      seen_stamp_(faces.slots(), 0),
+      input_stamp_(faces.slots(), 0),
+      point_stamp_(mesh.points.size(), 0) {}
+
+void SkinDistance::raise_limit(double limit) {
+  require(limit >= cover_.limit(), "guarded boundary: a bound may only grow");
+  cover_ = CoverTest(limit);
+  sheet_.set_limit(limit);
+}
+
+bool SkinDistance::permits(const SkinFaces& faces, const PlannedChange& plan) {
+  faces_ = &faces;
+  plan_ = &plan;
+  ++stamp_;
+  collect_concerned();
+  measure_shift();
+  take_shifted();
+  if (open_inputs_.empty() && open_faces_.empty()) return true;
+  collect_around();
+  if (!may_stay_near()) return false;
+  if (is_seen_) lay_tiles();
+  return input_stays_near() && stays_near_input();
+}
+
+void SkinDistance::apply(const BoundaryChange& change, std::size_t slots) {
+  for (const Index f : change.removed) coverage_.take_away(f);
+  for (std::size_t i = 0; i < change.fresh.size(); ++i)
+    coverage_.enter(change.number_of_fresh(i, slots), fresh_reach_[i]);
+  for (std::size_t k = 0; k < proof_count_; ++k) {
+    coverage_.take(proofs_[k], [this](Index f) { return plan_->is_removed(f); });
+  }
+}
+
+/// The input's triangles that the removed faces cover.
+void SkinDistance::collect_concerned() {
+  concerned_.clear();
+  for (const Index f : change().removed) {
+    coverage_.for_each_covered(f, [this](Index i) {
+      if (input_stamp_[i] == stamp_) return;
+      input_stamp_[i] = stamp_;
+      concerned_.push_back(i);
+    });
+  }
+}
+
+/// Faces that stay: those at the outline of the change, and those that cover the rest of what it concerns.
+void SkinDistance::collect_around() {
+  seen_stamp_.resize(faces_->slots(), 0);
+  around_.clear();
+  const auto add = [this](Index f) {
+    if (seen_stamp_[f] == stamp_ || plan_->is_removed(f)) return;
+    seen_stamp_[f] = stamp_;
+    around_.push_back(f);
+    candidates_.push_back(faces_->place(f));
+  };
+  for (const Triangle& t : change().fresh) {
+    for (const Index v : t) {
+      if (v == change().moved) continue;
+      for (const Index f : faces_->of_vertex(v)) add(f);
+    }
+  }
+  for (const Index i : concerned_) {
+    for (const Index f : coverage_.covering(i)) add(f);
+  }
+}
+
+/// Sees what would go and what would come along the mean normal of the latter: how far is either from the
+/// other?
+void SkinDistance::measure_shift() {
+  candidates_ = plan_->boxed();
+  face_tiles_.clear();
+  is_shift_known_ = false;
+  Vec3 direction;
+  for (const BoxedTriangle& face : candidates_) direction = direction + face.normal;
+  if (!(is_seen_ = reaches_beyond_limit())) return;
+  sheet_.look_against(direction, fresh().empty() ? Vec3{} : fresh().front().corner[0]);
+  const double limit = cover_.limit();
+  if (limit < least_room_) return;
+  double least = limit;
+  for (const Index i : concerned_) least = std::min(least, coverage_.reach_of_input(i));
+  for (const PlacedFace& face : fresh()) face_tiles_.push_back(sheet_.tile(face.vertices, face.corner));
+  gone_tiles_.clear();
+  for (const Index f : change().removed)
+    gone_tiles_.push_back(sheet_.tile(faces_->face(f), faces_->place(f).corner));
+  sheet_.set_limit(limit - least);
+  is_shift_known_ = shift_.measure(sheet_, gone_tiles_, face_tiles_);
+  sheet_.set_limit(limit);
+}
+
+/// Settles all that is within the limit by what was proven before and the shift together.
+void SkinDistance::take_shifted() {
+  proof_count_ = 0;
+  open_inputs_.clear();
+  open_faces_.clear();
+  for (const Index i : concerned_) {
+    if (!is_shift_known_ || !take_shifted_input(i)) open_inputs_.push_back(i);
+  }
+  fresh_reach_.assign(fresh().size(), 0.0);
+  for (std::size_t k = 0; k < fresh().size(); ++k) {
+    if (is_shift_known_) fresh_reach_[k] = reach_over_gone(k);
+    if (!is_shift_known_ || !(fresh_reach_[k] <= cover_.limit())) open_faces_.push_back(k);
+  }
+}
+
+double SkinDistance::reach_over_gone(std::size_t fresh) const {
+  const FaceShift& shift = shift_.of_fresh(fresh);
+  double reach = 0.0;
+  for (const Index k : shift.over) reach = std::max(reach, coverage_.reach_of_face(change().removed[k]));
+  return reach + shift.reach;
+}
+
+/// A point of the triangle has a point of the gone faces that covered it within its reach, and that one has
+/// one of the fresh faces over it within the shift: no other is needed.
+bool SkinDistance::take_shifted_input(Index i) {
+  double shift = 0.0;
+  for (const Index f : coverage_.covering(i)) {
+    if (plan_->is_removed(f)) shift = std::max(shift, shift_.of_gone(plan_->place_of(f)).reach);
+  }
+  const double reach = coverage_.reach_of_input(i) + shift;
+  if (!(reach <= cover_.limit())) return false;
+  std::vector<Index>& covering = add_proof(i, reach).covering;
+  const BoundingBox& box = input_.triangle(i).box;
+  for (const Index f : coverage_.covering(i)) {
+    if (!plan_->is_removed(f)) {
+      covering.push_back(f);
+      continue;
+    }
+    for (const Index k : shift_.of_gone(plan_->place_of(f)).over) {
+      const Index number = change().number_of_fresh(k, faces_->slots());
+      if (std::find(covering.begin(), covering.end(), number) == covering.end() &&
+          kSlack * distance_sq_of_boxes(candidates_[k].box, box) <= reach * reach)
+        covering.push_back(number);
+    }
+  }
+  return true;
+}
+
+CoverProof& SkinDistance::add_proof(Index input, double reach) {
+  if (proofs_.size() == proof_count_) proofs_.emplace_back();
+  CoverProof& proof = proofs_[proof_count_++];
+  proof.input = input;
+  proof.reach = reach;
+  proof.covering.clear();
+  return proof;
+}
+
+/// What is necessary for both distances, before the proof: most changes that go too far end here.
+bool SkinDistance::may_stay_near() {
+  for (const Index i : open_inputs_) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::uint32_t& seen = point_stamp_[input_.face(i)[k]];
+      if (seen == stamp_) continue;
+      seen = stamp_;
+      if (!cover_.is_near(input_.triangle(i).corner[k], candidates_)) return false;
+    }
+  }
+  return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) {
+    const TriangleCorners& t = fresh()[k].corner;
+    return cover_.is_near((1.0 / 3.0) * (t[0] + t[1] + t[2]), input_.tree());
+  });
+}
+
+/// Whether an edge of the fresh faces is longer than the bound. If none is, a triangle near by is within the
+/// bound of one face, mostly, and that is found sooner than a sheet is laid.
+bool SkinDistance::reaches_beyond_limit() const {
+  return std::any_of(fresh().begin(), fresh().end(), [this](const PlacedFace& face) {
+    const TriangleCorners& t = face.corner;
+    return std::max({length_sq(t[1] - t[0]), length_sq(t[2] - t[1]), length_sq(t[0] - t[2])}) >
+           cover_.limit_sq();
+  });
+}
+
+/// Sees the rest of both skins along the same direction.
+void SkinDistance::lay_tiles() {
+  for (std::size_t k = face_tiles_.size(); k < fresh().size(); ++k)
+    face_tiles_.push_back(sheet_.tile(fresh()[k].vertices, fresh()[k].corner));
+  for (std::size_t k = fresh().size(); k < candidates_.size(); ++k)
+    face_tiles_.push_back(sheet_.tile(faces_->face(around_[k - fresh().size()]), candidates_[k].corner));
+  lay_input_tiles();
+}
+
+void SkinDistance::lay_input_tiles() {
+  input_tiles_.clear();
+  if (open_faces_.empty()) return;
+  for (const Index i : concerned_)
+    input_tiles_.push_back(sheet_.tile(input_.face(i), input_.triangle(i).corner));
+}
+
+bool SkinDistance::input_stays_near() {
+  for (const Index i : open_inputs_) {
+    double reach = 0.0;
+    if (is_seen_ &&
+        sheet_.is_covered(sheet_.tile(input_.face(i), input_.triangle(i).corner), face_tiles_, used_))
+      reach = sheet_.reach();
+    else if (cover_.is_covered(input_.triangle(i), candidates_, used_))
+      reach = cover_.reach();
+    else
+      return false;
+    CoverProof& proof = add_proof(i, reach);
+    for (const Index u : used_) {
+      proof.covering.push_back(u < fresh().size() ? change().number_of_fresh(u, faces_->slots())
+                                                  : around_[u - fresh().size()]);
+    }
+  }
+  return true;
+}
+
+/// Corners of the current faces are near the input, and the only one of another place was looked at.
+bool SkinDistance::stays_near_input() {
+  const auto is_near = [this](std::size_t k) {
+    if (!cover_.is_inside_covered(fresh()[k].corner, input_.tree())) return false;
+    fresh_reach_[k] = cover_.reach();
+    return true;
+  };
+  const auto is_seen = [this](std::size_t k, const Tile& tile) {
+    if (!sheet_.is_covered(tile, input_tiles_, used_)) return false;
+    fresh_reach_[k] = sheet_.reach();
+    return true;
+  };
+  if (!is_seen_) return std::all_of(open_faces_.begin(), open_faces_.end(), is_near);
+  std::erase_if(open_faces_, [&](std::size_t k) { return is_seen(k, face_tiles_[k]); });
+  if (open_faces_.empty()) return true;
+  widen_concerned();
+  return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) {
+    const PlacedFace& face = fresh()[k];
+    sheet_.look_against(candidates_[k].normal, face.corner[0]);
+    lay_input_tiles();
+    return is_seen(k, sheet_.tile(face.vertices, face.corner)) || is_near(k);
+  });
+}
+
+/// Adds the triangles beside those that a change concerns.
+void SkinDistance::widen_concerned() {
+  const std::size_t count = concerned_.size();
+  for (std::size_t k = 0; k < count; ++k) {
+    for (const Index i : input_.neighbours(concerned_[k])) {
+      if (i == kNoIndex || input_stamp_[i] == stamp_) continue;
+      input_stamp_[i] = stamp_;
+      concerned_.push_back(i);
+    }
+  }
+}
+
+}  // namespace palpate::simplify
