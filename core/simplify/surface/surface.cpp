@@ -19,7 +19,7 @@ namespace palpate::simplify {
 namespace {
 
 /// At the end, tets below the first score are repaired, below the second (for shapes: below the first) by
-/// compound moves too; so many rounds, and one more for each effort.
+/// compound moves too; so many rounds, and one more for each effort; without any effort, a single one.
 constexpr double kRepairScore = 0.16;
 constexpr double kCompoundScore = 0.06;
 constexpr int kLeastPolish = 2;
@@ -113,7 +113,8 @@ void polish(SurfaceRun& run, std::uint64_t target) {
   Smoother smoother(run.mesh, run.scores);
   Repairer repairer(run.mesh, run.scores, rule, run.tools());
   const double compound = run.is_for_shape() ? kRepairScore : kCompoundScore;
-  for (int round = 0; round < kLeastPolish + run.options.effort; ++round) {
+  const int rounds = run.is_quick() ? 1 : kLeastPolish + run.options.effort;
+  for (int round = 0; round < rounds; ++round) {
     flip_boundary(run, flipper);
     move_boundary(run);
     if (run.is_for_shape()) smoother.sweep(1);

@@ -79,14 +79,23 @@ void coarsen_inside(SurfaceRun& run, std::uint64_t tets,
   }
 }
 
-/// Flips and moves in the skin, where it was coarsened, and moves inside.
-void even_out(SurfaceRun& run) {
+/// Moves inside.
+void even_inside(SurfaceRun& run) {
   Smoother smoother(run.mesh, run.scores);
-  smoother.sweep(2);
+  smoother.sweep(run.is_quick() ? 1 : 2);
+}
+
+/// Flips and moves in the skin, where it was coarsened.
+void even_skin(SurfaceRun& run) {
   if (!run.takes_boundary()) return;
   BoundaryFlipper flipper = flipper_of(run);
   flip_boundary(run, flipper);
   move_boundary(run);
+}
+
+void even_out(SurfaceRun& run) {
+  even_inside(run);
+  even_skin(run);
 }
 
 /// Splits edges of the skin that are too long for so many faces, as long as there are fewer.
@@ -100,11 +109,12 @@ void split_long_edges(SurfaceRun& run, std::uint64_t faces) {
 
 /// The lengths of a skin's edges, of which collapses leave many too short and many too long: short ones go,
 /// and long ones are split in exchange. Each face more takes some three tets: `tets` have to be left for the
-/// inside to follow.
+/// inside to follow. Quick runs do so once.
 void even_edges(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
   cure_short_edges(run, kShortEdge, faces, tets);
   split_long_edges(run, faces);
   even_out(run);
+  if (run.is_quick()) return;
   cure_short_edges(run, kShortEdge, faces, tets);
   even_out(run);
 }
@@ -135,6 +145,9 @@ void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough, Way way) {
   const auto tets_in = static_cast<double>(run.report.tets_in);
   const double share = std::min(1.0, kLeftToRefined * std::max(1.0, target) / tets_in);
   const int stages = std::max(1, static_cast<int>(std::ceil(std::log(share) / std::log(kStage))));
+  const auto evens_edges = [&] {
+    return run.spends_bound() || (run.evens_boundary() && way == Way::kStraight);
+  };
   for (int k = 1; k <= stages; ++k) {
     const double tets = tets_in * std::pow(share, static_cast<double>(k) / stages);
     run.aim_at(tets);
@@ -142,9 +155,10 @@ void coarsen_to(SurfaceRun& run, double target, std::uint64_t enough, Way way) {
     coarsen_boundary(run, run.faces_for(faces_of), enough,
                      run.longest_for(faces_of, run.options.boundary_size));
     coarsen_inside(run, std::max(static_cast<std::uint64_t>(tets), enough), run.longest_for(tets, 1.0));
-    even_out(run);
+    even_inside(run);
+    if (!run.is_quick() || (k == stages && !evens_edges())) even_skin(run);
   }
-  if (run.spends_bound() || (run.evens_boundary() && way == Way::kStraight))
+  if (evens_edges())
     even_edges(run, run.faces_for(target), enough + static_cast<std::uint64_t>(kLeftForInside * target));
 }
 

@@ -86,6 +86,9 @@ struct SurfaceRun {
   /// away from sizes that are wanted.
   bool is_for_shape() const { return options.objective != Objective::kQuality && field.is_empty(); }
 
+  /// Whether the skin is evened out once, when it is coarse, and not on the way.
+  bool is_quick() const { return options.effort == 0; }
+
   /// Whether what the bound permits is there to be spent on shapes.
   bool spends_bound() const { return is_for_shape() && !options.sparing; }
 
