@@ -14,6 +14,10 @@ constexpr double kRounding = 1e-13;
 /// Of the bound that is asked for. The rest leaves room for a measurement that brackets the distance.
 constexpr double kShareOfBound = 0.998;
 
+/// Cells of the grid, over the mean edge; made wider by so much when faces have grown as much.
+constexpr double kCell = 1.5;
+constexpr std::size_t kWiden = 2;
+
 double at_least_rounding(double max_error, const WorkingMesh& mesh) {
   double largest = 0.0;
   for (const Vec3& p : mesh.points) {
@@ -27,7 +31,9 @@ double at_least_rounding(double max_error, const WorkingMesh& mesh) {
 GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, double feature_deg)
     : faces_(mesh),
       distance_(mesh, faces_, at_least_rounding(max_error, mesh)),
-      grid_(1.5 * distance_.input().mean_edge(), faces_.slots()) {
+      cell_(kCell * distance_.input().mean_edge()),
+      faces_in_grid_(faces_.slots()),
+      grid_(cell_, faces_in_grid_) {
   for (Index f = 0; f < faces_.slots(); ++f) grid_.enter(f, faces_.place(f).box);
   if (feature_deg > 0.0)
     lines_ = FeatureLines(mesh, faces_.all(), feature_deg, at_least_rounding(max_error, mesh));
@@ -88,8 +94,12 @@ std::optional<Vec3> GuardedBoundary::find_contact() {
   for (Index f = 0; f < faces_.slots(); ++f) {
     if (!is_alive(f)) continue;
     const PlacedFace face = faces_.placed(f);
-    const auto touches = [&](Index g) { return g < f && are_in_contact(face, faces_.placed(g)); };
-    if (grid_.any_near(faces_.place(f).box, touches))
+    const BoundingBox& box = faces_.place(f).box;
+    const auto touches = [&](Index g) {
+      return g < f && distance_sq_of_boxes(box, faces_.place(g).box) == 0.0 &&
+             are_in_contact(face, faces_.placed(g));
+    };
+    if (grid_.any_near(box, touches))
       return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
   }
   return std::nullopt;
@@ -109,6 +119,17 @@ void GuardedBoundary::apply(const BoundaryChange& change) {
     grid_.enter(f, faces_.place(f).box);
   }
   distance_.apply(change, slots);
+  if (kWiden * kWiden * faces_.alive() < faces_in_grid_) widen_grid();
+}
+
+/// Faces have grown, and meet many of the cells.
+void GuardedBoundary::widen_grid() {
+  cell_ *= kWiden;
+  faces_in_grid_ = faces_.alive();
+  grid_ = FaceGrid(cell_, faces_in_grid_);
+  for (Index f = 0; f < faces_.slots(); ++f) {
+    if (faces_.is_alive(f)) grid_.enter(f, faces_.place(f).box);
+  }
 }
 
 FeatureRank hold_on(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v) {

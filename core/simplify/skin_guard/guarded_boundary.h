@@ -78,9 +78,12 @@ class GuardedBoundary {
  private:
   bool touches_others();
   bool touches(std::size_t fresh);
+  void widen_grid();
 
   SkinFaces faces_;
   SkinDistance distance_;
+  double cell_;  ///< of the grid
+  std::size_t faces_in_grid_;
   FaceGrid grid_;
   FeatureLines lines_;
   PlannedChange plan_;

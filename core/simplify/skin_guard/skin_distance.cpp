@@ -210,6 +210,16 @@ void SkinDistance::lay_input_tiles() {
     input_tiles_.push_back(sheet_.tile(input_.face(i), input_.triangle(i).corner));
 }
 
+/// Those that may be within the limit of what is in the box.
+void SkinDistance::lay_input_tiles_near(const BoundingBox& box) {
+  input_tiles_.clear();
+  for (const Index i : concerned_) {
+    const BoxedTriangle& t = input_.triangle(i);
+    if (kSlack * distance_sq_of_boxes(box, t.box) <= cover_.limit_sq())
+      input_tiles_.push_back(sheet_.tile(input_.face(i), t.corner));
+  }
+}
+
 bool SkinDistance::input_stays_near() {
   for (const Index i : open_inputs_) {
     double reach = 0.0;
@@ -248,7 +258,7 @@ bool SkinDistance::stays_near_input() {
   return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) {
     const PlacedFace& face = fresh()[k];
     sheet_.look_against(candidates_[k].normal, face.corner[0]);
-    lay_input_tiles();
+    lay_input_tiles_near(candidates_[k].box);
     return is_seen(k, sheet_.tile(face.vertices, face.corner)) || is_near(k);
   });
 }

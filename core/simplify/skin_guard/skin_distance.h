@@ -54,6 +54,7 @@ class SkinDistance {
   bool reaches_beyond_limit() const;
   void lay_tiles();
   void lay_input_tiles();
+  void lay_input_tiles_near(const BoundingBox& box);
   bool input_stays_near();
   bool stays_near_input();
   void widen_concerned();
