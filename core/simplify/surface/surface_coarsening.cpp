@@ -135,7 +135,8 @@ void flip_boundary(SurfaceRun& run, BoundaryFlipper& flipper) {
 void move_boundary(SurfaceRun& run) {
   if (!run.options.boundary_smoothing) return;
   if (run.is_for_shape())
-    smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface);
+    smooth_boundary(run.mesh, run.boundary, run.scores, run.volume, run.report.surface,
+                    run.is_quick() ? kWorthAProofInHaste : kWorthAProof);
   else
     mend_boundary(run.mesh, run.boundary, run.scores, run.report.surface);
 }

@@ -24,15 +24,13 @@ constexpr int kGradientSteps = 2;
 constexpr std::array kShares{1.0, 0.5, 0.25};
 
 /// Of the gradient's part along the normal, what is kept: first nothing, then half of it. Of the volume, what
-/// may be missing or too much before nothing is; how much more the skin around may be bent than before; of
-/// the worst score, what has to be left; and the gain of a tet, in the mean over the star, for which a proof
-/// is worth its time.
+/// may be missing or too much before nothing is; how much more the skin around may be bent than before; and
+/// of the worst score, what has to be left.
 constexpr std::array kNormalShares{0.0, 0.5};
 constexpr double kVolumeLeeway = 0.001;
 constexpr double kBendLeeway = 1.02;
 constexpr double kFlat = 1e-12;  ///< of the longest edge: what rounding bends a flat skin by
 constexpr double kLeastOfWorstOfSkin = 0.9;
-constexpr double kWorthAProof = 0.01;
 
 /// The faces around a boundary vertex.
 struct Fan {
@@ -139,11 +137,13 @@ bool is_loose(const WorkingMesh& mesh, const GuardedBoundary& boundary, Index v)
 
 class BoundarySmoother {
  public:
-  BoundarySmoother(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, double volume)
+  BoundarySmoother(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, double volume,
+                   double worth)
       : mesh_(mesh),
         boundary_(boundary),
         scores_(scores),
         volume_(volume),
+        worth_(worth),
         excess_(boundary.volume(mesh) - volume) {}
 
   /// Whether v has moved.
@@ -168,7 +168,7 @@ class BoundarySmoother {
           [&](const Vec3& gradient) { return permitted(gradient, fan.normal, share); },
           [this](const Vec3& place) { return try_place(place); });
     }
-    const double worth = before.sum + kWorthAProof * static_cast<double>(star_.size());
+    const double worth = before.sum + worth_ * static_cast<double>(star_.size());
     if (!(figures_.sum > worth)) return false;
     plan_move(boundary_, v, change_);
     const Vec3 whole = place_ - from;
@@ -211,6 +211,7 @@ class BoundarySmoother {
   GuardedBoundary& boundary_;
   const ScoreRule& scores_;
   double volume_;  ///< that is wanted
+  double worth_;   ///< a proof: the gain of a tet, in the mean over the star
   double excess_;  ///< of the volume inside the boundary over it
   StarQuality star_;
   BoundaryChange change_;
@@ -223,8 +224,8 @@ class BoundarySmoother {
 }  // namespace
 
 void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, double volume,
-                     SurfaceReport& report) {
-  BoundarySmoother smoother(mesh, boundary, scores, volume);
+                     SurfaceReport& report, double worth) {
+  BoundarySmoother smoother(mesh, boundary, scores, volume, worth);
   for (Index v = 0; v < mesh.points.size(); ++v) {
     if (is_loose(mesh, boundary, v) && smoother.smooth(v)) ++report.moves;
   }

@@ -9,15 +9,20 @@
 
 namespace palpate::simplify {
 
+/// What a move of smooth_boundary has to gain in the mean over the tets around, so that it is worth its
+/// proof.
+inline constexpr double kWorthAProof = 0.01;
+inline constexpr double kWorthAProofInHaste = 0.03;  ///< where time counts most
+
 /// One sweep over the boundary vertices: each is moved to where the sum of gains of the tets around it is
 /// larger, first towards the middle of its faces and along the gradient within the tangent plane, then with
 /// half of the gradient's part along the normal, as far as the bound permits; where the volume inside the
 /// boundary is a thousandth off `volume`, the input's, only towards that. No move bends the skin around by
 /// more than a fiftieth more, so that what is flat stays so: without this the tets get better by crumpling
-/// it. A move has to be worth it, and may leave a tet a tenth worse than the worst around. Vertices on
-/// feature lines stay. Counts the moves.
+/// it. A move has to gain `worth` in the mean over the tets around, and may leave a tet a tenth worse than
+/// the worst around. Vertices on feature lines stay. Counts the moves.
 void smooth_boundary(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, double volume,
-                     SurfaceReport& report);
+                     SurfaceReport& report, double worth = kWorthAProof);
 
 /// The same towards the middle of the faces alone, and only where the worst tet around gets better by a
 /// tenth.
