@@ -99,8 +99,7 @@ std::optional<Vec3> GuardedBoundary::find_contact() {
       return g < f && distance_sq_of_boxes(box, faces_.place(g).box) == 0.0 &&
              are_in_contact(face, faces_.placed(g));
     };
-    if (grid_.any_near(box, touches))
-      return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
+    if (grid_.any_near(box, touches)) return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
   }
   return std::nullopt;
 }
