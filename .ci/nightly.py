@@ -48,7 +48,8 @@ def list_stages(options, folder):
     """All stages, in their order."""
     palpate = str(ROOT / "palpate")
     seed = str(options.seed)
-    own_stages = r"^(fuzz|campaign|page)\.|^live\.page|^OperationFuzz\.AnyOrder|^house\.(tidy|headers)$"
+    tidy, browser, slurm = r"^house\.(tidy|headers)$", r"^page\.|^live\.page", r"^campaign\."
+    own_stages = "|".join([tidy, browser, slurm, r"^fuzz\.", r"^OperationFuzz\.AnyOrder"])
     without_cpp = r"^(house|report|docs|page|bench|campaign|fuzz)\.|^live\.page"
     pages = {"PALPATE_PAGES": str(folder / "contests")}
     soak = [*PYTHON, str(ROOT / "tests" / "soak" / "soak.py"), str(BUILD), "--seed", seed, "--wall", str(options.soak_wall)]
@@ -61,9 +62,9 @@ def list_stages(options, folder):
         Stage("build", "everything is built", [palpate, "test", "--full", "-N"]),
         Stage("contests", "small contests and their gates", [str(ROOT / ".ci" / "run"), "contests", str(folder / "contests")]),
         Stage("tests", "all tests in full, but those below", [palpate, "test", "--full", "-E", own_stages], limit_s=8 * HOUR),
-        Stage("tidy", "each source through clang-tidy, each header by itself, from nothing", [palpate, "test", "--full", "-R", r"^house\.(tidy|headers)$"]),
-        Stage("browser", "the pages in a real browser", [palpate, "test", "--full", "-R", r"^page\.|^live\.page"], pages),
-        Stage("slurm", "a plan as jobs, on this machine and on a Slurm of its own", [palpate, "test", "--full", "-R", r"^campaign\."]),
+        Stage("tidy", "each source through clang-tidy, each header by itself, from nothing", [palpate, "test", "--full", "-R", tidy]),
+        Stage("browser", "the pages in a real browser", [palpate, "test", "--full", "-R", browser], pages),
+        Stage("slurm", "a plan as jobs, on this machine and on a Slurm of its own", [palpate, "test", "--full", "-R", slurm]),
         Stage("audit", f"{options.audited:,} operations of whole methods", [TESTS, "--gtest_filter=Audit.*"],
               {"PALPATE_AUDIT_OPERATIONS": str(options.audited), "PALPATE_AUDIT_SEED": seed}),
         Stage("operations", f"{options.operations:,} single operations in any order", [TESTS, "--gtest_filter=OperationFuzz.AnyOrder*"],

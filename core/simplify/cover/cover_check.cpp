@@ -36,6 +36,10 @@ BoxedTriangle::BoxedTriangle(const TriangleCorners& t)
   if (square > kLeastNormalSq * length_sq(t[1] - t[0]) * length_sq(t[2] - t[0])) normal_sq = square;
 }
 
+bool may_be_within(double limit_sq, const BoundingBox& a, const BoundingBox& b) {
+  return kSlack * distance_sq_of_boxes(a, b) <= limit_sq;
+}
+
 bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) {
   double farthest = 0.0;
   for (std::size_t i = 0; i < piece.size; ++i) {
@@ -178,7 +182,7 @@ bool CoverTest::is_covered(const BoxedTriangle& triangle, std::span<const BoxedT
   used.clear();
   near_.clear();
   for (const BoxedTriangle& b : by) {
-    if (kSlack * distance_sq_of_boxes(triangle.box, b.box) <= limit_sq_) near_.push_back(&b);
+    if (may_be_within(limit_sq_, triangle.box, b.box)) near_.push_back(&b);
   }
   const auto nearest = [&](const Vec3& p) {
     const TriangleCorners* best = nullptr;

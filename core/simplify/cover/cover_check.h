@@ -27,6 +27,9 @@ struct BoxedTriangle {
   explicit BoxedTriangle(const TriangleCorners& t);
 };
 
+/// Whether something in one box may be within a distance of something in another, `limit_sq` its square.
+bool may_be_within(double limit_sq, const BoundingBox& a, const BoundingBox& b);
+
 /// Answers one such question after another.
 ///
 /// A convex piece P whose corners are all within the limit of one triangle b lies within the limit of b,

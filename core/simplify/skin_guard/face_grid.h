@@ -18,6 +18,8 @@ class FaceGrid {
   /// Cells with edges of length `cell`, for about so many faces.
   FaceGrid(double cell, std::size_t faces);
 
+  double cell() const { return cell_; }
+
   void enter(Index f, const BoundingBox& box);
   /// Throws: ContractError if the face is not where the box says.
   void leave(Index f, const BoundingBox& box);

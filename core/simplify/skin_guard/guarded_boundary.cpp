@@ -31,10 +31,9 @@ double at_least_rounding(double max_error, const WorkingMesh& mesh) {
 GuardedBoundary::GuardedBoundary(const WorkingMesh& mesh, double max_error, double feature_deg)
     : faces_(mesh),
       distance_(mesh, faces_, at_least_rounding(max_error, mesh)),
-      cell_(kCell * distance_.input().mean_edge()),
       faces_in_grid_(faces_.slots()),
-      grid_(cell_, faces_in_grid_) {
-  for (Index f = 0; f < faces_.slots(); ++f) grid_.enter(f, faces_.place(f).box);
+      grid_(kCell * distance_.input().mean_edge(), faces_in_grid_) {
+  fill_grid();
   if (feature_deg > 0.0)
     lines_ = FeatureLines(mesh, faces_.all(), feature_deg, at_least_rounding(max_error, mesh));
 }
@@ -123,11 +122,14 @@ void GuardedBoundary::apply(const BoundaryChange& change) {
 
 /// Faces have grown, and meet many of the cells.
 void GuardedBoundary::widen_grid() {
-  cell_ *= kWiden;
   faces_in_grid_ = faces_.alive();
-  grid_ = FaceGrid(cell_, faces_in_grid_);
+  grid_ = FaceGrid(kWiden * grid_.cell(), faces_in_grid_);
+  fill_grid();
+}
+
+void GuardedBoundary::fill_grid() {
   for (Index f = 0; f < faces_.slots(); ++f) {
-    if (faces_.is_alive(f)) grid_.enter(f, faces_.place(f).box);
+    if (is_alive(f)) grid_.enter(f, faces_.place(f).box);
   }
 }
 

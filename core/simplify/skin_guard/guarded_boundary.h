@@ -79,10 +79,10 @@ class GuardedBoundary {
   bool touches_others();
   bool touches(std::size_t fresh);
   void widen_grid();
+  void fill_grid();
 
   SkinFaces faces_;
   SkinDistance distance_;
-  double cell_;  ///< of the grid
   std::size_t faces_in_grid_;
   FaceGrid grid_;
   FeatureLines lines_;

@@ -11,9 +11,6 @@ namespace {
 /// Of the input's mean edge. A change shifts the skin by more than a bound below this has left, mostly.
 constexpr double kLeastRoom = 0.1;
 
-/// Boxes are apart by no more than what is in them, but for rounding.
-constexpr double kSlack = 1.0 - 1e-9;
-
 }  // namespace
 
 SkinDistance::SkinDistance(const WorkingMesh& mesh, const SkinFaces& faces, double limit)
@@ -22,7 +19,6 @@ SkinDistance::SkinDistance(const WorkingMesh& mesh, const SkinFaces& faces, doub
       sheet_(limit),
       coverage_(faces.slots()),
       least_room_(kLeastRoom * input_.mean_edge()),
-      seen_stamp_(faces.slots(), 0),
       input_stamp_(faces.slots(), 0),
       point_stamp_(mesh.points.size(), 0) {}
 
@@ -116,8 +112,8 @@ void SkinDistance::take_shifted() {
   proof_count_ = 0;
   open_inputs_.clear();
   open_faces_.clear();
-  for (const Index i : concerned_) {
-    if (!is_shift_known_ || !take_shifted_input(i)) open_inputs_.push_back(i);
+  for (std::size_t k = 0; k < concerned_.size(); ++k) {
+    if (!is_shift_known_ || !take_shifted_input(concerned_[k])) open_inputs_.push_back(k);
   }
   fresh_reach_.assign(fresh().size(), 0.0);
   for (std::size_t k = 0; k < fresh().size(); ++k) {
@@ -152,7 +148,7 @@ bool SkinDistance::take_shifted_input(Index i) {
     for (const Index k : shift_.of_gone(plan_->place_of(f)).over) {
       const Index number = change().number_of_fresh(k, faces_->slots());
       if (std::find(covering.begin(), covering.end(), number) == covering.end() &&
-          kSlack * distance_sq_of_boxes(candidates_[k].box, box) <= reach * reach)
+          may_be_within(reach * reach, candidates_[k].box, box))
         covering.push_back(number);
     }
   }
@@ -170,7 +166,8 @@ CoverProof& SkinDistance::add_proof(Index input, double reach) {
 
 /// What is necessary for both distances, before the proof: most changes that go too far end here.
 bool SkinDistance::may_stay_near() {
-  for (const Index i : open_inputs_) {
+  for (const std::size_t open : open_inputs_) {
+    const Index i = concerned_[open];
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& seen = point_stamp_[input_.face(i)[k]];
       if (seen == stamp_) continue;
@@ -203,28 +200,34 @@ void SkinDistance::lay_tiles() {
   lay_input_tiles();
 }
 
+Tile SkinDistance::tile_of_input(Index i) const {
+  return sheet_.tile(input_.face(i), input_.triangle(i).corner);
+}
+
 void SkinDistance::lay_input_tiles() {
   input_tiles_.clear();
   if (open_faces_.empty()) return;
-  for (const Index i : concerned_)
-    input_tiles_.push_back(sheet_.tile(input_.face(i), input_.triangle(i).corner));
+  for (const Index i : concerned_) input_tiles_.push_back(tile_of_input(i));
 }
 
 /// Those that may be within the limit of what is in the box.
 void SkinDistance::lay_input_tiles_near(const BoundingBox& box) {
   input_tiles_.clear();
   for (const Index i : concerned_) {
-    const BoxedTriangle& t = input_.triangle(i);
-    if (kSlack * distance_sq_of_boxes(box, t.box) <= cover_.limit_sq())
-      input_tiles_.push_back(sheet_.tile(input_.face(i), t.corner));
+    if (may_be_within(cover_.limit_sq(), box, input_.triangle(i).box))
+      input_tiles_.push_back(tile_of_input(i));
   }
 }
 
 bool SkinDistance::input_stays_near() {
-  for (const Index i : open_inputs_) {
+  const bool has_tiles = !input_tiles_.empty();
+  const auto is_seen = [&](std::size_t k) {
+    return sheet_.is_covered(has_tiles ? input_tiles_[k] : tile_of_input(concerned_[k]), face_tiles_, used_);
+  };
+  for (const std::size_t k : open_inputs_) {
+    const Index i = concerned_[k];
     double reach = 0.0;
-    if (is_seen_ &&
-        sheet_.is_covered(sheet_.tile(input_.face(i), input_.triangle(i).corner), face_tiles_, used_))
+    if (is_seen_ && is_seen(k))
       reach = sheet_.reach();
     else if (cover_.is_covered(input_.triangle(i), candidates_, used_))
       reach = cover_.reach();

@@ -53,6 +53,7 @@ class SkinDistance {
   bool may_stay_near();
   bool reaches_beyond_limit() const;
   void lay_tiles();
+  Tile tile_of_input(Index i) const;
   void lay_input_tiles();
   void lay_input_tiles_near(const BoundingBox& box);
   bool input_stays_near();
@@ -68,10 +69,10 @@ class SkinDistance {
   // The change under examination.
   const SkinFaces* faces_ = nullptr;
   const PlannedChange* plan_ = nullptr;
-  std::vector<Index> concerned_;         // of the input's triangles
-  std::vector<Index> open_inputs_;       // of those: what the shift does not settle
-  std::vector<std::size_t> open_faces_;  // of the fresh ones: likewise
-  std::vector<double> fresh_reach_;      // of the fresh ones, from the input's skin
+  std::vector<Index> concerned_;          // of the input's triangles
+  std::vector<std::size_t> open_inputs_;  // places among them: what the shift does not settle
+  std::vector<std::size_t> open_faces_;   // of the fresh ones: likewise
+  std::vector<double> fresh_reach_;       // of the fresh ones, from the input's skin
   PatchShift shift_;
   bool is_shift_known_ = false;
   std::vector<Index> around_;

@@ -8,6 +8,7 @@
 #include "core/base/random.h"
 #include "core/judge/surface/surface.h"
 #include "core/mesh/topology.h"
+#include "tests/support/moved_top.h"
 #include "tests/support/small_meshes.h"
 #include "tests/support/triangle_corners.h"
 
@@ -46,28 +47,6 @@ TEST(FaceContact, AgreesWithTheJudgeOnRandomPairs) {
   }
   EXPECT_GT(contacts, 500U);
 }
-
-/// A block with a guarded boundary of the given bound, and the change that moves the middle vertex of its
-/// top.
-struct MovedTop {
-  WorkingMesh mesh;
-  Index middle = kNoIndex;
-
-  MovedTop() : mesh(build_working_mesh(make_kuhn_block(4, 4, 4), SizingField())) {
-    for (Index v = 0; v < mesh.points.size(); ++v) {
-      if (mesh.points[v] == Vec3{2, 2, 4}) middle = v;
-    }
-  }
-
-  BoundaryChange to(const GuardedBoundary& boundary, const Vec3& place) const {
-    BoundaryChange change;
-    change.removed.assign(boundary.faces_of(middle).begin(), boundary.faces_of(middle).end());
-    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
-    change.moved = middle;
-    change.to = place;
-    return change;
-  }
-};
 
 TEST(GuardedBoundary, HasTheBoundaryFaces) {
   const MovedTop top;

@@ -6,33 +6,20 @@
 
 #include "core/judge/surface/surface.h"
 #include "core/simplify/surface/surface_smoothing.h"
+#include "tests/support/moved_top.h"
 #include "tests/support/rough_skin.h"
-#include "tests/support/small_meshes.h"
 
 namespace palpate::simplify {
 namespace {
 
 using namespace palpate::testing_support;  // NOLINT(google-build-using-namespace)
 
-/// A block's top, whose middle vertex goes up and down.
-struct Top {
-  WorkingMesh mesh = build_working_mesh(make_kuhn_block(4, 4, 4), SizingField());
+struct Top : MovedTop {
   GuardedBoundary boundary{mesh, 0.2};
-  Index middle = kNoIndex;
-
-  Top() {
-    for (Index v = 0; v < mesh.points.size(); ++v) {
-      if (mesh.points[v] == Vec3{2, 2, 4}) middle = v;
-    }
-  }
 
   /// Whether it may go there; it does, then.
   bool go_to(double height) {
-    BoundaryChange change;
-    change.removed.assign(boundary.faces_of(middle).begin(), boundary.faces_of(middle).end());
-    for (const Index f : change.removed) change.fresh.push_back(boundary.face(f));
-    change.moved = middle;
-    change.to = {2, 2, height};
+    const BoundaryChange change = to(boundary, {2, 2, height});
     if (boundary.check(mesh, change) != BoundaryVerdict::kAllowed) return false;
     boundary.apply(change);
     apply_move(mesh, middle, change.to);
