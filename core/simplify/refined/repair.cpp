@@ -272,8 +272,32 @@ double Repairer::worst_around(double enough) {
   return worst;
 }
 
-/// The worst of the tets that the trial has left alone, around the vertices that may move.
+/// Exchanges where the vertices that may move are for where they were.
+void Repairer::swap_places() {
+  for (std::size_t i = 0; i < vertices_.size(); ++i) std::swap(mesh_.points[vertices_[i]], places_[i]);
+}
+
+/// The scores around the vertices that may move, known or not.
+void Repairer::note_scores(std::vector<float>& scores) const {
+  scores.clear();
+  for (const Index v : vertices_) {
+    for (const Index t : mesh_.star(v)) scores.push_back(mesh_.score[t]);
+  }
+}
+
+void Repairer::put_scores(const std::vector<float>& scores) {
+  auto score = scores.begin();
+  for (const Index v : vertices_) {
+    for (const Index t : mesh_.star(v)) mesh_.score[t] = *score++;
+  }
+}
+
+/// The worst of the tets that the trial has left alone, around the vertices that may move, as they were
+/// before these moved. Few trials come so far that it is asked for, so it is found then.
 double Repairer::worst_beside() {
+  note_scores(scores_after_);
+  swap_places();
+  put_scores(scores_before_);
   const auto& added = trial_.added();
   double worst = 1e300;
   for (const Index v : vertices_) {
@@ -282,6 +306,8 @@ double Repairer::worst_beside() {
         worst = std::min(worst, flipper_.known_score(t));
     }
   }
+  swap_places();
+  put_scores(scores_after_);
   return worst;
 }
 
@@ -326,8 +352,7 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
       places_.push_back(mesh_.points[v]);
     }
   }
-  // What the trial itself has made may be anything: the smoothing is what makes it good.
-  const double least = is_strict() && by_sum ? std::min(score, worst_beside()) : 0.0;
+  if (is_strict() && by_sum) note_scores(scores_before_);
   double growth = trial_.growth();
   smoother_.set_floor(nullptr);
   marks_.clear(mesh_.points.size());
@@ -339,6 +364,8 @@ bool Repairer::keep_if_better(double score, int steps, bool by_sum) {
   }
   smoother_.set_floor(floor_);
   const bool is_sum_better = by_sum && growth > flipper_.rule().least_growth;
+  // What the trial itself has made may be anything: the smoothing is what makes it good.
+  const double least = is_strict() && is_sum_better ? std::min(score, worst_beside()) : 0.0;
   const double worst =
       worst_around(is_sum_better ? std::min(least, kWorthAnyway * score) : kWorthAnyway * score);
   const bool is_better = (is_sum_better && worst >= least) || worst > kWorthAnyway * score;

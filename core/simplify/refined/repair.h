@@ -83,6 +83,9 @@ class Repairer {
   bool try_splits(const Tet& tet, double score, int steps);
   bool try_insertions(const Tet& tet, double score, int steps);
   double worst_around(double enough);
+  void swap_places();
+  void note_scores(std::vector<float>& scores) const;
+  void put_scores(const std::vector<float>& scores);
   double worst_beside();
   bool is_above_floor() const;
   double sweep_around(int steps);
@@ -110,6 +113,8 @@ class Repairer {
   std::vector<float> hopeless_at_;  ///< the score at which compound moves helped nothing either
   std::vector<Index> vertices_;
   std::vector<Vec3> places_;
+  std::vector<float> scores_before_;  ///< around vertices_, before they move
+  std::vector<float> scores_after_;
   std::vector<Vec3> proposed_;
   VertexMarks marks_;
 };
