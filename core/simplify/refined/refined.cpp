@@ -203,9 +203,7 @@ class Run {
   /// From here on neither repairs nor collapses leave a tet below the worst of now.
   void hold_floor() {
     floor_.emplace(scores_.far().ideal_volume);
-    // Else scores are for other ideal volumes, or are no bound of q.
-    const bool is_known = scores_.field().is_empty() && scores_.far().form == ScoreForm::kSolidAngle;
-    floor_->take(mesh_, [&](Index t) { return is_known ? flipper_.known_score(t) : 0.0; });
+    floor_->take(mesh_);
     repairer_.set_floor(&*floor_);
   }
 

@@ -7,6 +7,7 @@
 
 #include "core/mesh/geometry.h"
 #include "core/simplify/fusion/fusion.h"
+#include "core/simplify/quality/batch_quality.h"
 #include "core/simplify/quality/quality.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -15,6 +16,25 @@ namespace {
 
 /// Scores are in single precision: a tet whose score is above a bound by less than this share may be below.
 constexpr double kSlack = 1e-3;
+
+/// How far the quality of a batch may be from that in full precision: far more than the grid it is rounded
+/// to.
+constexpr double kBatchSlack = 1e-9;
+
+struct Corners {
+  Vec3 a, b, c, d;
+};
+
+Corners corners_in(const TetBatch& batch, std::size_t i) {
+  return {batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)};
+}
+
+/// Those of tet t with v at `place`.
+Corners corners_with(const WorkingMesh& mesh, Index t, Index v, const Vec3& place) {
+  const auto at = [&](Index w) { return w == v ? place : mesh.points[w]; };
+  const Tet& tet = mesh.tets[t];
+  return {at(tet[0]), at(tet[1]), at(tet[2]), at(tet[3])};
+}
 
 }  // namespace
 
@@ -41,37 +61,79 @@ double QualityFloor::cube_of(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return quality_key(kThesisMetric, figures.shape, figures.volume, ideal_volume_) / ideal_volume_;
 }
 
-void QualityFloor::take(const WorkingMesh& mesh, const std::function<double(Index)>& score_of) {
+/// Whether a tet whose quality was measured in a batch may be at the floor or below it.
+bool QualityFloor::may_be_least(double rounded_quality) const {
+  const double above = rounded_quality - kBatchSlack;
+  return !(above > 0.0) || above * above * above <= least_cube_;
+}
+
+/// Whether a tet of that score may be at the floor's angle or below it: a score is at most so many times the
+/// squared sine of the least angle. WorkingMesh::kNoScore may.
+bool QualityFloor::may_have_least_angle(float score) const {
+  const double least_sine_sq = (1.0 - kSlack) * double{score} / ScoreScale{}.dihedral_weight;
+  return !(score > 0.0F) || !(greatest_cosine_ > 0.0) ||
+         least_sine_sq <= 1.0 - greatest_cosine_ * greatest_cosine_;
+}
+
+void QualityFloor::take(const WorkingMesh& mesh) {
   least_cube_ = std::numeric_limits<double>::infinity();
   greatest_cosine_ = -1.0;
+  TetBatch batch;
+  const auto take_cubes = [&] {
+    measure_batch(kThesisMetric, ideal_volume_, batch);
+    for (std::size_t i = 0; i < batch.size; ++i) {
+      if (!may_be_least(batch.quality[i])) continue;
+      const auto [a, b, c, d] = corners_in(batch, i);
+      least_cube_ = std::min(least_cube_, cube_of(a, b, c, d));
+    }
+    batch.size = 0;
+  };
   for (Index t = 0; t < mesh.tets.size(); ++t) {
     if (!mesh.is_alive(t)) continue;
-    // score <= q^3 and score <= half the squared sine of the least angle.
-    const double least_score = (1.0 - kSlack) * score_of(t);
-    const double sine_sq = greatest_cosine_ > 0.0 ? 1.0 - greatest_cosine_ * greatest_cosine_ : 1.0;
-    if (least_score > least_cube_ && least_score > ScoreScale{}.dihedral_weight * sine_sq) continue;
     const Tet& v = mesh.tets[t];
-    const Vec3& a = mesh.points[v[0]];
-    const Vec3& b = mesh.points[v[1]];
-    const Vec3& c = mesh.points[v[2]];
-    const Vec3& d = mesh.points[v[3]];
-    least_cube_ = std::min(least_cube_, cube_of(a, b, c, d));
-    greatest_cosine_ = std::max(greatest_cosine_, cosine_of_least_dihedral(a, b, c, d));
+    const Corners p{mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
+    if (may_have_least_angle(mesh.score[t]))
+      greatest_cosine_ = std::max(greatest_cosine_, cosine_of_least_dihedral(p.a, p.b, p.c, p.d));
+    batch.add(p.a, p.b, p.c, p.d);
+    if (batch.size == TetBatch::kCapacity) take_cubes();
   }
+  take_cubes();
 }
 
 bool QualityFloor::admits(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
   return cube_of(a, b, c, d) >= least_cube_ && cosine_of_least_dihedral(a, b, c, d) <= greatest_cosine_;
 }
 
-bool QualityFloor::admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, Index without) const {
+bool QualityFloor::admits_star(const WorkingMesh& mesh, Index v, const Vec3& place,
+                               std::span<const float> scores) const {
+  TetBatch batch;
+  const auto admits_cubes = [&] {
+    measure_batch(kThesisMetric, ideal_volume_, batch);
+    for (std::size_t i = 0; i < batch.size; ++i) {
+      const auto [a, b, c, d] = corners_in(batch, i);
+      if (may_be_least(batch.quality[i]) && cube_of(a, b, c, d) < least_cube_) return false;
+    }
+    batch.size = 0;
+    return true;
+  };
+  auto score = scores.begin();
+  for (const Index t : mesh.star(v)) {
+    const auto [a, b, c, d] = corners_with(mesh, t, v, place);
+    if (may_have_least_angle(*score++) && cosine_of_least_dihedral(a, b, c, d) > greatest_cosine_)
+      return false;
+    batch.add(a, b, c, d);
+    if (batch.size == TetBatch::kCapacity && !admits_cubes()) return false;
+  }
+  return admits_cubes();
+}
+
+bool QualityFloor::admits_star_without(const WorkingMesh& mesh, Index v, const Vec3& place,
+                                       Index without) const {
   const auto star = mesh.star(v);
   return std::all_of(star.begin(), star.end(), [&](Index t) {
-    const Tet& tet = mesh.tets[t];
-    if (corners_that_are(tet, without) != 0U) return true;
-    std::array<Vec3, 4> p;
-    for (std::size_t i = 0; i < 4; ++i) p[i] = tet[i] == v ? place : mesh.points[tet[i]];
-    return admits(p[0], p[1], p[2], p[3]);
+    if (corners_that_are(mesh.tets[t], without) != 0U) return true;
+    const auto [a, b, c, d] = corners_with(mesh, t, v, place);
+    return admits(a, b, c, d);
   });
 }
 

@@ -1,7 +1,7 @@
 // What the worst tets of a mesh must not fall below.
 #pragma once
 
-#include <functional>
+#include <span>
 
 #include "core/base/types.h"
 #include "core/simplify/tet_operations/working_mesh.h"
@@ -14,9 +14,8 @@ class QualityFloor {
  public:
   explicit QualityFloor(double ideal_volume) : ideal_volume_(ideal_volume) {}
 
-  /// Takes what the mesh has now. `score_of` gives a tet's score (see ScoreScale): only tets that may hold
-  /// a least value by it are measured.
-  void take(const WorkingMesh& mesh, const std::function<double(Index)>& score_of);
+  /// Takes what the mesh has now. Scores that the mesh knows (see ScoreScale) only save work.
+  void take(const WorkingMesh& mesh);
 
   /// Whether tet (a, b, c, d) is no worse than the floor in both. Requires: it is positive.
   bool admits(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const;
@@ -26,8 +25,12 @@ class QualityFloor {
     return admits(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
   }
 
-  /// The same for all tets around v, with v at `place`, but those that have the vertex `without` too.
-  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, Index without = kNoIndex) const;
+  /// The same for all tets around v, with v at `place`. `scores`: theirs there, in the order of v's star;
+  /// they only save work.
+  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, std::span<const float> scores) const;
+
+  /// The same without scores, for all tets around v but those that have the vertex `without` too.
+  bool admits_star_without(const WorkingMesh& mesh, Index v, const Vec3& place, Index without) const;
 
   /// Cube of the least quality, and cosine of the least dihedral angle.
   double least_cube() const { return least_cube_; }
@@ -35,6 +38,8 @@ class QualityFloor {
 
  private:
   double cube_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const;
+  bool may_be_least(double rounded_quality) const;
+  bool may_have_least_angle(float score) const;
 
   double ideal_volume_;
   double least_cube_ = 0.0;

@@ -45,7 +45,7 @@ double Smoother::smooth(Index v, int steps) {
   }
   climb(steps);
   if (!(figures_.sum > sum_before) || !star_.is_positive(place_)) return 0.0;
-  if (floor_ != nullptr && !floor_->admits_star(mesh_, v, place_)) return 0.0;
+  if (floor_ != nullptr && !floor_->admits_star(mesh_, v, place_, scores_)) return 0.0;
   mesh_.points[v] = place_;
   std::size_t i = 0;
   for (const Index t : mesh_.star(v)) mesh_.score[t] = std::max(0.0F, scores_[i++]);
