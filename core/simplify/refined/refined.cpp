@@ -140,13 +140,13 @@ class Run {
     sweep(1);
     if (!options_.repair) return true;
     if (options_.tools.never_worse) hold_floor();
-    repair(effort_.repair_rounds, effort_.compound_threshold, final_rule());
+    repair(rounds_at_the_end(), effort_.compound_threshold, final_rule());
     if (mesh_.alive > target_) {
       collapse_last(target_);
       if (floor_ && mesh_.alive > target_) give_up_floor();
       repair(1, effort_.compound_threshold, final_rule());
     }
-    make_room_for_splits();
+    if (!repairer_.are_many_bad()) make_room_for_splits();
     return true;
   }
 
@@ -176,6 +176,11 @@ class Run {
 
   /// Whether collapses have ended far above the wanted count: then no repair may take it up again.
   bool is_short() const { return mesh_.alive > share_of(target_, kShort); }
+
+  /// Where many are bad more rounds mend little: half of them.
+  int rounds_at_the_end() const {
+    return repairer_.are_many_bad() ? (effort_.repair_rounds + 1) / 2 : effort_.repair_rounds;
+  }
 
   FlipRule final_rule() const { return rule_of(kLeastShare, std::max<std::uint64_t>(target_, mesh_.alive)); }
 

@@ -14,13 +14,15 @@ constexpr double kGainOffsetOfMany = 0.01;
 /// skin is as fine as the inside.
 constexpr double kFewBad = 0.1;
 
-/// What helps more seldom is given up.
-constexpr std::uint64_t kTriesPerHelp = 40;
+/// Where many are bad, what helps more seldom is given up.
+constexpr std::uint64_t kTriesPerHelp = 10;
 
-/// A round takes at most so many tets, and one in so many of all.
+/// A round takes at most so many tets, and one in so many of all; with compound moves fewer, and where many
+/// are bad fewer still.
 constexpr std::size_t kAlwaysRepaired = 32;
 constexpr std::size_t kShareOfRepair = 4;
 constexpr std::size_t kShareOfCompound = 32;
+constexpr std::size_t kShareOfCompoundOfMany = 64;
 
 /// A compound move smooths the vertices around so many times.
 constexpr int kSweepsOfCompound = 3;
@@ -117,7 +119,8 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
   std::sort(bad_.begin(), bad_.end());
   // Where most tets are bad, as when the boundary is too fine for the count, no repair helps; the time is
   // bounded.
-  const std::size_t share = compound_threshold > 0.0 ? kShareOfCompound : kShareOfRepair;
+  const std::size_t share_of_compound = many_are_bad_ ? kShareOfCompoundOfMany : kShareOfCompound;
+  const std::size_t share = compound_threshold > 0.0 ? share_of_compound : kShareOfRepair;
   if (bad_.size() > kAlwaysRepaired + mesh_.alive / share) bad_.resize(kAlwaysRepaired + mesh_.alive / share);
   for (const auto& [score, t] : bad_) {
     if (!mesh_.is_alive(t) || flipper_.known_score(t) >= threshold) continue;
@@ -132,8 +135,7 @@ void Repairer::round(double threshold, double compound_threshold, int steps) {
     const bool is_split_wanted = score_now < kSplitThreshold;
     if (double{hopeless_at_[t]} != score_now) {
       if (is_worth_it(compound_) && compound_.note(try_compound(tet, score_now, steps))) continue;
-      if (is_split_wanted && is_worth_it(shifted_) && shifted_.note(try_shifted_flips(tet, score_now, steps)))
-        continue;
+      if (is_split_wanted && !many_are_bad_ && try_shifted_flips(tet, score_now, steps)) continue;
       remember_more();
       const Index slot = find_tet(mesh_, tet);
       flipper_.known_score(slot);

@@ -47,7 +47,8 @@ struct RepairSuccess {
 ///
 /// Where many tets are bad it is mostly the skin that is, and nothing inside mends it. Then (`set_manner`)
 /// the worst weigh less, so that what cannot be mended does not cost what is around it; no repair leaves a
-/// tet worse than the worst that it found there; and a means that keeps failing is given up.
+/// tet worse than the worst that it found there; no vertex is shifted for a flip; and a means that keeps
+/// failing is given up.
 class Repairer {
  public:
   /// Holds a reference to the mesh, copies of the rules.
@@ -57,12 +58,13 @@ class Repairer {
 
   /// Chooses the manner by the share of the tets with a score below `threshold`: up to a tenth few are bad.
   void set_manner(double threshold);
+  bool are_many_bad() const { return many_are_bad_; }
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is
   /// still there the first that helps of edge removal, face removal and smoothing of its free vertices.
   /// Below `compound_threshold` also compound moves and, last, splits and insertions. What an earlier round
   /// has tried in vain on a tet, all but these, is not tried again while its score is the same. A round takes
-  /// the worst fourth of all tets at most, with compound moves the worst in 32.
+  /// the worst fourth of all tets at most, with compound moves the worst in 32, or in 64 where many are bad.
   void round(double threshold, double compound_threshold, int steps);
 
   /// Changes how far the count may go.
@@ -103,7 +105,6 @@ class Repairer {
   Flipper trial_;  ///< makes flips that may be bad, for a trial
   RepairCounts counts_;
   RepairSuccess compound_;
-  RepairSuccess shifted_;
   RepairSuccess split_;
   RepairSuccess insertion_;
   Cavity cavity_;
