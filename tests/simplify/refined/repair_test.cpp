@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/judge/mesh/tet_shape.h"
 #include "core/mesh/geometry.h"
-#include "core/simplify/quality/quality.h"
 #include "core/simplify/tet_operations/quality_floor.h"
 #include "tests/support/refined_checks.h"
 
@@ -136,38 +134,6 @@ int count_falls(bool with_floor) {
 TEST(Repairer, WithAFloorNeitherLeastQualityNorLeastAngleFalls) {
   EXPECT_EQ(count_falls(true), 0);
   EXPECT_GT(count_falls(false), 0);
-}
-
-TEST(QualityFloor, IsWhatTheJudgeMeasuresAndScoresOnlySaveWork) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const SizingField no_field;
-    const TetMesh input = make_sliver_cube(6, seed);
-    TetMesh copy = input;
-    WorkingMesh mesh = build_working_mesh(std::move(copy), no_field);
-    const double ideal = 1.0 / static_cast<double>(mesh.alive);
-    const ScoreRule scores(scale_of_ideal_volume(ideal), no_field);
-    Flipper flipper(mesh, scores, {});
-    QualityFloor all(ideal);
-    all.take(mesh);
-    QualityFloor few(ideal);
-    for (Index t = 0; t < mesh.tets.size(); ++t) flipper.known_score(t);
-    few.take(mesh);
-    EXPECT_EQ(few.least_cube(), all.least_cube());
-    EXPECT_EQ(few.greatest_cosine(), all.greatest_cosine());
-    double least_angle = 4.0;
-    double least_cube = 1e300;
-    for (const Tet& t : input.tets) {
-      const judge::TetShape shape =
-          judge::measure_tet(input.points[t[0]], input.points[t[1]], input.points[t[2]], input.points[t[3]]);
-      least_angle = std::min(least_angle, shape.min_dihedral);
-      const TetFigures figures = measure_tet(kThesisMetric, input.points[t[0]], input.points[t[1]],
-                                             input.points[t[2]], input.points[t[3]]);
-      const double quality = quality_factor(kThesisMetric, figures, ideal);
-      least_cube = std::min(least_cube, quality * quality * quality);
-    }
-    EXPECT_NEAR(std::acos(all.greatest_cosine()), least_angle, 1e-6);  // acos near 1: root of the rounding
-    EXPECT_NEAR(all.least_cube(), least_cube, 1e-12);
-  }
 }
 
 }  // namespace
