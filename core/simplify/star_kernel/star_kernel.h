@@ -71,6 +71,10 @@ struct StarKernel {
   /// and, seen from behind, with the apex `b`: what has not has no score above 0 on one side.
   std::uint64_t (*find_positive)(const float* blocks, std::size_t size, const StarApex& a, const StarApex& b);
 
+  /// Whether all tets are positive for certain: their volumes in single precision are above what rounding can
+  /// have made of them, coordinates included. False says nothing.
+  bool (*are_surely_positive)(const float* blocks, std::size_t size, const StarApex& apex);
+
   /// Scores of up to four triangles of a packed ring: four from in front with the apex `a`, then four from
   /// behind with `b`.
   void (*score_both)(const float* blocks, const StarApex& a, const StarApex& b, float* scores);

@@ -86,6 +86,10 @@ std::uint64_t find_positive(const float* blocks, std::size_t size, const StarApe
   return find_positive_lanes<StarFour>(blocks, size, a, b);
 }
 
+bool are_surely_positive(const float* blocks, std::size_t size, const StarApex& apex) {
+  return are_surely_positive_lanes<StarFour>(blocks, size, apex);
+}
+
 void score_both(const float* blocks, const StarApex& a, const StarApex& b, float* scores) {
   score_lanes<SeenFrom::kFront, StarFour>(a, blocks).store(scores);
   score_lanes<SeenFrom::kBehind, StarFour>(b, blocks + 4).store(scores + 4);
@@ -103,8 +107,14 @@ StarFigures evaluate(const float* blocks, std::size_t size, const StarApex& apex
 
 }  // namespace
 
-const StarKernel kStarKernel{
-    pack, pack_ring, find_positive, score_both, score<SeenFrom::kFront>, score<SeenFrom::kBehind>, evaluate};
+const StarKernel kStarKernel{pack,
+                             pack_ring,
+                             find_positive,
+                             are_surely_positive,
+                             score_both,
+                             score<SeenFrom::kFront>,
+                             score<SeenFrom::kBehind>,
+                             evaluate};
 
 const RingTriangles& ring_triangles(std::size_t count) {
   static constexpr std::array<RingTriangles, kLargestRing - 2> kTriangles = [] {

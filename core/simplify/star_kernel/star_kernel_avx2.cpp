@@ -123,6 +123,10 @@ PALPATE_STAR_TARGET std::uint64_t find_positive(const float* blocks, std::size_t
   return find_positive_lanes<StarEight>(blocks, size, a, b);
 }
 
+PALPATE_STAR_TARGET bool are_surely_positive(const float* blocks, std::size_t size, const StarApex& apex) {
+  return are_surely_positive_lanes<StarEight>(blocks, size, apex);
+}
+
 PALPATE_STAR_TARGET void score_both(const float* blocks, const StarApex& a, const StarApex& b,
                                     float* scores) {
   const LaneVec<StarEight> at{halves(StarEight::of(a.x), StarEight::of(b.x)),
@@ -143,8 +147,14 @@ PALPATE_STAR_TARGET StarFigures evaluate(const float* blocks, std::size_t size, 
 
 }  // namespace
 
-const StarKernel kStarKernelAvx2{
-    pack, pack_ring, find_positive, score_both, score<SeenFrom::kFront>, score<SeenFrom::kBehind>, evaluate};
+const StarKernel kStarKernelAvx2{pack,
+                                 pack_ring,
+                                 find_positive,
+                                 are_surely_positive,
+                                 score_both,
+                                 score<SeenFrom::kFront>,
+                                 score<SeenFrom::kBehind>,
+                                 evaluate};
 
 }  // namespace palpate::simplify
 
@@ -163,6 +173,7 @@ const StarKernel kStarKernelAvx2{
     [](const StarTriangle*, std::size_t, const Vec3&, double, float*) { refuse(); },
     [](const RingPoints&, std::size_t, const Vec3&, double, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, const StarApex&) -> std::uint64_t { refuse(); },
+    [](const float*, std::size_t, const StarApex&) -> bool { refuse(); },
     [](const float*, const StarApex&, const StarApex&, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, float*) { refuse(); },
     [](const float*, std::size_t, const StarApex&, float*) { refuse(); },

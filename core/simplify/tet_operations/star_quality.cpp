@@ -118,6 +118,7 @@ Vec3 StarQuality::volume_centroid(const Vec3& p) const {
 }
 
 bool StarQuality::is_positive(const Vec3& p) const {
+  if (kernel_->are_surely_positive(blocks_.data(), size_, apex_at(p))) return true;
   for (std::size_t i = 0; i < size_; ++i) {
     if (orientation(p, *base_[i][0], *base_[i][1], *base_[i][2]) <= 0) return false;
   }

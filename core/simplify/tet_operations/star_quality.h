@@ -116,7 +116,7 @@ class StarQuality {
   /// Volume-weighted mean of the tets' barycenters with the apex at p.
   Vec3 volume_centroid(const Vec3& p) const;
 
-  /// Whether all tets are positive with the apex at p, exactly.
+  /// Whether all tets are positive with the apex at p, exactly. To be asked after close().
   bool is_positive(const Vec3& p) const;
 
  private:

@@ -3,11 +3,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
 #include "core/base/processor.h"
 #include "core/base/random.h"
+#include "core/mesh/geometry.h"
+#include "core/mesh/orientation.h"
 
 namespace palpate::simplify {
 namespace {
@@ -90,6 +94,75 @@ TEST(StarKernel, BothFormsScoreStarsWithTheSameBits) {
     ASSERT_EQ(bits_of(answers_on_star(kStarKernel, base, size, origin, apex, bound)),
               bits_of(answers_on_star(kStarKernelAvx2, base, size, origin, apex, bound)));
   }
+}
+
+/// A star around a point near `origin`, each tet with a volume of about `height` of the greatest coordinate's
+/// cube, with either sign where that is small.
+struct AlmostFlatStar {
+  Vec3 origin;
+  Vec3 apex;
+  std::vector<Vec3> points;
+  std::vector<StarTriangle> base;
+  std::size_t size = 0;
+};
+
+AlmostFlatStar random_almost_flat_star(SplitMix64& random, double height) {
+  AlmostFlatStar star;
+  const double far = random.below(2) == 0 ? 0.0 : 1000.0;
+  star.origin = random_point(random, far);
+  star.apex = star.origin + random_point(random, 0.1);
+  star.size = 1 + random.below(30);
+  star.points.reserve(3 * star.size);
+  for (std::size_t i = 0; i < star.size; ++i) {
+    const Vec3 u = random_point(random, 2.0);
+    const Vec3 v = random_point(random, 2.0);
+    Vec3 normal = cross(u, v);
+    normal = (1.0 / std::max(length(normal), 1e-3)) * normal;
+    const double up = height * (random.below(12) == 0 ? random.uniform() - 0.5 : 1.0 + random.uniform());
+    const Vec3 w = random.uniform() * u + random.uniform() * v + up * normal;
+    for (const Vec3& p : {u, v, w}) star.points.push_back(star.apex + p);
+  }
+  star.base.resize((star.size + kBlockTriangles - 1) / kBlockTriangles * kBlockTriangles);
+  for (std::size_t i = 0; i < star.base.size(); ++i) {
+    const Vec3* const first = &star.points[3 * std::min(i, star.size - 1)];
+    star.base[i] = {first, first + 1, first + 2};
+  }
+  return star;
+}
+
+TEST(StarKernel, WhatIsSurelyPositiveIsPositive) {
+  constexpr double kUnit = 0.5;
+  SplitMix64 random(20261130);
+  std::size_t sure = 0;
+  std::size_t not_positive = 0;
+  for (int n = 0; n < 40000; ++n) {
+    const double height = std::pow(10.0, -8.0 * random.uniform());
+    const AlmostFlatStar star = random_almost_flat_star(random, height);
+    const Vec3 at = kUnit * (star.apex - star.origin);
+    const StarApex apex{
+        static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z), 1.0F, 0.5F, 0.2F};
+    std::vector<float> blocks(kBlockFloats * star.base.size() / kBlockTriangles);
+    const auto ask = [&](const StarKernel& kernel) {
+      kernel.pack(star.base.data(), star.size, star.origin, kUnit, blocks.data());
+      return kernel.are_surely_positive(blocks.data(), star.size, apex);
+    };
+    const bool is_sure = ask(kStarKernel);
+    if (has_avx2()) {
+      ASSERT_EQ(ask(kStarKernelAvx2), is_sure) << n;
+    }
+    bool is_positive = true;
+    for (std::size_t i = 0; i < star.size; ++i) {
+      const auto& [a, b, c] = star.base[i];
+      is_positive = is_positive && orientation(star.apex, *a, *b, *c) > 0;
+    }
+    if (is_sure) {
+      ASSERT_TRUE(is_positive) << n;
+    }
+    sure += is_sure ? 1U : 0U;
+    not_positive += is_positive ? 0U : 1U;
+  }
+  EXPECT_GT(sure, 5000U);           // it is of use
+  EXPECT_GT(not_positive, 10000U);  // and was tempted
 }
 
 struct RingAnswers {
