@@ -110,15 +110,16 @@ AlmostFlatStar random_almost_flat_star(SplitMix64& random, double height) {
   AlmostFlatStar star;
   const double far = random.below(2) == 0 ? 0.0 : 1000.0;
   star.origin = random_point(random, far);
-  star.apex = star.origin + random_point(random, 0.1);
-  star.size = 1 + random.below(30);
+  star.apex = star.origin + random_point(random, 2.0);  // far from the origin: the more is rounded
+  star.size = random.below(2) == 0 ? 1 : 1 + random.below(30);
   star.points.reserve(3 * star.size);
   for (std::size_t i = 0; i < star.size; ++i) {
-    const Vec3 u = random_point(random, 2.0);
-    const Vec3 v = random_point(random, 2.0);
+    const Vec3 u = star.origin + random_point(random, 2.0) - star.apex;
+    const Vec3 v = star.origin + random_point(random, 2.0) - star.apex;
     Vec3 normal = cross(u, v);
     normal = (1.0 / std::max(length(normal), 1e-3)) * normal;
-    const double up = height * (random.below(12) == 0 ? random.uniform() - 0.5 : 1.0 + random.uniform());
+    const double up =
+        height * (random.below(star.size + 1) == 0 ? random.uniform() - 0.5 : 1.0 + random.uniform());
     const Vec3 w = random.uniform() * u + random.uniform() * v + up * normal;
     for (const Vec3& p : {u, v, w}) star.points.push_back(star.apex + p);
   }
