@@ -120,15 +120,16 @@ bool BoundaryFlipper::raises_sum(const EdgeFan& fan, double worst) {
   triangles_.clear();
   if (fan.size == 1) return kLeastGrowth < -before;  // nothing is left of it
   const double least = kLeastOfWorst * worst;
+  const auto is_enough = [&](double score) { return score > 0.0 && score >= least; };
   const std::size_t corners = fan.size + 1;
   for (std::size_t i = 0; i + 2 < corners; ++i) {
     for (std::size_t j = i + 1; j + 1 < corners; ++j) {
       for (std::size_t k = j + 1; k < corners; ++k) {
-        const auto [at_b, at_a] = score_pair(fan, i, j, k);
-        const double here = std::min(at_b, at_a);
-        value_[i][j][k] = here > 0.0 && here >= least
-                              ? worth_of_tet(scale_, at_b) + worth_of_tet(scale_, at_a)
-                              : kForbidden;
+        const auto [over_b, over_a] = pair_over(fan, i, j, k);
+        const double at_b = score_of(mesh_, scale_, over_b);
+        const double at_a = is_enough(at_b) ? score_of(mesh_, scale_, over_a) : 0.0;
+        value_[i][j][k] =
+            is_enough(at_a) ? worth_of_tet(scale_, at_b) + worth_of_tet(scale_, at_a) : kForbidden;
       }
     }
   }
