@@ -58,6 +58,7 @@ class Repairer {
 
   /// Chooses the manner by the share of the tets with a score below `threshold`: up to a tenth few are bad.
   void set_manner(double threshold);
+  /// Whether many were bad then.
   bool are_many_bad() const { return many_are_bad_; }
 
   /// One round over the tets with a score below `threshold`, as they are at its beginning: for each that is

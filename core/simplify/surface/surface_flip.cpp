@@ -73,12 +73,6 @@ std::array<Tet, 2> BoundaryFlipper::pair_over(const EdgeFan& fan, std::size_t i,
   return {Tet{fan.fan[i], fan.fan[j], fan.fan[k], fan.b}, Tet{fan.a, fan.fan[i], fan.fan[j], fan.fan[k]}};
 }
 
-std::array<double, 2> BoundaryFlipper::score_pair(const EdgeFan& fan, std::size_t i, std::size_t j,
-                                                  std::size_t k) const {
-  const auto [at_b, at_a] = pair_over(fan, i, j, k);
-  return {score_of(mesh_, scale_, at_b), score_of(mesh_, scale_, at_a)};
-}
-
 /// Takes the triangles over the polygon fan[0 .. size] with the greatest worst score, by Klincsek's dynamic
 /// programming, if it is above the worst of now.
 bool BoundaryFlipper::raises_worst(const EdgeFan& fan, double worst) {
@@ -90,8 +84,9 @@ bool BoundaryFlipper::raises_worst(const EdgeFan& fan, double worst) {
       const std::size_t k = i + span;
       best[i][k] = -1e300;
       for (std::size_t j = i + 1; j < k; ++j) {
-        const auto [at_b, at_a] = score_pair(fan, i, j, k);
-        const double here = std::min({best[i][j], best[j][k], std::min(at_b, at_a)});
+        const auto [over_b, over_a] = pair_over(fan, i, j, k);
+        const double here = std::min(
+            {best[i][j], best[j][k], score_of(mesh_, scale_, over_b), score_of(mesh_, scale_, over_a)});
         if (here <= best[i][k]) continue;
         best[i][k] = here;
         apex_[i][k] = j;

@@ -63,7 +63,6 @@ class BoundaryFlipper {
   bool raises_sum(const EdgeFan& fan, double worst);
   void list_triangles(std::size_t i, std::size_t j);
   std::array<Tet, 2> pair_over(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
-  std::array<double, 2> score_pair(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
   bool is_permitted(const EdgeFan& fan);
   bool makes_edge_sharp(const EdgeFan& fan) const;
 

@@ -113,8 +113,8 @@ class Collapser {
 
   /// Whether all tets that are left around the edge are above the floor with its vertex at `place_`.
   bool holds_floor(Index gone, Index survivor) const {
-    return options_.floor == nullptr || (options_.floor->admits_star_without(mesh_, gone, place_, survivor) &&
-                                         options_.floor->admits_star_without(mesh_, survivor, place_, gone));
+    return options_.floor == nullptr || (options_.floor->admits_star(mesh_, gone, place_, {}, survivor) &&
+                                         options_.floor->admits_star(mesh_, survivor, place_, {}, gone));
   }
 
   /// Whether a tet around `gone` would be inverted with `survivor`, where that is, in its place. What is told

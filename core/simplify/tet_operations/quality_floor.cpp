@@ -7,7 +7,6 @@
 
 #include "core/mesh/geometry.h"
 #include "core/simplify/fusion/fusion.h"
-#include "core/simplify/quality/batch_quality.h"
 #include "core/simplify/quality/quality.h"
 #include "core/simplify/tet_operations/star_quality.h"
 
@@ -25,11 +24,7 @@ struct Corners {
   Vec3 a, b, c, d;
 };
 
-Corners corners_in(const TetBatch& batch, std::size_t i) {
-  return {batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)};
-}
-
-/// Those of tet t with v at `place`.
+/// Those of tet t, with v at `place` if it has it.
 Corners corners_with(const WorkingMesh& mesh, Index t, Index v, const Vec3& place) {
   const auto at = [&](Index w) { return w == v ? place : mesh.points[w]; };
   const Tet& tet = mesh.tets[t];
@@ -61,10 +56,19 @@ double QualityFloor::cube_of(const Vec3& a, const Vec3& b, const Vec3& c, const 
   return quality_key(kThesisMetric, figures.shape, figures.volume, ideal_volume_) / ideal_volume_;
 }
 
-/// Whether a tet whose quality was measured in a batch may be at the floor or below it.
-bool QualityFloor::may_be_least(double rounded_quality) const {
-  const double above = rounded_quality - kBatchSlack;
-  return !(above > 0.0) || above * above * above <= least_cube_;
+/// The floor's cube of quality, or that of the lowest tet of a batch, which is emptied, if that is lower.
+/// Only what may be the lowest by its quality in the batch is measured in full precision.
+double QualityFloor::least_cube_with(TetBatch& batch) const {
+  measure_batch(kThesisMetric, ideal_volume_, batch);
+  double least = least_cube_;
+  for (std::size_t i = 0; i < batch.size; ++i) {
+    const double above = batch.quality[i] - kBatchSlack;
+    if (above > 0.0 && above * above * above > least) continue;
+    least =
+        std::min(least, cube_of(batch.point(0, i), batch.point(1, i), batch.point(2, i), batch.point(3, i)));
+  }
+  batch.size = 0;
+  return least;
 }
 
 /// Whether a tet of that score may be at the floor's angle or below it: a score is at most so many times the
@@ -79,25 +83,15 @@ void QualityFloor::take(const WorkingMesh& mesh) {
   least_cube_ = std::numeric_limits<double>::infinity();
   greatest_cosine_ = -1.0;
   TetBatch batch;
-  const auto take_cubes = [&] {
-    measure_batch(kThesisMetric, ideal_volume_, batch);
-    for (std::size_t i = 0; i < batch.size; ++i) {
-      if (!may_be_least(batch.quality[i])) continue;
-      const auto [a, b, c, d] = corners_in(batch, i);
-      least_cube_ = std::min(least_cube_, cube_of(a, b, c, d));
-    }
-    batch.size = 0;
-  };
   for (Index t = 0; t < mesh.tets.size(); ++t) {
     if (!mesh.is_alive(t)) continue;
-    const Tet& v = mesh.tets[t];
-    const Corners p{mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]], mesh.points[v[3]]};
+    const auto [a, b, c, d] = corners_with(mesh, t, kNoIndex, {});
     if (may_have_least_angle(mesh.score[t]))
-      greatest_cosine_ = std::max(greatest_cosine_, cosine_of_least_dihedral(p.a, p.b, p.c, p.d));
-    batch.add(p.a, p.b, p.c, p.d);
-    if (batch.size == TetBatch::kCapacity) take_cubes();
+      greatest_cosine_ = std::max(greatest_cosine_, cosine_of_least_dihedral(a, b, c, d));
+    batch.add(a, b, c, d);
+    if (batch.size == TetBatch::kCapacity) least_cube_ = least_cube_with(batch);
   }
-  take_cubes();
+  least_cube_ = least_cube_with(batch);
 }
 
 bool QualityFloor::admits(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
@@ -105,36 +99,18 @@ bool QualityFloor::admits(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
 }
 
 bool QualityFloor::admits_star(const WorkingMesh& mesh, Index v, const Vec3& place,
-                               std::span<const float> scores) const {
-  TetBatch batch;
-  const auto admits_cubes = [&] {
-    measure_batch(kThesisMetric, ideal_volume_, batch);
-    for (std::size_t i = 0; i < batch.size; ++i) {
-      const auto [a, b, c, d] = corners_in(batch, i);
-      if (may_be_least(batch.quality[i]) && cube_of(a, b, c, d) < least_cube_) return false;
-    }
-    batch.size = 0;
-    return true;
-  };
-  auto score = scores.begin();
-  for (const Index t : mesh.star(v)) {
-    const auto [a, b, c, d] = corners_with(mesh, t, v, place);
-    if (may_have_least_angle(*score++) && cosine_of_least_dihedral(a, b, c, d) > greatest_cosine_)
-      return false;
-    batch.add(a, b, c, d);
-    if (batch.size == TetBatch::kCapacity && !admits_cubes()) return false;
-  }
-  return admits_cubes();
-}
-
-bool QualityFloor::admits_star_without(const WorkingMesh& mesh, Index v, const Vec3& place,
-                                       Index without) const {
+                               std::span<const float> scores, Index without) const {
   const auto star = mesh.star(v);
-  return std::all_of(star.begin(), star.end(), [&](Index t) {
-    if (corners_that_are(mesh.tets[t], without) != 0U) return true;
-    const auto [a, b, c, d] = corners_with(mesh, t, v, place);
-    return admits(a, b, c, d);
-  });
+  TetBatch batch;
+  for (std::size_t i = 0; i < star.size(); ++i) {
+    if (corners_that_are(mesh.tets[star[i]], without) != 0U) continue;
+    const auto [a, b, c, d] = corners_with(mesh, star[i], v, place);
+    const float score = scores.empty() ? WorkingMesh::kNoScore : scores[i];
+    if (may_have_least_angle(score) && cosine_of_least_dihedral(a, b, c, d) > greatest_cosine_) return false;
+    batch.add(a, b, c, d);
+    if (batch.size == TetBatch::kCapacity && least_cube_with(batch) < least_cube_) return false;
+  }
+  return !(least_cube_with(batch) < least_cube_);
 }
 
 }  // namespace palpate::simplify

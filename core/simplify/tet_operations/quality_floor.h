@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/base/types.h"
+#include "core/simplify/quality/batch_quality.h"
 #include "core/simplify/tet_operations/working_mesh.h"
 
 namespace palpate::simplify {
@@ -25,12 +26,10 @@ class QualityFloor {
     return admits(mesh.points[tet[0]], mesh.points[tet[1]], mesh.points[tet[2]], mesh.points[tet[3]]);
   }
 
-  /// The same for all tets around v, with v at `place`. `scores`: theirs there, in the order of v's star;
-  /// they only save work.
-  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, std::span<const float> scores) const;
-
-  /// The same without scores, for all tets around v but those that have the vertex `without` too.
-  bool admits_star_without(const WorkingMesh& mesh, Index v, const Vec3& place, Index without) const;
+  /// The same for all tets around v, with v at `place`, but those that have the vertex `without` too.
+  /// `scores`: theirs there, in the order of v's star, or none; they only save work.
+  bool admits_star(const WorkingMesh& mesh, Index v, const Vec3& place, std::span<const float> scores = {},
+                   Index without = kNoIndex) const;
 
   /// Cube of the least quality, and cosine of the least dihedral angle.
   double least_cube() const { return least_cube_; }
@@ -38,7 +37,7 @@ class QualityFloor {
 
  private:
   double cube_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const;
-  bool may_be_least(double rounded_quality) const;
+  double least_cube_with(TetBatch& batch) const;
   bool may_have_least_angle(float score) const;
 
   double ideal_volume_;

@@ -16,37 +16,19 @@ bool comes_before(const WaitingEdge& a, const WaitingEdge& b) {
 
 }  // namespace
 
-void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks,
-                        std::vector<Index>& neighbours) {
+void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks, std::vector<Index>& neighbours,
+                        Index least) {
   marks.clear(mesh.points.size());
   marks.set(v, 1);
   neighbours.clear();
   for (const Index t : mesh.star(v)) {
     for (const Index w : mesh.tets[t]) {
-      if (marks.of(w) != 0) continue;
+      if (w < least || marks.of(w) != 0) continue;
       marks.set(w, 1);
       neighbours.push_back(w);
     }
   }
 }
-
-namespace {
-
-/// Those of larger number only; nothing else is marked.
-void collect_later_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks,
-                              std::vector<Index>& neighbours) {
-  marks.clear(mesh.points.size());
-  neighbours.clear();
-  for (const Index t : mesh.star(v)) {
-    for (const Index w : mesh.tets[t]) {
-      if (w <= v || marks.of(w) != 0) continue;
-      marks.set(w, 1);
-      neighbours.push_back(w);
-    }
-  }
-}
-
-}  // namespace
 
 ShortestEdges::ShortestEdges(const WorkingMesh& mesh, const SizingField& field, std::size_t first_batch)
     : mesh_(mesh), field_(field), batch_(first_batch), last_(mesh.points.size(), 0) {}
@@ -72,7 +54,7 @@ bool ShortestEdges::fill() {
   waiting_.clear();
   for (Index a = 0; a < mesh_.points.size(); ++a) {
     if (!mesh_.is_vertex_alive(a)) continue;
-    collect_later_neighbours(mesh_, a, marks_, neighbours_);
+    collect_neighbours(mesh_, a, marks_, neighbours_, a + 1);
     for (const Index b : neighbours_) {
       if (!mesh_.is_free(a) && !mesh_.is_free(b)) continue;
       const WaitingEdge edge = edge_between(a, b);

@@ -11,9 +11,10 @@
 
 namespace palpate::simplify {
 
-/// The vertices that share a tet with v, each once, in the order in which its star meets them; marks them and
-/// v with 1.
-void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks, std::vector<Index>& neighbours);
+/// The vertices from number `least` on that share a tet with v, each once, in the order in which its star
+/// meets them; marks them and v with 1.
+void collect_neighbours(const WorkingMesh& mesh, Index v, VertexMarks& marks, std::vector<Index>& neighbours,
+                        Index least = 0);
 
 /// Gives a mesh's edges with at least one free end in the order of EdgeHeap, while edges are collapsed. It
 /// holds the first of them only: the others are found again in the mesh, once these are used up. An edge is

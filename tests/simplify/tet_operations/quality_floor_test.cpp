@@ -1,4 +1,4 @@
-// The floor of the repairs at the end: what is measured four at a time, or left out by its score, is what
+// The floor of the repairs at the end: what is measured in batches, or left out by its score, is what
 // single tetrahedra say.
 #include "core/simplify/tet_operations/quality_floor.h"
 
