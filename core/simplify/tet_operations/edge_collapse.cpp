@@ -16,7 +16,7 @@ namespace {
 
 /// So many edges are held at first: a collapse takes five or six tets away, and some are refused.
 std::size_t edges_for(const WorkingMesh& mesh, const CollapseOptions& options) {
-  constexpr std::uint64_t kTetsPerEdge = 4;
+  constexpr std::uint64_t kTetsPerEdge = 3;
   constexpr std::size_t kAlways = 1024;
   const std::uint64_t more = mesh.alive > options.target ? mesh.alive - options.target : 0;
   return kAlways + static_cast<std::size_t>(more / kTetsPerEdge);

@@ -207,7 +207,7 @@ bool Flipper::try_edges_of(Index tet) {
   const auto meet = [&](std::size_t edge, Index t) {
     if ((open >> edge & 1U) == 0U) return;
     const double other = known_score(t);
-    if (count[edge] == kLargestRing || mesh_.is_kept(t) || other < score || (other == score && t < tet)) {
+    if (count[edge] == rule_.largest_ring || mesh_.is_kept(t) || other < score || (other == score && t < tet)) {
       open &= ~(1U << edge);
     } else {
       tets[edge][count[edge]++] = t;
@@ -265,6 +265,7 @@ void Flipper::measure_ring(const EdgeRing& ring, double least_score, RingValues&
 
 bool Flipper::try_ring(const EdgeRing& ring) {
   const std::size_t n = ring.size;
+  if (n > rule_.largest_ring) return false;
   const std::size_t tets_after = mesh_.alive + n - 4;
   if (tets_after > rule_.most_tets || tets_after < rule_.fewest_tets) return false;
   const Before before = measure_before(ring.tets.data(), n);

@@ -58,6 +58,7 @@ struct FlipRule {
   double least_of_worst = 0.5;                  ///< no score may fall below this share of the worst before
   std::uint64_t fewest_tets = 0;                ///< no flip may leave fewer
   std::uint64_t most_tets = ~std::uint64_t{0};  ///< or more
+  std::size_t largest_ring = kLargestRing;      ///< edges with more tets around them stay
 };
 
 /// Makes flips. Sums of gains are over the tets that change; a tet more counts as one of the usual score, so

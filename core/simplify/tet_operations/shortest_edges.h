@@ -41,9 +41,14 @@ class ShortestEdges {
 
  private:
   bool fill();
+  double estimate_limit() const;
+  void take_from_tets(double limit);
+  void take_from_stars(double limit);
+  void take(const WaitingEdge& edge);
   void keep_first(std::size_t count);
   void drop_void();
   WaitingEdge edge_between(Index a, Index b) const;
+  bool may_collapse(Index a, Index b) const { return mesh_.is_free(a) || mesh_.is_free(b); }
   bool is_void(const WaitingEdge& edge) const { return edge.versions != last_[edge.a] + last_[edge.b]; }
 
   const WorkingMesh& mesh_;
@@ -53,8 +58,9 @@ class ShortestEdges {
   std::vector<std::uint32_t> last_;   ///< number of the last collapse that the vertex was an end of, or 0
   std::vector<WaitingEdge> waiting_;  ///< a heap
   std::vector<WaitingEdge> parked_;
-  std::optional<WaitingEdge> bound_;  ///< what comes behind it is in the mesh alone
-  bool is_complete_ = false;          ///< nothing comes behind `bound_`
+  std::optional<WaitingEdge> before_;  ///< a batch that is looked for comes behind it
+  std::optional<WaitingEdge> bound_;   ///< what comes behind it is in the mesh alone
+  bool is_complete_ = false;           ///< nothing comes behind `bound_`
   std::vector<Index> neighbours_;
   VertexMarks marks_;
 };
