@@ -232,6 +232,31 @@ TEST(Flipper, EveryFlipByTheRuleRaisesTheSumOfGains) {
   EXPECT_GT(flips, 20U);
 }
 
+/// Tets around the largest ring that gave way where rings of so many at most may.
+std::size_t largest_ring_removed(std::size_t most) {
+  const TetMesh input = build_kuhn_cube(5, 0.4, 5);
+  const SizingField no_field;
+  const ScoreRule scores(scale_of_ideal_volume(mean_volume(input)), no_field);
+  WorkingMesh mesh = build(input);
+  FlipRule rule = anything();
+  rule.largest_ring = most;
+  Flipper flipper(mesh, scores, rule);
+  std::size_t largest = 0;
+  for (Index t = 0; t < input.tets.size(); ++t) {
+    if (!mesh.is_alive(t)) continue;
+    const Tet tet = mesh.tets[t];
+    if (flipper.try_edges_of(t) || flipper.try_remove_edge(tet[0], tet[1]))
+      largest = std::max(largest, flipper.removed().size());
+  }
+  return largest;
+}
+
+TEST(Flipper, LeavesLargerRingsThanTheRulePermits) {
+  EXPECT_EQ(largest_ring_removed(4), 4U);
+  EXPECT_EQ(largest_ring_removed(5), 5U);
+  EXPECT_GT(largest_ring_removed(kLargestRing), 5U);
+}
+
 TEST(Flipper, KeepsToTheWindowOfCountsAndToKeptTets) {
   const TetMesh input = make_sliver_cube(5, 3);
   SizingOptions options;

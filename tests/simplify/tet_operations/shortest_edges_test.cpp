@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <string>
@@ -86,21 +88,35 @@ Walk walk_both(WorkingMesh& mesh, ShortestEdges& some, AllEdges& all, SplitMix64
   return walk;
 }
 
+/// On a cube of 6^3 Kuhn cells, with its inner vertices moved by `jitter`.
+void expect_order_of_all(double jitter, const SizingOptions& sizing, std::size_t batch) {
+  SCOPED_TRACE(std::to_string(batch) + " " + std::to_string(jitter));
+  const TetMesh cube = build_kuhn_cube(6, jitter, 4);
+  const SizingField field = sizing.keep.empty() ? SizingField() : SizingField(sizing, cube);
+  WorkingMesh mesh = build_working_mesh(TetMesh(cube), field);
+  ShortestEdges some(mesh, field, batch);
+  AllEdges all(mesh, field);
+  SplitMix64 random(batch);
+  const Walk walk = walk_both(mesh, some, all, random);
+  EXPECT_GT(walk.collapses, 50U);
+  EXPECT_GT(walk.parked, 50U);
+  expect_consistent(mesh);
+}
+
+constexpr std::array<std::size_t, 5> kBatches{1, 7, 25, 100, 100000};
+
 TEST(ShortestEdges, ComeInTheOrderOfAHeapOfAllHoweverFewAreHeld) {
-  const SizingField no_field;
-  for (const std::size_t batch : {1U, 7U, 100U, 100000U}) {
-    for (const double jitter : {0.0, 0.3}) {  // without it most edges are equally long
-      SCOPED_TRACE(std::to_string(batch) + " " + std::to_string(jitter));
-      WorkingMesh mesh = build_working_mesh(build_kuhn_cube(6, jitter, 4), no_field);
-      ShortestEdges some(mesh, no_field, batch);
-      AllEdges all(mesh, no_field);
-      SplitMix64 random(batch);
-      const Walk walk = walk_both(mesh, some, all, random);
-      EXPECT_GT(walk.collapses, 50U);
-      EXPECT_GT(walk.parked, 50U);
-      expect_consistent(mesh);
-    }
+  for (const std::size_t batch : kBatches) {
+    expect_order_of_all(0.3, {}, batch);
+    expect_order_of_all(0.0, {}, batch);  // most edges are equally long
   }
+}
+
+TEST(ShortestEdges, ComeInTheSameOrderWhereSizesAreGraded) {
+  SizingOptions sizing;
+  sizing.keep.push_back({.kind = KeptRegion::Kind::kSphere, .center = {0.1, 0.1, 0.1}, .radius = 0.05});
+  sizing.near_size = 0.2;
+  for (const std::size_t batch : kBatches) expect_order_of_all(0.3, sizing, batch);
 }
 
 }  // namespace
