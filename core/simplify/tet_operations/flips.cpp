@@ -207,7 +207,8 @@ bool Flipper::try_edges_of(Index tet) {
   const auto meet = [&](std::size_t edge, Index t) {
     if ((open >> edge & 1U) == 0U) return;
     const double other = known_score(t);
-    if (count[edge] == rule_.largest_ring || mesh_.is_kept(t) || other < score || (other == score && t < tet)) {
+    if (count[edge] == rule_.largest_ring || mesh_.is_kept(t) || other < score ||
+        (other == score && t < tet)) {
       open &= ~(1U << edge);
     } else {
       tets[edge][count[edge]++] = t;
