@@ -119,7 +119,7 @@ class Run {
     RepairCounts sum = repairer_.counts();
     sum.moves += counts_.moves + step_.moves;
     sum.edges_removed += counts_.edges_removed + step_.edges_removed;
-    sum.faces_removed += counts_.faces_removed + step_.faces_removed;
+    sum.faces_removed += step_.faces_removed;
     return sum;
   }
 

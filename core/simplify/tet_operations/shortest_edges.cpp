@@ -152,7 +152,11 @@ bool ShortestEdges::fill() {
   waiting_.clear();
   double limit = estimate_limit();
   const bool are_few = static_cast<double>(batch_) < kFewEdgesPerTet * static_cast<double>(mesh_.alive);
-  are_few&& limit < kNoLimit ? take_from_tets(limit) : take_from_stars(limit);
+  if (are_few && limit < kNoLimit) {
+    take_from_tets(limit);
+  } else {
+    take_from_stars(limit);
+  }
   if (limit < kNoLimit && waiting_.size() < batch_) {  // the sample was misleading
     limit = kNoLimit;
     waiting_.clear();
@@ -196,7 +200,7 @@ void ShortestEdges::renew(Index gone, Index survivor) {
   last_[gone] = last_[survivor] = ++collapses_;
   collect_neighbours(mesh_, survivor, marks_, neighbours_);
   for (const Index w : neighbours_) {
-    if (!mesh_.is_free(survivor) && !mesh_.is_free(w)) continue;
+    if (!may_collapse(survivor, w)) continue;
     const WaitingEdge edge = edge_between(survivor, w);
     if (!is_complete_ && comes_before(*bound_, edge)) continue;
     if (waiting_.size() == waiting_.capacity()) drop_void();
