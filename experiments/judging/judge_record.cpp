@@ -176,7 +176,8 @@ bool is_of_features(const std::string& measure) {
 }
 
 bool is_of_linear_elements(const std::string& measure) {
-  constexpr std::array kNames{"p1_error", "p1_error_worst", "stiffness_condition", "scaled_condition",
+  constexpr std::array kNames{"p1_error",         "p1_error_worst",           "stiffness_condition",
+                              "scaled_condition", "max_stiffness_eigenvalue", "max_scaled_eigenvalue",
                               "explicit_step"};
   return std::find(kNames.begin(), kNames.end(), measure) != kNames.end();
 }
@@ -184,11 +185,13 @@ bool is_of_linear_elements(const std::string& measure) {
 void add_linear_element_figures(json& figures, const TetMesh& mesh) {
   if (figures.value("index_errors", 0) != 0 || figures.value("non_finite_points", 0) != 0) return;
   const judge::LinearElementFigures found = judge::measure_linear_elements(mesh);
-  const std::array<std::pair<const char*, double>, 5> named{
+  const std::array<std::pair<const char*, double>, 7> named{
       {{"p1_error", found.p1_error},
        {"p1_error_worst", found.p1_error_worst},
        {"stiffness_condition", found.stiffness_condition},
        {"scaled_condition", found.scaled_condition},
+       {"max_stiffness_eigenvalue", found.max_stiffness_eigenvalue},
+       {"max_scaled_eigenvalue", found.max_scaled_eigenvalue},
        {"explicit_step", found.explicit_step}}};
   for (const auto& [key, value] : named) {
     figures[key] = found.reason.empty() ? json(value) : json();

@@ -41,8 +41,8 @@ bool is_of_features(const std::string& measure);
 
 /// Adds what a mesh with sound arrays is worth to linear elements
 /// (core/judge/linear_elements/linear_elements.h): p1_error, p1_error_worst, stiffness_condition,
-/// scaled_condition, explicit_step; null, with the judge's reason, where there is none. It takes seconds for
-/// 100,000 tets, so it is done only where it is asked for.
+/// scaled_condition, max_stiffness_eigenvalue, max_scaled_eigenvalue, explicit_step; null, with the judge's
+/// reason, where there is none. It takes seconds for 100,000 tets, so it is done only where it is asked for.
 void add_linear_element_figures(nlohmann::json& figures, const TetMesh& mesh);
 
 /// Whether a measure is one of these.

@@ -71,6 +71,11 @@ constexpr std::array kMeasures{
     Measure{"scaled_condition", "1", "lower", "/judge/scaled_condition",
             "the same of the stiffness scaled by its 3 x 3 diagonal blocks: iterative solvers' steps grow "
             "with its root"},
+    Measure{"max_stiffness_eigenvalue", "1", "lower", "/judge/max_stiffness_eigenvalue",
+            "greatest eigenvalue of the stiffness of linear elements, over E cbrt(V / tets): the part of the "
+            "condition that is the tets', where the least eigenvalue is the body's"},
+    Measure{"max_scaled_eigenvalue", "1", "lower", "/judge/max_scaled_eigenvalue",
+            "greatest eigenvalue of the stiffness scaled by its 3 x 3 diagonal blocks"},
     Measure{"kernel_s", "s", "lower", "/kernel_s", "time of the method alone, by its adapter"},
     Measure{"wall_s", "s", "lower", "/wall_s", "time of the whole process, files included"},
     Measure{"user_s", "s", "lower", "/user_s", "processor time of the process"},

@@ -8,14 +8,15 @@ TITLES = {
     "p99_max_dihedral_deg": "99% greatest", "mean_mean_ratio": "mean ratio", "p5_mean_ratio": "mean ratio 5%",
     "mean_radius_ratio": "radius ratio", "p5_radius_ratio": "radius ratio 5%", "mean_edge_ratio": "edge ratio",
     "p5_edge_ratio": "edge ratio 5%", "p1_error": "P1 error", "p1_error_worst": "worst P1 error", "explicit_step": "explicit step",
-    "stiffness_condition": "condition", "scaled_condition": "scaled condition", "surface_distance_upper": "distance", "boundary_bend_ratio": "bend",
+    "stiffness_condition": "condition", "scaled_condition": "scaled condition", "max_stiffness_eigenvalue": "greatest eigenvalue",
+    "max_scaled_eigenvalue": "greatest scaled eigenvalue", "surface_distance_upper": "distance", "boundary_bend_ratio": "bend",
     "kernel_s": "kernel, s", "peak_rss_bytes": "memory, bytes",
 }
 DIGITS = {
     "percent_above_0_5": 2, "percent_above_0_6": 2, "mean_quality": 4, "min_dihedral_deg": 2, "p1_dihedral_deg": 2, "p5_dihedral_deg": 2,
     "max_dihedral_deg": 2, "p99_max_dihedral_deg": 2, "mean_mean_ratio": 4, "p5_mean_ratio": 4, "mean_radius_ratio": 4,
     "p5_radius_ratio": 4, "mean_edge_ratio": 4, "p5_edge_ratio": 4, "p1_error": 4, "p1_error_worst": 4, "explicit_step": 4,
-    "stiffness_condition": 0, "scaled_condition": 0,
+    "stiffness_condition": 0, "scaled_condition": 0, "max_stiffness_eigenvalue": 3, "max_scaled_eigenvalue": 3,
 }
 
 

@@ -66,6 +66,8 @@ PURPOSE = [
     Column("explicit_step", "explicit step", ".4f", 1),
     Column("stiffness_condition", "condition", ",.0f", -1),
     Column("scaled_condition", "scaled", ",.0f", -1),
+    Column("max_stiffness_eigenvalue", "eigenvalue", ".3f", -1),
+    Column("max_scaled_eigenvalue", "scaled eigenvalue", ".3f", -1),
 ]
 COLUMNS = [*FAMILIAR, *SHAPE, *PURPOSE]
 TABLES = [

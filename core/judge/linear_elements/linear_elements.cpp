@@ -238,11 +238,11 @@ std::vector<Block> lumped_masses(const Body& body) {
   return masses;
 }
 
-/// Fills in conditions and step; returns whether that could be done.
+/// Fills in conditions, greatest eigenvalues and step; returns whether that could be done.
 bool measure_spectrum(const Body& body, const BlockRows& stiffness, std::span<const Block> inverse_diagonal,
                       const FieldBlock& answer, LinearElementFigures& figures) {
-  const auto condition = [&](std::span<const Block> blocks, double& value) {
-    const double greatest = greatest_eigenvalue(stiffness, blocks);
+  const auto condition = [&](std::span<const Block> blocks, double& value, double& greatest) {
+    greatest = greatest_eigenvalue(stiffness, blocks);
     const auto least =
         least_elastic_eigenvalue(stiffness, inverse_diagonal, blocks, body.mesh.points, answer);
     if (!least || !(greatest <= kMostCondition * *least)) return false;
@@ -251,9 +251,11 @@ bool measure_spectrum(const Body& body, const BlockRows& stiffness, std::span<co
   };
   const std::vector<Block> unit(stiffness.size(), Block{1, 0, 0, 0, 1, 0, 0, 0, 1});
   const std::vector<Block> diagonal = diagonal_blocks(stiffness);
-  if (!condition(unit, figures.stiffness_condition) || !condition(diagonal, figures.scaled_condition))
+  if (!condition(unit, figures.stiffness_condition, figures.max_stiffness_eigenvalue) ||
+      !condition(diagonal, figures.scaled_condition, figures.max_scaled_eigenvalue))
     return false;
   const double size = std::cbrt(body.volume / static_cast<double>(body.mesh.tets.size()));
+  figures.max_stiffness_eigenvalue /= size;
   figures.explicit_step = 2.0 / std::sqrt(greatest_eigenvalue(stiffness, lumped_masses(body))) / size;
   return std::isfinite(figures.explicit_step);
 }

@@ -21,7 +21,9 @@ namespace palpate::judge {
 /// orientation, place or scale of the mesh. Nothing is estimated: all integrals are exact but for rounding
 /// and the solver's residual. A coarser mesh has a larger error by nature; compare at equal counts.
 ///
-/// Both conditions are the greatest over the least eigenvalue that is not zero (six are: rigid motions).
+/// Both conditions are the greatest over the least eigenvalue that is not zero (six are: rigid motions). The
+/// least one is that of the body's slowest bend, so a skin that moved changes it; the greatest is of the
+/// tets.
 struct LinearElementFigures {
   std::string reason;  ///< why there are no figures; empty where there are
   double p1_error = 0.0;
@@ -29,6 +31,8 @@ struct LinearElementFigures {
   double stiffness_condition = 0.0;  ///< of the stiffness K
   double scaled_condition = 0.0;     ///< of L^-1 K L^-T, L L^T the 3 x 3 diagonal blocks of K: what conjugate
                                   ///< gradients with that preconditioner see; their steps grow with its root
+  double max_stiffness_eigenvalue = 0.0;  ///< the greatest of K, over E cbrt(V / tets)
+  double max_scaled_eigenvalue = 0.0;     ///< the greatest of L^-1 K L^-T
   double explicit_step = 0.0;  ///< longest stable step of explicit schemes with lumped masses, 2 / omega_max,
                                ///< over cbrt(V / tets) sqrt(rho / E): one bad tet shortens it for all
 };

@@ -108,12 +108,14 @@ void split_long_edges(SurfaceRun& run, std::uint64_t faces) {
 }
 
 /// The lengths of a skin's edges, of which collapses leave many too short and many too long: short ones go,
-/// and long ones are split in exchange. Each face more takes some three tets: `tets` have to be left for the
-/// inside to follow. Quick runs do so once.
+/// and long ones are split in exchange, once for each effort and at least once. Each face more takes some
+/// three tets: `tets` have to be left for the inside to follow.
 void even_edges(SurfaceRun& run, std::uint64_t faces, std::uint64_t tets) {
-  cure_short_edges(run, kShortEdge, faces, tets);
-  split_long_edges(run, faces);
-  even_out(run);
+  for (int round = 0; round < std::max(1, run.options.effort); ++round) {
+    cure_short_edges(run, kShortEdge, faces, tets);
+    split_long_edges(run, faces);
+    even_out(run);
+  }
   if (run.is_quick()) return;
   cure_short_edges(run, kShortEdge, faces, tets);
   even_out(run);

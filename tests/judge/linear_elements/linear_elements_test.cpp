@@ -186,6 +186,10 @@ VectorXd dense_errors(const TetMesh& mesh, const Dense& dense) {
   return shares.eigenvalues();
 }
 
+double greatest(const MatrixXd& matrix) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix).eigenvalues().maxCoeff();
+}
+
 double condition(const MatrixXd& matrix) {
   const VectorXd values = Eigen::SelfAdjointEigenSolver<MatrixXd>(matrix).eigenvalues();
   EXPECT_LT(std::fabs(values[5]), 1e-9 * values.tail(1)[0]);  // six rigid motions
@@ -210,11 +214,13 @@ TEST(LinearElements, AgreeWithDenseTextbookAlgebra) {
     const MatrixXd half = factor.triangularView<Eigen::Lower>().solve(dense.stiffness);
     const MatrixXd scaled = factor.triangularView<Eigen::Lower>().solve(half.transpose());
     EXPECT_NEAR(found.scaled_condition / condition(scaled), 1.0, kEigenvalue);
+    EXPECT_NEAR(found.max_scaled_eigenvalue / greatest(scaled), 1.0, kEigenvalue);
     const VectorXd root = dense.mass.cwiseSqrt().cwiseInverse();
     const MatrixXd waves = root.asDiagonal() * dense.stiffness * root.asDiagonal();
-    const double omega = std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(waves).eigenvalues().maxCoeff());
+    const double omega = std::sqrt(greatest(waves));
     const double size = std::cbrt(dense.mass.sum() / 3.0 / static_cast<double>(mesh.tets.size()));
     EXPECT_NEAR(found.explicit_step / (2.0 / omega / size), 1.0, kEigenvalue);
+    EXPECT_NEAR(found.max_stiffness_eigenvalue / (greatest(dense.stiffness) / size), 1.0, kEigenvalue);
   }
 }
 
@@ -276,6 +282,8 @@ TEST(LinearElements, NeitherPlaceNorTurnNorScaleNorNumbersMatter) {
     EXPECT_NEAR(found.p1_error_worst / expected.p1_error_worst, 1.0, kError);
     EXPECT_NEAR(found.stiffness_condition / expected.stiffness_condition, 1.0, kEigenvalue);
     EXPECT_NEAR(found.scaled_condition / expected.scaled_condition, 1.0, kEigenvalue);
+    EXPECT_NEAR(found.max_stiffness_eigenvalue / expected.max_stiffness_eigenvalue, 1.0, kEigenvalue);
+    EXPECT_NEAR(found.max_scaled_eigenvalue / expected.max_scaled_eigenvalue, 1.0, kEigenvalue);
     EXPECT_NEAR(found.explicit_step / expected.explicit_step, 1.0, kEigenvalue);
   };
   expect_same(translated(mesh, {40.0, -7.0, 3.0}));

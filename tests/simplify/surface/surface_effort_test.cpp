@@ -15,6 +15,7 @@ constexpr double kBoundOfEffort = 0.5;
 struct Sums {
   std::uint64_t moves_and_flips = 0;
   double quality = 0.0;
+  std::uint64_t cures_and_splits = 0;  ///< collapses and splits in the skin
 };
 
 Sums simplify_some(int effort, Objective objective, bool sparing) {
@@ -35,6 +36,7 @@ Sums simplify_some(int effort, Objective objective, bool sparing) {
     EXPECT_LE(judge::measure_surface_distance(skin, judge::build_boundary(input)).upper(), kBoundOfEffort);
     EXPECT_GT(report.surface.moves, 0U) << "seed " << seed;  // once at least
     sums.moves_and_flips += report.surface.moves + report.surface.flips;
+    sums.cures_and_splits += report.surface.collapses + report.surface.splits;
     sums.quality += judge::measure_quality(mesh).mean_quality;
   }
   return sums;
@@ -48,6 +50,15 @@ TEST(SurfaceEffort, WithoutAnyTheSkinIsEvenedOutOnceAndNotOnTheWay) {
       EXPECT_LT(quick.moves_and_flips, 0.7 * static_cast<double>(usual.moves_and_flips));
       EXPECT_LT(quick.quality, usual.quality);
     }
+  }
+}
+
+TEST(SurfaceEffort, TheMoreTheOftenerLengthsAreEvenedOut) {
+  std::uint64_t before = 0;
+  for (const int effort : {1, 3, 5}) {
+    const Sums sums = simplify_some(effort, Objective::kShape, false);
+    EXPECT_GT(sums.cures_and_splits, before) << "effort " << effort;
+    before = sums.cures_and_splits;
   }
 }
 
