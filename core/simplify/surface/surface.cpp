@@ -24,6 +24,9 @@ constexpr double kRepairScore = 0.16;
 constexpr double kCompoundScore = 0.06;
 constexpr int kLeastPolish = 2;
 
+/// With more than the usual effort, tets at the skin below this score are at last worth a flip of their own.
+constexpr double kWorstScore = 0.2;
+
 /// Least share of the wanted count that flips may leave.
 constexpr double kLeastShare = 0.998;
 constexpr double kAimOfRefined = 1.004;
@@ -104,6 +107,16 @@ FlipRule window_of(const SurfaceRun& run, std::uint64_t target) {
   return rule;
 }
 
+/// Flips in the skin for the worst tets alone: what is left of these is often a single one that lies flat on
+/// it.
+void flip_for_worst(SurfaceRun& run, const FlipRule& rule) {
+  if (!run.options.boundary_flips) return;
+  BoundaryFlipper flipper(run.mesh, run.boundary, run.scores, FlipAim::kWorst);
+  flipper.set_may_fold(false);
+  flipper.set_range(rule.fewest_tets, rule.most_tets);
+  run.report.surface.flips += flipper.pass(run.flips_below(kWorstScore));
+}
+
 /// Last flips and moves in the skin, now that the inside is good, moves inside and repairs.
 void polish(SurfaceRun& run, std::uint64_t target) {
   run.aim_at(static_cast<double>(target));
@@ -116,6 +129,7 @@ void polish(SurfaceRun& run, std::uint64_t target) {
   const int rounds = run.is_quick() ? 1 : kLeastPolish + run.options.effort;
   for (int round = 0; round < rounds; ++round) {
     flip_boundary(run, flipper);
+    if (run.is_for_shape() && run.options.effort > 1 && round + 1 == rounds) flip_for_worst(run, rule);
     move_boundary(run);
     if (run.is_for_shape()) smoother.sweep(1);
     repairer.round(run.repairs_below(kRepairScore), run.repairs_below(compound), 2);

@@ -133,13 +133,12 @@ bool BoundaryFlipper::raises_sum(const EdgeFan& fan, double worst) {
 }
 
 /// Whether one of the edges of the two new faces would be sharp that is on no line and was not: sharper than
-/// a right angle, for the sum of gains, or sharp enough for a line.
+/// a right angle, where none may be folded, or sharp enough for a line.
 bool BoundaryFlipper::makes_edge_sharp(const EdgeFan& fan) const {
   const FeatureLines& lines = boundary_.lines();
-  if (aim_ == FlipAim::kWorst && lines.is_empty()) return false;
+  if (may_fold_ && lines.is_empty()) return false;
   const auto is_sharp = [&](const Vec3& normal, const Vec3& other) {
-    return (aim_ == FlipAim::kSum && dot(normal, other) < 0.0) ||
-           (!lines.is_empty() && lines.is_sharp(normal, other));
+    return (!may_fold_ && dot(normal, other) < 0.0) || (!lines.is_empty() && lines.is_sharp(normal, other));
   };
   const auto normal_of = [&](const Triangle& t) {
     const Vec3& p = mesh_.points[t[0]];

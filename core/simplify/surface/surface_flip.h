@@ -28,9 +28,7 @@ struct EdgeFan {
 /// What flips of boundary edges are for.
 enum class FlipAim {
   kWorst,  ///< the worst tet around gets better
-  /// The sum of gains grows, as for a Flipper, a tet more being one of the usual score; no edge of the skin
-  /// gets sharper than a right angle that was not.
-  kSum
+  kSum     ///< the sum of gains grows, as for a Flipper, a tet more being one of the usual score
 };
 
 /// Flips boundary edges where the tets around them get better.
@@ -41,7 +39,10 @@ enum class FlipAim {
 class BoundaryFlipper {
  public:
   BoundaryFlipper(WorkingMesh& mesh, GuardedBoundary& boundary, const ScoreRule& scores, FlipAim aim)
-      : mesh_(mesh), boundary_(boundary), scores_(scores), aim_(aim) {}
+      : mesh_(mesh), boundary_(boundary), scores_(scores), aim_(aim), may_fold_(aim == FlipAim::kWorst) {}
+
+  /// Whether an edge of the skin may get sharper than a right angle that was not: for the worst tet it may.
+  void set_may_fold(bool may) { may_fold_ = may; }
 
   /// Peeling takes a tet away, flips of fans of more than two add some: only within this range of counts.
   void set_range(std::uint64_t fewest, std::uint64_t most) {
@@ -70,6 +71,7 @@ class BoundaryFlipper {
   GuardedBoundary& boundary_;
   const ScoreRule& scores_;
   FlipAim aim_;
+  bool may_fold_;
   ScoreScale scale_;  ///< at the edge under examination
   std::uint64_t fewest_tets_ = 0;
   std::uint64_t most_tets_ = ~std::uint64_t{0};
