@@ -190,7 +190,7 @@ int quality(const std::string& path, bool as_json, bool with_linear_elements) {
                                   {"explicit_step", "longest explicit step"},
                                   {"stiffness_condition", "condition of the stiffness"},
                                   {"scaled_condition", "the same, scaled"},
-                                  {"max_stiffness_eigenvalue", "greatest eigenvalue of it"},
+                                  {"max_stiffness_eigenvalue", "greatest eigenvalue of the stiffness"},
                                   {"max_scaled_eigenvalue", "the same, scaled"}});
   print_histogram(judgement.figures.value("histogram", json()), judgement.figures.value("tets", 0.0));
   print_findings(judgement.violations);

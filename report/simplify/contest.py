@@ -75,7 +75,7 @@ TABLES = [
     ("Shape, by measures beside the thesis's (palpate.refined raises the mean ratio): mean, radius and edge ratio with their 5th percentiles;\n"
      "5th percentile of the least, 99th percentile and greatest of the greatest dihedral angles", SHAPE),
     ("What the mesh is worth to linear finite elements: error on bendings and twists in the energy norm, root mean square and worst;\n"
-     "longest explicit step; condition of the stiffness, as it is and scaled by its diagonal blocks", PURPOSE),
+     "longest explicit step; condition and greatest eigenvalue of the stiffness, as it is and scaled by its diagonal blocks", PURPOSE),
 ]
 
 
