@@ -73,7 +73,7 @@ constexpr std::array kMeasures{
             "with its root"},
     Measure{"max_stiffness_eigenvalue", "1", "lower", "/judge/max_stiffness_eigenvalue",
             "greatest eigenvalue of the stiffness of linear elements, over E cbrt(V / tets): the part of the "
-            "condition that is the tets', where the least eigenvalue is the body's"},
+            "condition that is the tets'; the least eigenvalue hangs mostly on the body"},
     Measure{"max_scaled_eigenvalue", "1", "lower", "/judge/max_scaled_eigenvalue",
             "greatest eigenvalue of the stiffness scaled by its 3 x 3 diagonal blocks"},
     Measure{"kernel_s", "s", "lower", "/kernel_s", "time of the method alone, by its adapter"},

@@ -22,8 +22,8 @@ namespace palpate::judge {
 /// and the solver's residual. A coarser mesh has a larger error by nature; compare at equal counts.
 ///
 /// Both conditions are the greatest over the least eigenvalue that is not zero (six are: rigid motions). The
-/// least one is that of the body's slowest bend, so a skin that moved changes it; the greatest is of the
-/// tets.
+/// least one is that of the slowest bend, which hangs mostly on the body, so a skin that moved changes it;
+/// the greatest is of the tets.
 struct LinearElementFigures {
   std::string reason;  ///< why there are no figures; empty where there are
   double p1_error = 0.0;
