@@ -15,17 +15,14 @@ double distance_sq(const Vec3& p, const TriangleCorners& t) {
   return distance_sq_to_triangle(p, t[0], t[1], t[2]);
 }
 
-/// Boxes and planes are apart by no more than what is in them, but for rounding.
-constexpr double kSlack = 1.0 - 1e-12;
-
 /// Of the longest two sides' squares, the least square of a normal that has a direction.
 constexpr double kLeastNormalSq = 1e-20;
 
 /// Whether a point is surely farther from a triangle.
 bool is_beyond(double limit_sq, const Vec3& p, const BoxedTriangle& b) {
-  if (kSlack * distance_sq_to_box(p, b.box) > limit_sq) return true;
+  if (kBoxSlack * distance_sq_to_box(p, b.box) > limit_sq) return true;
   const double height = dot(p - b.corner[0], b.normal);
-  return kSlack * height * height > limit_sq * b.normal_sq && b.normal_sq > 0.0;
+  return kBoxSlack * height * height > limit_sq * b.normal_sq && b.normal_sq > 0.0;
 }
 
 }  // namespace
@@ -34,10 +31,6 @@ BoxedTriangle::BoxedTriangle(const TriangleCorners& t)
     : corner(t), box(bounding_box(t)), normal(cross(t[1] - t[0], t[2] - t[0])) {
   const double square = length_sq(normal);
   if (square > kLeastNormalSq * length_sq(t[1] - t[0]) * length_sq(t[2] - t[0])) normal_sq = square;
-}
-
-bool may_be_within(double limit_sq, const BoundingBox& a, const BoundingBox& b) {
-  return kSlack * distance_sq_of_boxes(a, b) <= limit_sq;
 }
 
 bool CoverTest::is_within(const Piece& piece, const TriangleCorners& b) {
@@ -187,6 +180,7 @@ bool CoverTest::is_covered(const BoxedTriangle& triangle, std::span<const BoxedT
   const auto nearest = [&](const Vec3& p) {
     const TriangleCorners* best = nullptr;
     double least = limit_sq_;
+    if (hint_ < by.size()) least = std::min(least, distance_sq(p, by[hint_].corner));
     for (const BoxedTriangle* b : near_) {
       if (is_beyond(least, p, *b)) continue;
       const double here = distance_sq(p, b->corner);
@@ -199,6 +193,7 @@ bool CoverTest::is_covered(const BoxedTriangle& triangle, std::span<const BoxedT
   const auto use = [&](const TriangleCorners* b) {
     const auto is_it = [b](const BoxedTriangle& of) { return &of.corner == b; };
     const auto number = static_cast<Index>(std::find_if(by.begin(), by.end(), is_it) - by.begin());
+    hint_ = number;
     if (std::find(used.begin(), used.end(), number) == used.end()) used.push_back(number);
   };
   return run(triangle.corner, kMostPiecesOfInput, nearest, use);

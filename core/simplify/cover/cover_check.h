@@ -27,8 +27,13 @@ struct BoxedTriangle {
   explicit BoxedTriangle(const TriangleCorners& t);
 };
 
+/// Boxes and planes are apart by no more than what is in them, but for rounding.
+inline constexpr double kBoxSlack = 1.0 - 1e-12;
+
 /// Whether something in one box may be within a distance of something in another, `limit_sq` its square.
-bool may_be_within(double limit_sq, const BoundingBox& a, const BoundingBox& b);
+inline bool may_be_within(double limit_sq, const BoundingBox& a, const BoundingBox& b) {
+  return kBoxSlack * distance_sq_of_boxes(a, b) <= limit_sq;
+}
 
 /// Answers one such question after another.
 ///
@@ -83,6 +88,7 @@ class CoverTest {
   double limit_sq_ = 0.0;
   double reach_sq_ = 0.0;
   std::vector<Piece> open_;
+  Index hint_ = kNoIndex;                   ///< in a short list: what was of use last is near again, mostly
   std::vector<const BoxedTriangle*> near_;  ///< of a short list, those that are not too far by their boxes
 };
 

@@ -17,12 +17,6 @@ constexpr double kTouch = 1e-12;
 /// Of the longest edge: what the limit leaves to that, and to rounding.
 constexpr double kSlack = 1e-7;
 
-template <typename Sides>
-bool are_apart(const Sides& side) {
-  return std::any_of(side.begin(), side.end(),
-                     [](const auto& of) { return of[0] <= 0.0 && of[1] <= 0.0 && of[2] <= 0.0; });
-}
-
 bool have_boxes_apart(const Tile& a, const Tile& b) {
   return a.least_x >= b.greatest_x || b.least_x >= a.greatest_x || a.least_y >= b.greatest_y ||
          b.least_y >= a.greatest_y;
@@ -72,19 +66,21 @@ Tile SheetCover::tile(const Triangle& number, const std::array<Vec3, 3>& corner)
 }
 
 /// How far the corners of one tile are within each side of another, times that side's length; what touches a
-/// side is not within.
-SheetCover::Sides SheetCover::measure_sides(const Tile& of, const Tile& corners) {
-  Sides within{};
+/// side is not within. Returns false, without the rest, if none is within one of them: a side parts the two.
+bool SheetCover::measure_sides(const Tile& of, const Tile& corners, Sides& within) {
   const double touch = kTouch * of.reach_sq;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& p = of.at[k];
     const Vec3& q = of.at[(k + 1) % 3];
+    bool parts = true;
     for (std::size_t c = 0; c < 3; ++c) {
       const Vec3& r = corners.at[c];
       within[k][c] = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x) - touch;
+      parts = parts && within[k][c] <= 0.0;
     }
+    if (parts) return false;
   }
-  return within;
+  return true;
 }
 
 /// Takes note of the edges of a tile that meet the inside of t, `within` being how far its corners are within
@@ -144,10 +140,9 @@ bool SheetCover::is_covered(const Tile& t, std::span<const Tile> by, std::vector
   for (Index i = 0; i < by.size(); ++i) {
     const Tile& tile = by[i];
     if (!tile.faces_viewer || have_boxes_apart(t, tile)) continue;
-    const Sides corners = measure_sides(tile, t);
-    if (are_apart(corners)) continue;
-    const Sides within = measure_sides(t, tile);
-    if (are_apart(within)) continue;
+    Sides corners;
+    Sides within;
+    if (!measure_sides(tile, t, corners) || !measure_sides(t, tile, within)) continue;
     const double leeway = leeway_between(t, tile);
     const std::array<bool, 3> is_over = find_corners(tile, corners);
     for (std::size_t c = 0; c < 3; ++c) {

@@ -56,7 +56,7 @@ class SheetCover {
 
  private:
   using Sides = std::array<std::array<double, 3>, 3>;
-  static Sides measure_sides(const Tile& of, const Tile& corners);
+  static bool measure_sides(const Tile& of, const Tile& corners, Sides& within);
   static std::array<bool, 3> find_corners(const Tile& tile, const Sides& within);
   bool is_high(const Tile& t, const Vec3& p, double leeway);
   bool take_edges(const Tile& t, const Tile& tile, const Sides& within, double leeway);

@@ -24,6 +24,19 @@ inline double distance_sq_to_box(const Vec3& p, const BoundingBox& box) {
                         gap(p.z, box.low.z, box.high.z)});
 }
 
+/// Whether two boxes have a point in common.
+inline bool do_overlap(const BoundingBox& a, const BoundingBox& b) {
+  return a.low.x <= b.high.x && b.low.x <= a.high.x && a.low.y <= b.high.y && b.low.y <= a.high.y &&
+         a.low.z <= b.high.z && b.low.z <= a.high.z;
+}
+
+/// Makes a box so large that it holds another one too.
+inline void extend(BoundingBox& box, const BoundingBox& by) {
+  box.low = {std::min(box.low.x, by.low.x), std::min(box.low.y, by.low.y), std::min(box.low.z, by.low.z)};
+  box.high = {std::max(box.high.x, by.high.x), std::max(box.high.y, by.high.y),
+              std::max(box.high.z, by.high.z)};
+}
+
 /// Squared distance between two boxes.
 inline double distance_sq_of_boxes(const BoundingBox& a, const BoundingBox& b) {
   const auto gap = [](double low_a, double high_a, double low_b, double high_b) {

@@ -44,11 +44,11 @@ class Coverage {
   /// In the place of what was proven for that triangle before. is_fresh(f): the face has come since, with the
   /// number of one that was taken away.
   template <typename IsFresh>
-  void take(const CoverProof& proof, const IsFresh& is_fresh) {
+  void take(CoverProof& proof, const IsFresh& is_fresh) {
     for (const Index f : proof.covering) {
       if (is_fresh(f) || !covers(f, proof.input)) covered_by_[f].push_back(proof.input);
     }
-    covering_[proof.input] = proof.covering;
+    covering_[proof.input].swap(proof.covering);
     input_reach_[proof.input] = proof.reach;
   }
 

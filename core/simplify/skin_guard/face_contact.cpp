@@ -78,16 +78,28 @@ bool is_beside(const Corners& a, const Corners& b, std::size_t first) {
   return static_cast<std::size_t>(std::abs(sum)) == 3 - first;
 }
 
+/// The corners of a face, in another order.
+struct TurnedFace {
+  Triangle vertices;
+  std::array<const Vec3*, 3> corner;
+
+  explicit TurnedFace(const PlacedFace& face)
+      : vertices(face.vertices), corner{&face.corner[0], &face.corner[1], &face.corner[2]} {}
+  void swap(std::size_t i, std::size_t j) {
+    std::swap(vertices[i], vertices[j]);
+    std::swap(corner[i], corner[j]);
+  }
+  Corners corners() const { return {*corner[0], *corner[1], *corner[2]}; }
+};
+
 /// Turns both faces so that what they share comes first, in the same order. Returns how many corners that is.
-std::size_t bring_shared_first(PlacedFace& a, PlacedFace& b) {
+std::size_t bring_shared_first(TurnedFace& a, TurnedFace& b) {
   std::size_t shared = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = shared; j < 3; ++j) {
       if (a.vertices[i] != b.vertices[j]) continue;
-      std::swap(a.vertices[i], a.vertices[shared]);
-      std::swap(a.corner[i], a.corner[shared]);
-      std::swap(b.vertices[j], b.vertices[shared]);
-      std::swap(b.corner[j], b.corner[shared]);
+      a.swap(i, shared);
+      b.swap(j, shared);
       ++shared;
       break;
     }
@@ -95,47 +107,57 @@ std::size_t bring_shared_first(PlacedFace& a, PlacedFace& b) {
   return shared;
 }
 
-/// Whether the plane across the line from one face's middle to the other's, through what they share, parts
-/// them by more than rounding: true only if they meet nowhere else. Cheap; most pairs end here.
-bool are_clearly_apart(const Corners& s, const Corners& t, std::size_t shared) {
-  Vec3 axis = (s[0] + s[1] + s[2]) - (t[0] + t[1] + t[2]);
-  if (shared == 1) {
-    const auto direction = [](const Vec3& from, const Vec3& to) {
-      const double size = length(to - from);
-      return size > 0.0 ? (1.0 / size) * (to - from) : Vec3{};
-    };
-    axis = direction(s[0], s[1]) + direction(s[0], s[2]) - direction(t[0], t[1]) - direction(t[0], t[2]);
-  }
-  if (shared == 2) {
-    const Vec3 edge = s[1] - s[0];
-    axis = s[2] - t[2];
-    axis = axis - (dot(axis, edge) / length_sq(edge)) * edge;
-  }
+/// Whether the plane across an axis, through what two faces share, parts them by more than rounding.
+bool are_parted(const TurnedFace& s, const TurnedFace& t, std::size_t shared, const Vec3& axis) {
+  const Vec3& origin = *s.corner[0];
   double least = 1e300;
   double greatest = -1e300;
-  double largest = 0.0;
   for (std::size_t k = shared; k < 3; ++k) {
-    least = std::min(least, dot(axis, s[k] - s[0]));
-    greatest = std::max(greatest, dot(axis, t[k] - s[0]));
-    for (const Vec3& p : {s[k], t[k], s[0]}) {
-      largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-    }
+    least = std::min(least, dot(axis, *s.corner[k] - origin));
+    greatest = std::max(greatest, dot(axis, *t.corner[k] - origin));
+  }
+  if (!(shared == 0 ? least > greatest : least > 0.0 && greatest < 0.0)) return false;
+  double largest = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z)});
+  for (std::size_t k = shared; k < 3; ++k) {
+    for (const Vec3* p : {s.corner[k], t.corner[k]})
+      largest = std::max({largest, std::fabs(p->x), std::fabs(p->y), std::fabs(p->z)});
   }
   const double margin = 1e-14 * length(axis) * largest;
   if (shared == 0) return least > greatest + margin;
   return least > margin && greatest < -margin;
 }
 
+/// Whether the plane across the line from one face's middle to the other's, or one between them, parts them:
+/// true only if they meet nowhere but in what they share. Cheap; most pairs end here.
+bool are_clearly_apart(const TurnedFace& a, const TurnedFace& b, std::size_t shared) {
+  const auto& s = a.corner;
+  const auto& t = b.corner;
+  if (shared == 0) return are_parted(a, b, shared, (*s[0] + *s[1] + *s[2]) - (*t[0] + *t[1] + *t[2]));
+  if (shared == 2) {
+    const Vec3 edge = *s[1] - *s[0];
+    const Vec3 way = *s[2] - *t[2];
+    return are_parted(a, b, shared, way - (dot(way, edge) / length_sq(edge)) * edge);
+  }
+  if (are_parted(a, b, shared, (*s[1] + *s[2]) - (*t[1] + *t[2]))) return true;
+  const auto direction = [](const Vec3& from, const Vec3& to) {
+    const double size = length(to - from);
+    return size > 0.0 ? (1.0 / size) * (to - from) : Vec3{};
+  };
+  return are_parted(
+      a, b, shared,
+      direction(*s[0], *s[1]) + direction(*s[0], *s[2]) - direction(*t[0], *t[1]) - direction(*t[0], *t[2]));
+}
+
 }  // namespace
 
 bool are_in_contact(const PlacedFace& a, const PlacedFace& b) {
-  PlacedFace first = a;
-  PlacedFace second = b;
+  TurnedFace first(a);
+  TurnedFace second(b);
   const std::size_t shared = bring_shared_first(first, second);
-  const Corners& s = first.corner;
-  const Corners& t = second.corner;
   if (shared == 3) return true;
-  if (are_clearly_apart(s, t, shared)) return false;
+  if (are_clearly_apart(first, second, shared)) return false;
+  const Corners s = first.corners();
+  const Corners t = second.corners();
   if (shared == 2) {
     if (orientation(s[0], s[1], s[2], t[2]) != 0) return false;
     const InPlane side(s);

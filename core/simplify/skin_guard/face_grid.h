@@ -24,19 +24,17 @@ class FaceGrid {
   /// Throws: ContractError if the face is not where the box says.
   void leave(Index f, const BoundingBox& box);
 
-  /// Whether is_it(f) holds for a face in a cell that the box meets. Each is asked once at most.
-  template <typename IsIt>
-  bool any_near(const BoundingBox& box, const IsIt& is_it) {
+  /// Calls visit(f) for each face in a cell that the box meets, once.
+  template <typename Visit>
+  void for_each_near(const BoundingBox& box, const Visit& visit) {
     ++visit_;
-    bool found = false;
     for_each_cell(box, [&](std::size_t cell) {
-      found = found || std::any_of(cells_[cell].begin(), cells_[cell].end(), [&](Index f) {
-                if (visited_[f] == visit_) return false;
-                visited_[f] = visit_;
-                return is_it(f);
-              });
+      for (const Index f : cells_[cell]) {
+        if (visited_[f] == visit_) continue;
+        visited_[f] = visit_;
+        visit(f);
+      }
     });
-    return found;
   }
 
  private:

@@ -15,7 +15,7 @@ constexpr double kRounding = 1e-13;
 constexpr double kShareOfBound = 0.998;
 
 /// Cells of the grid, over the mean edge; made wider by so much when faces have grown as much.
-constexpr double kCell = 1.5;
+constexpr double kCell = 2.2;
 constexpr std::size_t kWiden = 2;
 
 double at_least_rounding(double max_error, const WorkingMesh& mesh) {
@@ -57,27 +57,33 @@ BoundaryVerdict GuardedBoundary::check(const WorkingMesh& mesh, const BoundaryCh
   return touches_others() ? BoundaryVerdict::kContact : BoundaryVerdict::kAllowed;
 }
 
+/// Collects the current faces that may touch something in the box.
+void GuardedBoundary::collect_near(const BoundingBox& box) {
+  near_.clear();
+  grid_.for_each_near(box, [&](Index f) {
+    if (do_overlap(box, faces_.place(f).box)) near_.push_back(f);
+  });
+}
+
+/// Whether a fresh face is in contact with another one, or with one that stays.
 bool GuardedBoundary::touches_others() {
   const std::vector<PlacedFace>& fresh = plan_.fresh();
+  if (fresh.empty()) return true;
+  BoundingBox around = plan_.boxed()[0].box;
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (are_in_contact(fresh[i], fresh[j])) return true;
     }
+    extend(around, plan_.boxed()[i].box);
   }
-  if (fresh.empty()) return true;
-  for (std::size_t k = 0; k < fresh.size(); ++k) {
-    if (touches(k)) return true;
-  }
-  return false;
-}
-
-/// Whether a fresh face is in contact with a face that stays.
-bool GuardedBoundary::touches(std::size_t fresh) {
-  const PlacedFace& face = plan_.fresh()[fresh];
-  const BoundingBox& box = plan_.boxed()[fresh].box;
-  return grid_.any_near(box, [&](Index f) {
-    return distance_sq_of_boxes(box, faces_.place(f).box) == 0.0 && !plan_.is_removed(f) &&
-           are_in_contact(face, faces_.placed(f));
+  collect_near(around);
+  return std::any_of(near_.begin(), near_.end(), [&](Index f) {
+    if (plan_.is_removed(f)) return false;
+    const BoundingBox& box = faces_.place(f).box;
+    for (std::size_t i = 0; i < fresh.size(); ++i) {
+      if (do_overlap(plan_.boxed()[i].box, box) && are_in_contact(fresh[i], faces_.placed(f))) return true;
+    }
+    return false;
   });
 }
 
@@ -93,12 +99,10 @@ std::optional<Vec3> GuardedBoundary::find_contact() {
   for (Index f = 0; f < faces_.slots(); ++f) {
     if (!is_alive(f)) continue;
     const PlacedFace face = faces_.placed(f);
-    const BoundingBox& box = faces_.place(f).box;
-    const auto touches = [&](Index g) {
-      return g < f && distance_sq_of_boxes(box, faces_.place(g).box) == 0.0 &&
-             are_in_contact(face, faces_.placed(g));
-    };
-    if (grid_.any_near(box, touches)) return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
+    collect_near(faces_.place(f).box);
+    const auto touches = [&](Index g) { return g < f && are_in_contact(face, faces_.placed(g)); };
+    if (std::any_of(near_.begin(), near_.end(), touches))
+      return (1.0 / 3.0) * (face.corner[0] + face.corner[1] + face.corner[2]);
   }
   return std::nullopt;
 }

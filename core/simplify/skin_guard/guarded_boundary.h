@@ -77,7 +77,7 @@ class GuardedBoundary {
 
  private:
   bool touches_others();
-  bool touches(std::size_t fresh);
+  void collect_near(const BoundingBox& box);
   void widen_grid();
   void fill_grid();
 
@@ -87,6 +87,7 @@ class GuardedBoundary {
   FaceGrid grid_;
   FeatureLines lines_;
   PlannedChange plan_;
+  std::vector<Index> near_;
 };
 
 /// How much a vertex is held: frozen ones stay like corners.

@@ -11,6 +11,17 @@ namespace {
 /// Of the input's mean edge. A change shifts the skin by more than a bound below this has left, mostly.
 constexpr double kLeastRoom = 0.1;
 
+/// Of the bound. Where all faces are small, and more of it is used up, a shift proves less than it costs.
+constexpr double kMostUsed = 0.3;
+
+/// Of the bound. A face whose edges are no longer is cut into few pieces that are near the input's skin, and
+/// that is found sooner than the skin is laid as a sheet.
+constexpr double kSmallFace = 2.5;
+
+double longest_edge_sq(const TriangleCorners& t) {
+  return std::max({length_sq(t[1] - t[0]), length_sq(t[2] - t[1]), length_sq(t[0] - t[2])});
+}
+
 }  // namespace
 
 SkinDistance::SkinDistance(const WorkingMesh& mesh, const SkinFaces& faces, double limit)
@@ -38,7 +49,10 @@ bool SkinDistance::permits(const SkinFaces& faces, const PlannedChange& plan) {
   if (open_inputs_.empty() && open_faces_.empty()) return true;
   collect_around();
   if (!may_stay_near()) return false;
-  if (is_seen_) lay_tiles();
+  if (is_seen_) {
+    take_small_faces();
+    lay_tiles();
+  }
   return input_stays_near() && stays_near_input();
 }
 
@@ -92,12 +106,17 @@ void SkinDistance::measure_shift() {
   is_shift_known_ = false;
   Vec3 direction;
   for (const BoxedTriangle& face : candidates_) direction = direction + face.normal;
-  if (!(is_seen_ = reaches_beyond_limit())) return;
+  is_seen_ = reaches_beyond_limit();
   sheet_.look_against(direction, fresh().empty() ? Vec3{} : fresh().front().corner[0]);
   const double limit = cover_.limit();
   if (limit < least_room_) return;
   double least = limit;
-  for (const Index i : concerned_) least = std::min(least, coverage_.reach_of_input(i));
+  double most = 0.0;
+  for (const Index i : concerned_) {
+    least = std::min(least, coverage_.reach_of_input(i));
+    most = std::max(most, coverage_.reach_of_input(i));
+  }
+  if (!is_seen_ && most > kMostUsed * limit) return;
   for (const PlacedFace& face : fresh()) face_tiles_.push_back(sheet_.tile(face.vertices, face.corner));
   gone_tiles_.clear();
   for (const Index f : change().removed)
@@ -112,10 +131,11 @@ void SkinDistance::take_shifted() {
   proof_count_ = 0;
   open_inputs_.clear();
   open_faces_.clear();
+  fresh_reach_.assign(fresh().size(), 0.0);
+  fresh_stamp_.assign(fresh().size(), 0);
   for (std::size_t k = 0; k < concerned_.size(); ++k) {
     if (!is_shift_known_ || !take_shifted_input(concerned_[k])) open_inputs_.push_back(k);
   }
-  fresh_reach_.assign(fresh().size(), 0.0);
   for (std::size_t k = 0; k < fresh().size(); ++k) {
     if (is_shift_known_) fresh_reach_[k] = reach_over_gone(k);
     if (!is_shift_known_ || !(fresh_reach_[k] <= cover_.limit())) open_faces_.push_back(k);
@@ -146,10 +166,10 @@ bool SkinDistance::take_shifted_input(Index i) {
       continue;
     }
     for (const Index k : shift_.of_gone(plan_->place_of(f)).over) {
-      const Index number = change().number_of_fresh(k, faces_->slots());
-      if (std::find(covering.begin(), covering.end(), number) == covering.end() &&
-          may_be_within(reach * reach, candidates_[k].box, box))
-        covering.push_back(number);
+      if (fresh_stamp_[k] == proof_count_) continue;
+      fresh_stamp_[k] = proof_count_;
+      if (may_be_within(reach * reach, candidates_[k].box, box))
+        covering.push_back(change().number_of_fresh(k, faces_->slots()));
     }
   }
   return true;
@@ -185,9 +205,7 @@ bool SkinDistance::may_stay_near() {
 /// bound of one face, mostly, and that is found sooner than a sheet is laid.
 bool SkinDistance::reaches_beyond_limit() const {
   return std::any_of(fresh().begin(), fresh().end(), [this](const PlacedFace& face) {
-    const TriangleCorners& t = face.corner;
-    return std::max({length_sq(t[1] - t[0]), length_sq(t[2] - t[1]), length_sq(t[0] - t[2])}) >
-           cover_.limit_sq();
+    return longest_edge_sq(face.corner) > cover_.limit_sq();
   });
 }
 
@@ -208,15 +226,6 @@ void SkinDistance::lay_input_tiles() {
   input_tiles_.clear();
   if (open_faces_.empty()) return;
   for (const Index i : concerned_) input_tiles_.push_back(tile_of_input(i));
-}
-
-/// Those that may be within the limit of what is in the box.
-void SkinDistance::lay_input_tiles_near(const BoundingBox& box) {
-  input_tiles_.clear();
-  for (const Index i : concerned_) {
-    if (may_be_within(cover_.limit_sq(), box, input_.triangle(i).box))
-      input_tiles_.push_back(tile_of_input(i));
-  }
 }
 
 bool SkinDistance::input_stays_near() {
@@ -242,28 +251,40 @@ bool SkinDistance::input_stays_near() {
   return true;
 }
 
-/// Corners of the current faces are near the input, and the only one of another place was looked at.
+/// Whether a fresh face is near the input's skin. Corners of the current faces are, and the only one of
+/// another place was looked at.
+bool SkinDistance::face_is_near(std::size_t k) {
+  if (!cover_.is_inside_covered(fresh()[k].corner, input_.tree())) return false;
+  fresh_reach_[k] = cover_.reach();
+  return true;
+}
+
+/// Settles those of the fresh faces that are small and near the input's skin.
+void SkinDistance::take_small_faces() {
+  std::erase_if(open_faces_, [this](std::size_t k) {
+    return longest_edge_sq(fresh()[k].corner) <= kSmallFace * kSmallFace * cover_.limit_sq() &&
+           face_is_near(k);
+  });
+}
+
 bool SkinDistance::stays_near_input() {
-  const auto is_near = [this](std::size_t k) {
-    if (!cover_.is_inside_covered(fresh()[k].corner, input_.tree())) return false;
-    fresh_reach_[k] = cover_.reach();
-    return true;
-  };
   const auto is_seen = [this](std::size_t k, const Tile& tile) {
     if (!sheet_.is_covered(tile, input_tiles_, used_)) return false;
     fresh_reach_[k] = sheet_.reach();
     return true;
   };
-  if (!is_seen_) return std::all_of(open_faces_.begin(), open_faces_.end(), is_near);
+  if (!is_seen_) {
+    return std::all_of(open_faces_.begin(), open_faces_.end(),
+                       [this](std::size_t k) { return face_is_near(k); });
+  }
   std::erase_if(open_faces_, [&](std::size_t k) { return is_seen(k, face_tiles_[k]); });
   if (open_faces_.empty()) return true;
+  const std::size_t before = concerned_.size();
   widen_concerned();
-  return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) {
-    const PlacedFace& face = fresh()[k];
-    sheet_.look_against(candidates_[k].normal, face.corner[0]);
-    lay_input_tiles_near(candidates_[k].box);
-    return is_seen(k, sheet_.tile(face.vertices, face.corner)) || is_near(k);
-  });
+  for (std::size_t k = before; k < concerned_.size(); ++k)
+    input_tiles_.push_back(tile_of_input(concerned_[k]));
+  std::erase_if(open_faces_, [&](std::size_t k) { return is_seen(k, face_tiles_[k]); });
+  return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) { return face_is_near(k); });
 }
 
 /// Adds the triangles beside those that a change concerns.

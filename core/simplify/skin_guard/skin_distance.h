@@ -55,7 +55,8 @@ class SkinDistance {
   void lay_tiles();
   Tile tile_of_input(Index i) const;
   void lay_input_tiles();
-  void lay_input_tiles_near(const BoundingBox& box);
+  void take_small_faces();
+  bool face_is_near(std::size_t k);
   bool input_stays_near();
   bool stays_near_input();
   void widen_concerned();
@@ -73,6 +74,7 @@ class SkinDistance {
   std::vector<std::size_t> open_inputs_;  // places among them: what the shift does not settle
   std::vector<std::size_t> open_faces_;   // of the fresh ones: likewise
   std::vector<double> fresh_reach_;       // of the fresh ones, from the input's skin
+  std::vector<std::size_t> fresh_stamp_;  // of the fresh ones: the last proof that asked for it
   PatchShift shift_;
   bool is_shift_known_ = false;
   std::vector<Index> around_;

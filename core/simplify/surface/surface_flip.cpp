@@ -186,10 +186,16 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   if (!find_fan(a, b, fan)) return false;
   scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));
   const double worst = worst_score(fan);
-  if (worst >= threshold) return false;
+  if (worst >= threshold) {
+    note_refusal(fan);
+    return false;
+  }
   if (fan.size == 1 && mesh_.alive <= fewest_tets_) return false;
   if (fan.size > 2 && mesh_.alive + fan.size - 2 > most_tets_) return false;
-  if (!(aim_ == FlipAim::kSum ? raises_sum(fan, worst) : raises_worst(fan, worst))) return false;
+  if (!(aim_ == FlipAim::kSum ? raises_sum(fan, worst) : raises_worst(fan, worst))) {
+    note_refusal(fan);
+    return false;
+  }
   fresh_.clear();
   for (const auto& [i, j, k] : triangles_) {
     const auto [at_b, at_a] = pair_over(fan, i, j, k);
@@ -203,13 +209,48 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   if (!std::all_of(fresh_.begin(), fresh_.end(), is_positive) || !is_permitted(fan)) return false;
   boundary_.apply(change_);
   apply_flip(mesh_, std::span<const Index>(fan.tets.data(), fan.size), fresh_, added_);
+  note_flip(fan);
   return true;
+}
+
+/// The tets around the edge speak against a flip, whatever the rest of the mesh is like.
+void BoundaryFlipper::note_refusal(const EdgeFan& fan) {
+  for (const Index f : fan.faces) {
+    if (refused_.size() <= f) refused_.resize(f + 1, {});
+    const Triangle& t = boundary_.face(f);
+    for (std::size_t side = 0; side < 3; ++side) {
+      const Index opposite = t[(side + 2) % 3];
+      if (opposite != fan.a && opposite != fan.b) refused_[f][side] = clock_;
+    }
+  }
+}
+
+void BoundaryFlipper::note_flip(const EdgeFan& fan) {
+  flipped_.resize(mesh_.points.size(), 0);
+  flipped_[fan.a] = clock_;
+  flipped_[fan.b] = clock_;
+  for (std::size_t i = 0; i <= fan.size; ++i) flipped_[fan.fan[i]] = clock_;
+  for (const Index f : fan.faces) {
+    if (f < refused_.size()) refused_[f] = {};
+  }
+  ++clock_;
+}
+
+/// Whether no flip since has touched both ends of the edge at a side, so that the tets around it are the
+/// same.
+bool BoundaryFlipper::is_refused_still(Index f, std::size_t side) const {
+  if (f >= refused_.size() || refused_[f][side] == 0) return false;
+  const Triangle& t = boundary_.face(f);
+  const auto is_touched = [&](Index v) { return v < flipped_.size() && flipped_[v] >= refused_[f][side]; };
+  return !is_touched(t[side]) || !is_touched(t[(side + 1) % 3]);
 }
 
 std::uint64_t BoundaryFlipper::pass(double threshold) {
   std::uint64_t flips = 0;
+  refused_.clear();  // of a pass before: vertices have moved since
   for (Index f = 0; f < boundary_.slots(); ++f) {
     for (std::size_t k = 0; k < 3 && boundary_.is_alive(f); ++k) {
+      if (is_refused_still(f, k)) continue;
       const Triangle t = boundary_.face(f);
       const Index a = std::min(t[k], t[(k + 1) % 3]);
       const Index b = std::max(t[k], t[(k + 1) % 3]);

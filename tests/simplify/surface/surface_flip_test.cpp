@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/judge/surface/feature_distance.h"
@@ -124,6 +125,36 @@ TEST(SurfaceFlip, StaysWithinTheRangeOfCounts) {
     EXPECT_GT(flipper.pass(kAnyScore), 0U);
     EXPECT_EQ(skin.mesh.alive, tets);
     skin.judged(kBound);
+  }
+}
+
+/// A pass that forgets: each edge is tried from both of its faces.
+std::uint64_t flip_edges_of_faces(BoundaryFlipper& flipper, const GuardedBoundary& boundary,
+                                  double threshold) {
+  std::uint64_t flips = 0;
+  for (Index f = 0; f < boundary.slots(); ++f) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Triangle& t = boundary.face(f);
+      const auto [a, b] = std::minmax(t[k], t[(k + 1) % 3]);
+      if (flipper.try_flip(a, b, threshold)) ++flips;
+    }
+  }
+  return flips;
+}
+
+TEST(SurfaceFlip, APassPassesOverNoEdgeThatWouldBeFlipped) {
+  for (const FlipAim aim : {FlipAim::kSum, FlipAim::kWorst}) {
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+      GuardedSkin skin(make_rough_block(seed), kBound);
+      GuardedSkin other(make_rough_block(seed), kBound);
+      BoundaryFlipper flipper(skin.mesh, skin.boundary, skin.scores, aim);
+      BoundaryFlipper forgetful(other.mesh, other.boundary, other.scores, aim);
+      for (const double threshold : {kAnyScore, 0.3, kAnyScore}) {
+        EXPECT_EQ(flipper.pass(threshold), flip_edges_of_faces(forgetful, other.boundary, threshold));
+      }
+      EXPECT_EQ(extract_mesh(std::move(skin.mesh)).tets, extract_mesh(std::move(other.mesh)).tets)
+          << "seed " << seed;
+    }
   }
 }
 
