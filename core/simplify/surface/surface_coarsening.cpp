@@ -31,8 +31,8 @@ constexpr std::array kLeastScores{0.03, 0.003, 1e-9};
 constexpr double kNeedle = 0.25;
 constexpr double kShortEdge = 0.7;
 constexpr double kLongEdge = 1.3;
-constexpr double kLeftForInside = 0.1;  ///< of the target, beside it: cures of short edges end there
-constexpr double kLeftForShort = 0.95;  ///< of the faces wanted: splits of long edges end there
+constexpr double kLeftForInside = 0.07;  ///< of the target, beside it: cures of short edges end there
+constexpr double kLeftForShort = 0.95;   ///< of the faces wanted: splits of long edges end there
 
 /// Collapses edges of the skin below a share of the wanted length, wherever the tets are worth more after
 /// that, in sum. Those at a needle are too bad for a collapse to be held to a score: while other edges
