@@ -267,27 +267,26 @@ void SkinDistance::take_small_faces() {
   });
 }
 
-bool SkinDistance::stays_near_input() {
-  const auto is_seen = [this](std::size_t k, const Tile& tile) {
-    if (!sheet_.is_covered(tile, input_tiles_, used_)) return false;
+/// Settles those of the fresh faces over which the input's triangles lie like a sheet.
+void SkinDistance::take_seen_faces() {
+  std::erase_if(open_faces_, [this](std::size_t k) {
+    if (!sheet_.is_covered(face_tiles_[k], input_tiles_, used_)) return false;
     fresh_reach_[k] = sheet_.reach();
     return true;
-  };
-  if (!is_seen_) {
-    return std::all_of(open_faces_.begin(), open_faces_.end(),
-                       [this](std::size_t k) { return face_is_near(k); });
-  }
-  std::erase_if(open_faces_, [&](std::size_t k) { return is_seen(k, face_tiles_[k]); });
-  if (open_faces_.empty()) return true;
-  const std::size_t before = concerned_.size();
-  widen_concerned();
-  for (std::size_t k = before; k < concerned_.size(); ++k)
-    input_tiles_.push_back(tile_of_input(concerned_[k]));
-  std::erase_if(open_faces_, [&](std::size_t k) { return is_seen(k, face_tiles_[k]); });
-  return std::all_of(open_faces_.begin(), open_faces_.end(), [&](std::size_t k) { return face_is_near(k); });
+  });
 }
 
-/// Adds the triangles beside those that a change concerns.
+bool SkinDistance::stays_near_input() {
+  if (is_seen_) take_seen_faces();
+  if (is_seen_ && !open_faces_.empty()) {
+    widen_concerned();
+    take_seen_faces();
+  }
+  return std::all_of(open_faces_.begin(), open_faces_.end(),
+                     [this](std::size_t k) { return face_is_near(k); });
+}
+
+/// Adds the triangles beside those that a change concerns, and their tiles.
 void SkinDistance::widen_concerned() {
   const std::size_t count = concerned_.size();
   for (std::size_t k = 0; k < count; ++k) {
@@ -295,6 +294,7 @@ void SkinDistance::widen_concerned() {
       if (i == kNoIndex || input_stamp_[i] == stamp_) continue;
       input_stamp_[i] = stamp_;
       concerned_.push_back(i);
+      input_tiles_.push_back(tile_of_input(i));
     }
   }
 }

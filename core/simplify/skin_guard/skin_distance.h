@@ -56,6 +56,7 @@ class SkinDistance {
   Tile tile_of_input(Index i) const;
   void lay_input_tiles();
   void take_small_faces();
+  void take_seen_faces();
   bool face_is_near(std::size_t k);
   bool input_stays_near();
   bool stays_near_input();
