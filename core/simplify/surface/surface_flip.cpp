@@ -186,16 +186,10 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   if (!find_fan(a, b, fan)) return false;
   scale_ = scores_.at(0.5 * (mesh_.points[a] + mesh_.points[b]));
   const double worst = worst_score(fan);
-  if (worst >= threshold) {
-    note_refusal(fan);
-    return false;
-  }
+  if (worst >= threshold) return refuse(fan);
   if (fan.size == 1 && mesh_.alive <= fewest_tets_) return false;
   if (fan.size > 2 && mesh_.alive + fan.size - 2 > most_tets_) return false;
-  if (!(aim_ == FlipAim::kSum ? raises_sum(fan, worst) : raises_worst(fan, worst))) {
-    note_refusal(fan);
-    return false;
-  }
+  if (!(aim_ == FlipAim::kSum ? raises_sum(fan, worst) : raises_worst(fan, worst))) return refuse(fan);
   fresh_.clear();
   for (const auto& [i, j, k] : triangles_) {
     const auto [at_b, at_a] = pair_over(fan, i, j, k);
@@ -213,8 +207,8 @@ bool BoundaryFlipper::try_flip(Index a, Index b, double threshold) {
   return true;
 }
 
-/// The tets around the edge speak against a flip, whatever the rest of the mesh is like.
-void BoundaryFlipper::note_refusal(const EdgeFan& fan) {
+/// The tets around the edge speak against a flip, whatever the rest of the mesh is like. Returns false.
+bool BoundaryFlipper::refuse(const EdgeFan& fan) {
   for (const Index f : fan.faces) {
     if (refused_.size() <= f) refused_.resize(f + 1, {});
     const Triangle& t = boundary_.face(f);
@@ -223,6 +217,7 @@ void BoundaryFlipper::note_refusal(const EdgeFan& fan) {
       if (opposite != fan.a && opposite != fan.b) refused_[f][side] = clock_;
     }
   }
+  return false;
 }
 
 void BoundaryFlipper::note_flip(const EdgeFan& fan) {

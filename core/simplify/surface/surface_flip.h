@@ -66,7 +66,7 @@ class BoundaryFlipper {
   std::array<Tet, 2> pair_over(const EdgeFan& fan, std::size_t i, std::size_t j, std::size_t k) const;
   bool is_permitted(const EdgeFan& fan);
   bool makes_edge_sharp(const EdgeFan& fan) const;
-  void note_refusal(const EdgeFan& fan);
+  bool refuse(const EdgeFan& fan);
   void note_flip(const EdgeFan& fan);
   bool is_refused_still(Index f, std::size_t side) const;
 
@@ -86,9 +86,8 @@ class BoundaryFlipper {
   std::array<std::array<std::size_t, EdgeFan::kMostTets + 1>, EdgeFan::kMostTets + 1> apex_{};
   // Of a pass, by its clock, which a flip moves on: an edge is seen from both of its faces.
   std::uint64_t clock_ = 1;
-  std::vector<std::array<std::uint64_t, 3>>
-      refused_;                         ///< of the sides of a face: the edge there, last; 0: not
-  std::vector<std::uint64_t> flipped_;  ///< of a vertex: the last flip there
+  std::vector<std::array<std::uint64_t, 3>> refused_;  ///< at a face's sides: when last; 0: not
+  std::vector<std::uint64_t> flipped_;                 ///< at a vertex: when last
 };
 
 }  // namespace palpate::simplify
