@@ -31,10 +31,18 @@ class Meeting {
   Then then_;
 };
 
+/// Nobody waits at it.
+class StartGate {
+ public:
+  void open(bool) {}
+  bool may_start() { return true; }
+};
+
 }  // namespace palpate
 
 #else
 
+#include <atomic>
 #include <barrier>
 #include <thread>
 
@@ -50,6 +58,24 @@ using Thread = std::jthread;
 /// throw.
 template <typename Then>
 using Meeting = std::barrier<Then>;
+
+/// Where threads wait until all of them are there, or until it is known that they will not be.
+class StartGate {
+ public:
+  void open(bool go) {
+    state_ = go ? kGo : kGiveUp;
+    state_.notify_all();
+  }
+  /// Waits for open(); returns what it was given.
+  bool may_start() {
+    state_.wait(kClosed);
+    return state_ == kGo;
+  }
+
+ private:
+  enum State : int { kClosed, kGo, kGiveUp };
+  std::atomic<State> state_ = kClosed;
+};
 
 }  // namespace palpate
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/mesh/geometry.h"
@@ -46,6 +48,39 @@ std::vector<Index> order_in_space(std::span<const Vec3> points, int threads) {
   std::vector<Index> order(points.size());
   std::transform(entries.begin(), entries.end(), order.begin(), [](const Entry& e) { return e.vertex; });
   return order;
+}
+
+// Renumbers vertices along the curve, then tets by their smallest new vertex (a counting sort, so stable).
+MeshOrigin sort_in_space(TetMesh& mesh, int threads) {
+  MeshOrigin result;
+  result.vertices = order_in_space(mesh.points, threads);
+  std::vector<Index> new_number(mesh.points.size());
+  std::vector<Vec3> points(mesh.points.size());
+  for_ranges(points.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t v = first; v < last; ++v) {
+      new_number[result.vertices[v]] = static_cast<Index>(v);
+      points[v] = mesh.points[result.vertices[v]];
+    }
+  });
+  mesh.points = std::move(points);
+  for_ranges(mesh.tets.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t t = first; t < last; ++t) {
+      for (Index& v : mesh.tets[t]) v = new_number[v];
+    }
+  });
+  const auto first_vertex = [](const Tet& t) { return std::min({t[0], t[1], t[2], t[3]}); };
+  std::vector<Index>& begin = new_number;  // its memory serves as the rows' cursors
+  begin.assign(mesh.points.size() + 1, 0);
+  for (const Tet& tet : mesh.tets) ++begin[first_vertex(tet) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  result.tets.resize(mesh.tets.size());
+  for (Index t = 0; t < mesh.tets.size(); ++t) result.tets[begin[first_vertex(mesh.tets[t])]++] = t;
+  std::vector<Tet> tets(mesh.tets.size());
+  for_ranges(tets.size(), threads, [&](std::size_t first, std::size_t last, std::size_t) {
+    for (std::size_t t = first; t < last; ++t) tets[t] = mesh.tets[result.tets[t]];
+  });
+  mesh.tets = std::move(tets);
+  return result;
 }
 
 }  // namespace palpate

@@ -27,8 +27,9 @@ struct WorkResult {
 
 /// Runs `work` in a forked child, which starts with a copy of this process's memory and is killed with it,
 /// and brings its value back through a pipe. Nothing that the work changes is seen here.
-/// Requires: this process has one thread. Throws: InputError and UnavailableError if `work` threw one, with
-/// its message; ContractError for any other exception of it; UnavailableError if no child can be started.
+/// Requires: no other thread of this process holds a lock that `work` takes (a Deadline's takes none).
+/// Throws: InputError and UnavailableError if `work` threw one, with its message; ContractError for any other
+/// exception of it; UnavailableError if no child can be started.
 WorkResult run_bounded(const std::function<nlohmann::json()>& work, const WorkBounds& bounds);
 
 }  // namespace palpate::experiments

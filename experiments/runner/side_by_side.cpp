@@ -4,11 +4,15 @@
 #include <atomic>
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <mutex>
+#include <string>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "core/base/atomic_file.h"
+#include "core/base/error.h"
 #include "experiments/files/output_file.h"
 #include "experiments/files/places.h"
 #include "experiments/processes/process.h"
@@ -23,7 +27,8 @@ namespace {
 constexpr double kNoTimeOut = 1e9;
 constexpr double kGraceSeconds = 30.0;  // for a part to end its record
 
-/// Parts that have ended, handed from the threads that wait for them to the one that takes them.
+/// Parts that have ended, handed from the threads that wait for them to the one that takes them; or what kept
+/// one of the threads from it.
 class Ended {
  public:
   void add(fs::path part) {
@@ -31,9 +36,16 @@ class Ended {
     parts_.push_back(std::move(part));
     changed_.notify_one();
   }
+  void fail(std::exception_ptr error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    changed_.notify_one();
+  }
+  /// Throws: what a thread threw.
   fs::path next() {
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !parts_.empty(); });
+    changed_.wait(lock, [this] { return !parts_.empty() || error_; });
+    if (error_) std::rethrow_exception(error_);
     fs::path part = std::move(parts_.front());
     parts_.pop_front();
     return part;
@@ -43,6 +55,7 @@ class Ended {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<fs::path> parts_;
+  std::exception_ptr error_;
 };
 
 /// Whether somebody wants it to end.
@@ -82,15 +95,27 @@ void run_part(const SideBySide& setting, const fs::path& part) {
 }
 
 /// Calls `work` with 0, 1, ..., count - 1, `jobs` of them at a time; with none that has not begun once
-/// `next` is set to `count` or somebody wants it to end. The threads end when what is returned does.
+/// `next` is set to `count` or somebody wants it to end. The threads end when what is returned does. What
+/// `work` throws goes to `fail`, and nothing is begun any more.
 std::vector<std::jthread> start_workers(const SideBySide& setting, std::atomic<std::size_t>& next,
-                                        std::size_t count, const std::function<void(std::size_t)>& work) {
+                                        std::size_t count, const std::function<void(std::size_t)>& work,
+                                        const std::function<void(std::exception_ptr)>& fail) {
   std::vector<std::jthread> workers;
   workers.reserve(static_cast<std::size_t>(setting.jobs));
-  for (int j = 0; j < setting.jobs; ++j)
-    workers.emplace_back([&next, count, work] {
+  const auto run = [&next, count, work, fail] {
+    try {
       for (std::size_t k = next++; k < count; k = next++) work(k);
-    });
+    } catch (...) {
+      next = count;
+      fail(std::current_exception());
+    }
+  };
+  try {
+    for (int j = 0; j < setting.jobs; ++j) workers.emplace_back(run);
+  } catch (const std::system_error& error) {
+    next = count;
+    throw UnavailableError(std::string("cannot start a thread: ") + error.what());
+  }
   return workers;
 }
 
@@ -134,10 +159,12 @@ bool run_side_by_side(const std::vector<std::vector<std::string>>& parts, const 
   }
   std::atomic<std::size_t> next{0};
   Ended ended;
-  const std::vector<std::jthread> workers = start_workers(setting, next, folders.size(), [&](std::size_t k) {
+  const auto work = [&](std::size_t k) {
     if (!is_stopped(setting)) run_part(setting, folders[k]);
     ended.add(folders[k]);
-  });
+  };
+  const std::vector<std::jthread> workers = start_workers(
+      setting, next, folders.size(), work, [&](std::exception_ptr error) { ended.fail(std::move(error)); });
   try {
     for (std::size_t k = 0; k < folders.size(); ++k) {
       const fs::path part = ended.next();
@@ -153,10 +180,18 @@ bool run_side_by_side(const std::vector<std::vector<std::string>>& parts, const 
 bool prepare_side_by_side(const std::vector<std::string>& words, const SideBySide& setting) {
   create_folder(setting.folder);
   std::atomic<std::size_t> next{0};
-  start_workers(setting, next, words.size(), [&](std::size_t k) {
+  std::mutex mutex;
+  std::exception_ptr first;
+  const auto work = [&](std::size_t k) {
     if (!is_stopped(setting))
       run_program(setting, setting.folder / words[k], {"--prepare", "--only", words[k]});
-  }).clear();  // waits for all
+  };
+  const auto fail = [&](std::exception_ptr error) {
+    const std::lock_guard lock(mutex);
+    if (!first) first = std::move(error);
+  };
+  start_workers(setting, next, words.size(), work, fail).clear();  // waits for all
+  if (first) std::rethrow_exception(first);
   return !is_stopped(setting);
 }
 

@@ -93,7 +93,7 @@ void check_text(const std::string& text, const std::string& where) {
 template <typename T>
 std::optional<T> parsed(const std::string& text) {
   T value{};
-  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' ? 1 : 0);
+  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-' ? 1 : 0);
   const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
@@ -110,7 +110,9 @@ std::string YamlValue::shown() const {
   if (node_.IsMap()) return "a mapping";
   if (!node_.IsScalar()) return "nothing";
   const std::string& text = node_.Scalar();
-  return "\"" + (text.size() > 60 ? text.substr(0, 57) + "..." : text) + "\"";
+  const std::string shown = "\"" + (text.size() > 60 ? text.substr(0, 57) + "..." : text) + "\"";
+  const bool is_number_or_flag = text == "true" || text == "false" || parsed<double>(text);
+  return shown + (is_number_or_flag && node_.Tag() == "!" ? ", which is text as it stands in quotes" : "");
 }
 
 void YamlValue::fail_expected(const std::string& expected) const {
@@ -173,8 +175,13 @@ std::string YamlValue::text() const {
   return node_.Scalar();
 }
 
+std::string YamlValue::plain() const {
+  const bool is_quoted = node_.IsScalar() && node_.Tag() == "!";
+  return node_.IsScalar() && !is_quoted ? node_.Scalar() : "";
+}
+
 double YamlValue::number() const {
-  const auto value = node_.IsScalar() ? parsed<double>(node_.Scalar()) : std::nullopt;
+  const auto value = parsed<double>(plain());
   if (!value || !std::isfinite(*value)) fail_expected("a number");
   return *value;
 }
@@ -188,7 +195,7 @@ double YamlValue::number(double low, double high) const {
 }
 
 std::int64_t YamlValue::integer() const {
-  const auto value = node_.IsScalar() ? parsed<std::int64_t>(node_.Scalar()) : std::nullopt;
+  const auto value = parsed<std::int64_t>(plain());
   if (!value) fail_expected("a whole number");
   return *value;
 }
@@ -202,7 +209,7 @@ std::int64_t YamlValue::integer(std::int64_t low, std::int64_t high) const {
 }
 
 bool YamlValue::boolean() const {
-  const std::string value = node_.IsScalar() ? node_.Scalar() : "";
+  const std::string value = plain();
   if (value != "true" && value != "false") fail_expected("true or false");
   return value == "true";
 }

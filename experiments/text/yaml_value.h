@@ -68,6 +68,8 @@ class YamlValue {
 
  private:
   std::string shown() const;
+  /// The word of a scalar that does not stand in quotes, which make a text of it; else nothing.
+  std::string plain() const;
 
   std::shared_ptr<const std::string> file_;
   YAML::Node node_;

@@ -1,7 +1,9 @@
 #include "reference/elastic_models/motion_files.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <system_error>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -30,7 +32,16 @@ void append_cells(std::string& row, const Vec3& value) {
   append_cell(row, value.z);
 }
 
-/// The text of a CSV as columns and rows; an empty cell is null.
+/// A cell of a CSV of ours; an empty one is null. Not by std::stod, which refuses what is next to nothing.
+json read_cell(const std::string& cell) {
+  if (cell.empty()) return nullptr;
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  require(error == std::errc() && end == cell.data() + cell.size(), "a cell of a table is no number");
+  return value;
+}
+
+/// The text of a CSV as columns and rows.
 void add_table(const std::string& csv, json& out) {
   std::size_t at = 0;
   bool is_head = true;
@@ -40,7 +51,7 @@ void add_table(const std::string& csv, json& out) {
     for (std::size_t k = at; k <= end;) {
       const std::size_t stop = std::min(csv.find(',', k), end);
       const std::string cell = csv.substr(k, stop - k);
-      row.push_back(is_head ? json(cell) : (cell.empty() ? json(nullptr) : json(std::stod(cell))));
+      row.push_back(is_head ? json(cell) : read_cell(cell));
       k = stop + 1;
     }
     if (is_head) {

@@ -106,7 +106,6 @@ class MotionRunner {
   }
 
   void run_phase(const MotionPhase& phase) {
-    const bool is_first = report_.steps == 0;
     std::optional<dynamics::Integrator> integrator;
     std::optional<dynamics::MotionForces> own_forces;
     if (setup_.engine != EngineChoice::kGeneral) {
@@ -119,7 +118,9 @@ class MotionRunner {
     const std::uint64_t done = report_.steps;
     const auto observe = [&](std::uint64_t step, const MotionState& state) {
       const Stopwatch watching;
-      if (step > 0 || is_first) output_.add_row(phase, forces, state);
+      // The state that a phase begins with is the last one of the phase before; a short one may have no step.
+      if (step > 0 || !has_row_) output_.add_row(phase, forces, state);
+      has_row_ = true;
       if (stops_.progress != nullptr) stops_.progress->reach(done + step);
       const bool is_due = strides_.frame > 0 && done + step >= next_frame_;
       if (is_due || (strides_.frame > 0 && done + step == setup_.steps)) {
@@ -155,6 +156,7 @@ class MotionRunner {
   MotionReport report_;
   const MotionPhase* last_ = nullptr;  ///< in which the run ended
   bool is_interrupted_ = false;
+  bool has_row_ = false;
   std::uint64_t next_frame_ = 0;
 };
 

@@ -293,7 +293,7 @@ class ExtremeRun {
     const std::unique_ptr<dynamics::BodyStepper> stepper = make(body_.model);
     const dynamics::WatchedRun seen = watch_motion(*stepper, start_, watch);
     run["growth_per_step"] = growth > 0.0 ? number_or_null(growth) : json(nullptr);
-    run["steps_unsolved"] = stepper->steps_unsolved();
+    run["steps_unsolved"] = seen.steps_unsolved;
     run["outcome"] = watched_outcome_name(seen.outcome);
     run["steps"] = seen.steps;
     run["time_s"] = number_or_null(seen.time_s);

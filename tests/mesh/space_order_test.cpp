@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "core/base/random.h"
+#include "core/mesh/shapes/shapes.h"
 
 namespace palpate {
 namespace {
@@ -45,6 +46,28 @@ TEST(SpaceOrder, IsAPermutationThatKeepsNeighboursTogetherOnAnyNumberOfThreads) 
   const double at_random = path([](std::size_t i) { return i; });
   // A step of about n^(-1/3) = 0.037 against a mean distance of 0.66 of two random points.
   EXPECT_LT(along, 0.15 * at_random);
+}
+
+TEST(SpaceOrder, ASortedMeshIsTheSameMeshWithTetsByTheirSmallestVertex) {
+  const TetMesh given = build_kuhn_cube(5, 0.2, 3);
+  TetMesh sorted = given;
+  const MeshOrigin origin = sort_in_space(sorted);
+  EXPECT_EQ(origin.vertices, order_in_space(given.points));
+  ASSERT_EQ(origin.tets.size(), given.tets.size());
+  Index before = 0;
+  for (std::size_t t = 0; t < sorted.tets.size(); ++t) {
+    Tet as_given = sorted.tets[t];
+    for (Index& v : as_given) v = origin.vertices[v];
+    ASSERT_EQ(as_given, given.tets[origin.tets[t]]) << t;
+    const Index smallest = *std::min_element(sorted.tets[t].begin(), sorted.tets[t].end());
+    EXPECT_GE(smallest, before);
+    before = smallest;
+  }
+  for (std::size_t v = 0; v < sorted.points.size(); ++v)
+    ASSERT_EQ(sorted.points[v], given.points[origin.vertices[v]]);
+  TetMesh on_threads = given;
+  EXPECT_EQ(sort_in_space(on_threads, 3).tets, origin.tets);
+  EXPECT_EQ(on_threads, sorted);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "core/judge/mesh/judge.h"
 #include "core/mesh/io/medit.h"
 #include "core/mesh/shapes/shapes.h"
+#include "core/mesh/space_order.h"
 #include "experiments/contestants/contestant_run.h"
 #include "experiments/registry/method_options.h"
 #include "experiments/registry/registry.h"
@@ -168,6 +169,24 @@ TEST_P(OurDecimators, AMeshWithoutAnythingToTakeAwayIsLeftAsItIs) {
   EXPECT_EQ(read_medit(answer.output).mesh, input);
 }
 
+class VtkQuadric : public Decimators {};
+
+TEST_P(VtkQuadric, InTheOrderOfSpaceItIsGivenTheSortedMesh) {
+  const TetMesh input = build_kuhn_cube(6, 0.2, 3);
+  TetMesh sorted = input;
+  sort_in_space(sorted);
+  ASSERT_NE(sorted, input);
+  const Stop stop{StopKind::kRatio, 0.3, ""};
+  const ContestantAnswer given = ask(input, stop);
+  const ContestantAnswer ordered = ask(input, stop, {{"order", "space"}});
+  const ContestantAnswer as_sorted = ask(sorted, stop);
+  for (const ContestantAnswer* answer : {&given, &ordered, &as_sorted})
+    ASSERT_EQ(answer->outcome, "ok") << answer->message;
+  EXPECT_EQ(test::bytes_of(ordered.output), test::bytes_of(as_sorted.output));
+  EXPECT_NE(test::bytes_of(ordered.output), test::bytes_of(given.output));
+  EXPECT_EQ(ask(input, stop, {{"order", "random"}}).outcome, "bad_input");
+}
+
 const Decimator kOurs[] = {{"palpate.outcome", true, false}, {"random.edge_collapse", true, true}};
 const Decimator kVendors[] = {{"vtk.quadric", false, true}};
 
@@ -180,6 +199,7 @@ std::string decimator_name(const testing::TestParamInfo<Decimator>& tested) {
 INSTANTIATE_TEST_SUITE_P(Ours, Decimators, testing::ValuesIn(kOurs), decimator_name);
 INSTANTIATE_TEST_SUITE_P(Vendors, Decimators, testing::ValuesIn(kVendors), decimator_name);
 INSTANTIATE_TEST_SUITE_P(Ours, OurDecimators, testing::ValuesIn(kOurs), decimator_name);
+INSTANTIATE_TEST_SUITE_P(Vendors, VtkQuadric, testing::ValuesIn(kVendors), decimator_name);
 
 }  // namespace
 }  // namespace palpate::experiments

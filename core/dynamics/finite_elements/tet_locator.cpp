@@ -15,6 +15,9 @@ namespace {
 /// As far outside, in heights of the tet, as rounding may put a point.
 constexpr double kMostOutside = 1e-6;
 
+constexpr std::size_t kMostCellsPerTet = 16;
+constexpr std::size_t kFewestCells = 4096;
+
 std::array<double, 4> barycentric(const TetMesh& mesh, const Tet& tet, const Vec3& point) {
   std::array<Vec3, 4> corner{};
   for (std::size_t i = 0; i < 4; ++i) corner[i] = mesh.points[tet[i]];
@@ -42,8 +45,13 @@ TetLocator::TetLocator(const TetMesh& mesh) : mesh_(mesh) {
   double sides = 0.0;  // the mean side of the tets' boxes
   for (const Tet& tet : mesh.tets) sides += longest_side(box_of(mesh, tet));
   if (!mesh.tets.empty() && sides > 0.0) cell_ = sides / static_cast<double>(mesh.tets.size());
-  for (std::size_t axis = 0; axis < 3; ++axis)
-    count_[axis] = static_cast<std::size_t>(component(whole.high - whole.low, axis) / cell_) + 1;
+  // Of a filled body there are fewer cells than tets; small tets in a large box would ask for any number.
+  const double most = static_cast<double>(std::max(kFewestCells, kMostCellsPerTet * mesh.tets.size()));
+  const auto cells_along = [&](std::size_t axis) {
+    return std::floor(component(whole.high - whole.low, axis) / cell_) + 1.0;
+  };
+  while (cells_along(0) * cells_along(1) * cells_along(2) > most) cell_ *= 2.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) count_[axis] = static_cast<std::size_t>(cells_along(axis));
   // Twice: once to count, once to fill.
   offsets_.assign(count_[0] * count_[1] * count_[2] + 1, 0);
   const auto visit = [&](auto&& use) {

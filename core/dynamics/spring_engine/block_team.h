@@ -137,8 +137,19 @@ PlainReport step_in_team(const PlainOptions& options, const TeamStep<Real>& step
     }
   };
   {
+    StartGate gate;  // if not all threads can be made, those that were would wait at the barriers for ever
     std::vector<Thread> others;
-    for (std::size_t t = 1; t < threads; ++t) others.emplace_back(work, t);
+    try {
+      for (std::size_t t = 1; t < threads; ++t) {
+        others.emplace_back([&gate, &work, t] {
+          if (gate.may_start()) work(t);
+        });
+      }
+    } catch (...) {
+      gate.open(false);
+      throw;
+    }
+    gate.open(true);
     work(0);
   }
   return sum;

@@ -35,6 +35,9 @@ double leave_runge_kutta_region(const std::complex<double>& direction) {
 
 double runge_kutta_step(double omega, double damping) {
   const double discriminant = damping * damping - 4.0 * omega * omega;
+  constexpr int kFar = -600;
+  if (!std::isfinite(discriminant))  // the squares are too large; steps go as the inverse of the rates
+    return std::ldexp(runge_kutta_step(std::ldexp(omega, kFar), std::ldexp(damping, kFar)), kFar);
   if (discriminant >= 0.0) {  // both real; the faster one binds
     const double rate = 0.5 * (damping + std::sqrt(discriminant));
     return rate > 0.0 ? leave_runge_kutta_region(-1.0) / rate : kNoBound;

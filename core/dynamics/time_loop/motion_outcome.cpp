@@ -81,7 +81,7 @@ class RowKeeper {
  public:
   RowKeeper(BodyStepper& stepper, std::uint64_t steps) : stepper_(stepper), steps_(steps) {}
 
-  void add(std::uint64_t step, const MotionEnergy& energy, std::size_t inverted,
+  void add(std::uint64_t step, const MotionEnergy& energy, std::size_t inverted, std::uint64_t unsolved,
            std::vector<WatchedRow>& rows) {
     const std::uint64_t part = std::min(kRows - 1, kRows * step / steps_);
     const bool is_same_part = rows.size() > 1 && part == part_;
@@ -92,7 +92,7 @@ class RowKeeper {
     row.energy = {number_or_nan(energy.kinetic_j), number_or_nan(energy.elastic_j),
                   number_or_nan(energy.load_j)};
     row.inverted = inverted;
-    row.unsolved = stepper_.steps_unsolved();
+    row.unsolved = unsolved;
     row.farthest_m = 0.0;
     row.is_finite = true;
     const MotionState& state = stepper_.state();
@@ -139,9 +139,11 @@ class Watch {
       const std::uint64_t count =
           std::min({piece, stride - run_.steps % stride, options_.steps - run_.steps});
       if (count > 1) before_ = stepper_.state();
+      const std::uint64_t unsolved = count_unsolved();
       stepper_.advance(options_.step_s, count);
       if (count > 1 && find_bad(stepper_.state()) != kNoIndex) {
-        stepper_.set_state(before_);
+        stepper_.set_state(before_);  // which counts from nothing again
+        unsolved_before_ = unsolved;
         goes_on = repeat_singly(count);
       } else {
         run_.steps += count;
@@ -151,10 +153,13 @@ class Watch {
       goes_on = goes_on && (!is_due || sample(run_.steps));
     }
     if (goes_on) classify();
+    run_.steps_unsolved = count_unsolved();
     return run_;
   }
 
  private:
+  std::uint64_t count_unsolved() const { return unsolved_before_ + stepper_.steps_unsolved(); }
+
   bool repeat_singly(std::uint64_t count) {
     for (std::uint64_t k = 0; k < count; ++k) {
       stepper_.advance(options_.step_s, 1);
@@ -188,7 +193,7 @@ class Watch {
     end_at(is_number(state, bad) ? WatchedOutcome::kDiverged : WatchedOutcome::kNonFinite, step, bad);
     if (options_.keeps_rows)
       keeper_.add(step, measure_energy(stepper_.model(), state),
-                  count_volume(stepper_.model(), state).inverted, run_.rows);
+                  count_volume(stepper_.model(), state).inverted, count_unsolved(), run_.rows);
     return false;
   }
 
@@ -198,7 +203,7 @@ class Watch {
     const MotionState& state = stepper_.state();
     const MotionEnergy energy = measure_energy(model, state);
     const VolumeCount tets = count_volume(model, state);
-    if (options_.keeps_rows) keeper_.add(step, energy, tets.inverted, run_.rows);
+    if (options_.keeps_rows) keeper_.add(step, energy, tets.inverted, count_unsolved(), run_.rows);
     run_.inverted_end = tets.inverted;
     if (step == 0) run_.inverted_start = tets.inverted;
     if (tets.inverted > 0 && first_inverted_ == kNoIndex) {
@@ -298,6 +303,7 @@ class Watch {
   RowKeeper keeper_;
   WatchedRun run_;
   MotionState before_;
+  std::uint64_t unsolved_before_ = 0;  ///< steps that the stepper no longer counts
   std::array<Quarter, 4> quarters_;
   std::vector<Sample> samples_;
   double own_energy_start_j_ = 0.0;

@@ -80,9 +80,10 @@ struct WatchedRun {
   double energy_least_j = 0.0;
   double energy_most_j = 0.0;
   double kinetic_most_j = 0.0;
-  double kinetic_end_j = 0.0;      ///< greatest over the last quarter
-  double drift_m = 0.0;            ///< largest displacement at the end; 0 if that is not finite
-  std::size_t inverted_start = 0;  ///< tets that are not positive
+  double kinetic_end_j = 0.0;        ///< greatest over the last quarter
+  double drift_m = 0.0;              ///< largest displacement at the end; 0 if that is not finite
+  std::uint64_t steps_unsolved = 0;  ///< whose solver did not come to its tolerance
+  std::size_t inverted_start = 0;    ///< tets that are not positive
   std::size_t inverted_end = 0;
   std::vector<WatchedRow> rows;  ///< the start, the last sample of each fortieth of the steps, the end
 };

@@ -15,7 +15,9 @@ namespace {
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using View = Eigen::Map<Rows>;
 
-constexpr std::size_t kKept = 6;  // fields of the subspace after its first step
+/// Fields of the subspace after its first step. The fewer the cheaper, but the slowest bends of a round body
+/// come in groups: where six do not converge, all fields of the start do.
+constexpr std::size_t kKept = 6;
 constexpr double kInverseAccuracy = 1e-5;
 constexpr std::size_t kMostInverseSteps = 4000;
 
@@ -39,6 +41,11 @@ FieldBlock rigid_motions(std::span<const Vec3> points) {
   }
   return block;
 }
+
+struct Found {
+  std::optional<double> value;
+  bool is_hopeless = false;  ///< more fields would not help: rounding, or nothing but rigid motions
+};
 
 /// Subspace iteration for the pencil (K, B) beside its rigid motions.
 class LeastOf {
@@ -84,6 +91,26 @@ class LeastOf {
     apply_blocks(blocks_, x, force);
     view(x) = view(x) * values.cwiseInverse().asDiagonal();
     return solve_fields(stiffness_, inverse_diagonal, force, x, kInverseAccuracy, kMostInverseSteps);
+  }
+
+  /// The least eigenvalue by a subspace of at most `most` fields.
+  Found find(FieldBlock x, std::size_t most, std::span<const Block> inverse_diagonal) {
+    constexpr int kRounds = 40;
+    constexpr double kChange = 1e-5;
+    constexpr Found kHopeless{std::nullopt, true};
+    project(x);
+    Eigen::VectorXd values = rotate(x, most);
+    if (values.size() == 0) return kHopeless;
+    for (int round = 0; round < kRounds; ++round) {
+      if (!invert(x, values, inverse_diagonal)) return kHopeless;
+      project(x);
+      const Eigen::VectorXd next = rotate(x, most);
+      if (next.size() == 0 || !(next[0] > 0.0)) return kHopeless;
+      const bool is_done = std::fabs(values[0] - next[0]) <= kChange * next[0];
+      values = next;
+      if (is_done && round > 0) return {values[0], false};
+    }
+    return {};
   }
 
  private:
@@ -143,23 +170,11 @@ double greatest_eigenvalue(const BlockRows& stiffness, std::span<const Block> bl
 std::optional<double> least_elastic_eigenvalue(const BlockRows& stiffness,
                                                std::span<const Block> inverse_diagonal,
                                                std::span<const Block> blocks, std::span<const Vec3> points,
-                                               FieldBlock start) {
-  constexpr int kRounds = 40;
-  constexpr double kChange = 1e-5;
+                                               const FieldBlock& start) {
   LeastOf least(stiffness, blocks, points);
-  FieldBlock x = std::move(start);
-  least.project(x);
-  Eigen::VectorXd values = least.rotate(x, kKept);
-  if (values.size() == 0) return std::nullopt;
-  for (int round = 0; round < kRounds; ++round) {
-    if (!least.invert(x, values, inverse_diagonal)) return std::nullopt;
-    least.project(x);
-    const Eigen::VectorXd next = least.rotate(x, kKept);
-    if (next.size() == 0) return std::nullopt;
-    const bool is_done = std::fabs(values[0] - next[0]) <= kChange * next[0];
-    values = next;
-    if (!(values[0] > 0.0)) return std::nullopt;
-    if (is_done && round > 0) return values[0];
+  for (const std::size_t kept : {kKept, start.width}) {
+    const Found found = least.find(start, kept, inverse_diagonal);
+    if (found.value || found.is_hopeless) return found.value;
   }
   return std::nullopt;
 }

@@ -20,6 +20,6 @@ double greatest_eigenvalue(const BlockRows& stiffness, std::span<const Block> bl
 std::optional<double> least_elastic_eigenvalue(const BlockRows& stiffness,
                                                std::span<const Block> inverse_diagonal,
                                                std::span<const Block> blocks, std::span<const Vec3> points,
-                                               FieldBlock start);
+                                               const FieldBlock& start);
 
 }  // namespace palpate::judge

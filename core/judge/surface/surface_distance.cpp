@@ -191,6 +191,7 @@ class Bracketing {
 /// distance between the middle and a corner.
 void measure_mean(std::span<const Corners> from, const TriangleTree& to, double spacing,
                   DirectedDistance& result) {
+  if (!(spacing > 0.0)) return;  // both surfaces are one point
   CompensatedSum area_sum;
   CompensatedSum distance_sum;
   CompensatedSum error_sum;

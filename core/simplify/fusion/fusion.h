@@ -47,16 +47,6 @@ struct FusionMesh {
   std::span<const Index> star(Index v) const { return {star_tets.data() + star_begin[v], star_size[v]}; }
 };
 
-/// Where a mesh that was brought into another order comes from: the input's numbers of its vertices and tets.
-struct MeshOrigin {
-  std::vector<Index> vertices;
-  std::vector<Index> tets;
-};
-
-/// Brings a mesh into the order kSpatial: vertices along the curve, tets by their smallest vertex. Any number
-/// of threads gives the same.
-MeshOrigin sort_in_space(TetMesh& mesh, int threads = 1);
-
 /// Takes a mesh over; its arrays are released as soon as they are copied or moved. Any number of threads
 /// gives the same.
 FusionMesh build_fusion_mesh(TetMesh&& mesh, StorageOrder order, int threads = 1);

@@ -8,6 +8,7 @@
 
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
+#include "core/mesh/space_order.h"
 #include "core/simplify/fusion/fusion.h"
 
 namespace palpate::simplify {
