@@ -18,11 +18,16 @@ MOST_DEPTH = 64  # of lists and objects within one another, as the runner has it
 MOST_DIGITS = 300  # of a whole number: longer ones fit into no double
 OTHERS_THAN_BRACKETS = bytes(set(range(256)) - set(b'[]{}"'))
 STRING = re.compile(rb'"(?:[^"\\]|\\.)*"', re.DOTALL)
-KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"))
+KINDS = ((stat.S_ISDIR, "a folder"), (stat.S_ISFIFO, "a pipe"), (stat.S_ISSOCK, "a socket"), (stat.S_ISLNK, "a link"))
 
 
 class BadRun(Exception):
     """The folder is no run folder, or a file in it is not what it has to be: one line, with the place."""
+
+
+def kind_of(mode):
+    """What it is that has this mode, if it is no regular file."""
+    return next((kind for is_kind, kind in KINDS if is_kind(mode)), "a device")
 
 
 def open_file(path):
@@ -36,7 +41,7 @@ def open_file(path):
     mode = os.fstat(file).st_mode
     if not stat.S_ISREG(mode):
         os.close(file)
-        raise BadRun(f"{path}: expected a file, found {next((kind for is_kind, kind in KINDS if is_kind(mode)), 'a device')}")
+        raise BadRun(f"{path}: expected a file, found {kind_of(mode)}")
     return io.open(file, "rb", buffering=2**20)
 
 
