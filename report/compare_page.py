@@ -3,8 +3,8 @@
 
     compare_page.py RUN RUN... -o FILE [--scripts DIR]
 
-Prints the comparisons as compare_runs.py does. Exit codes: 0 done; 2 no run, or no case in common; 3 the page could not be written, or a
-fault of its own.
+Prints the comparisons as compare_runs.py does. Exit codes: 0 done; 2 no run, no case in common, or FILE is no place for a page; 3 the page
+could not be written, or a fault of its own.
 """
 
 import argparse
@@ -17,6 +17,7 @@ from shared.exit_codes import guarded
 
 
 def compare(options):
+    page = write_page.output_place(options.output)
     comparisons = []
     for place in options.runs[1:]:
         (a, b), measures = sides.read_sides([options.runs[0], place], [])
@@ -24,7 +25,7 @@ def compare(options):
     for place, comparison in enumerate(comparisons):
         print(("\n" if place else "") + comparison_text.comparison_text(comparison))
     title = " and ".join([comparison_page.name_of(comparisons[0].a), ", ".join(comparison_page.name_of(comparison.b) for comparison in comparisons)])
-    write_page.write_parts(comparison_page.page_parts(comparisons), f"How do these runs differ: {title}?", options.output, options.scripts)
+    write_page.write_parts(comparison_page.page_parts(comparisons), f"How do these runs differ: {title}?", page, options.scripts)
     return 0
 
 

@@ -5,8 +5,8 @@
 
 Writes RUN_DIR/tables/*.csv, RUN_DIR/charts/*.svg|png and the page RUN_DIR/report.html (or FILE), and prints a summary. DIR is where the
 build left the page's scripts (else build/*/page). Exit codes: 0 done; 1 done, but a comparison, a
-target or a claim that the plan marks `required: true` does not hold (the last lines say which); 2 the folder is no run folder or a
-record is broken; 3 matplotlib is missing, a file could not be written, or a fault of the report itself.
+target or a claim that the plan marks `required: true` does not hold (the last lines say which); 2 the folder is no run folder, a
+record is broken, or FILE is no place for a page; 3 matplotlib is missing, a file could not be written, or a fault of the report itself.
 """
 
 import argparse
@@ -256,8 +256,11 @@ def read_without_collecting(folder):
 
 def make_report(options):
     """Does all of it; returns the exit code. What is required and does not hold is said last."""
+    named = write_page.output_place(options.output) if options.output else None
     run = read_without_collecting(options.run_dir)
     refuse_links(run.folder)
+    page = named or run.folder / "report.html"
+    write_page.require_place(page)
     contest_report = choose_report(run)
     found, failed = contest_report.tables(run)
     run.notes += load.run_notes(run)
@@ -274,7 +277,6 @@ def make_report(options):
         said = len(run.notes)
         if not drawn:
             say("\nnote: no accepted answers: no charts")
-    page = options.output or run.folder / "report.html"
     write_page.write_page(run, contest_report.page(run, found), page, options.scripts, failed)
     print_notes(run.notes[said:])
     for what in failed:

@@ -2,6 +2,7 @@
 network for anything (its own policy forbids it), and the same run gives the same bytes.
 """
 
+import os
 import pathlib
 
 from page import facts
@@ -9,8 +10,9 @@ from page.chart_html import MOST_POINTS, chart_html, drawn_html
 from page.markup import Markup, join, json_block, script_text, tag, void
 from page.table_html import rows_within, table_html
 from shared.page_parts import Chart, Column, Note, Section, Table
-from shared.records import BadRun
+from shared.run_file import BadRun, open_file
 from shared.tables import first_reason, write_atomically
+from shared.whole_file import has_file
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCTYPE = b"<!doctype html"
@@ -201,13 +203,30 @@ def write_page(run, parts, path, scripts_folder=None, failed=()):
     write_new_page(path, page_html(run, parts, Scripts(scripts_folder), failed))
 
 
-def write_new_page(path, text):
-    """In the place of nothing or of an earlier page: records or a plan that a name stands for by mistake stay what they are."""
-    if path.is_file():
-        with path.open("rb") as file:
+def output_place(path):
+    """Where the page goes that a user names: what a link leads to is written, the link stays. Raises: BadRun, before any work is done, unless a
+    page can be written there."""
+    place = pathlib.Path(os.path.realpath(path))
+    require_place(place)
+    return place
+
+
+def require_place(path):
+    """Raises: BadRun unless a page can be written there, in the place of nothing or of an earlier page: records or a plan that a name stands for
+    by mistake stay what they are."""
+    if not path.parent.is_dir():
+        raise BadRun(f"{path}: expected a file in a folder that exists, found no folder {path.parent}")
+    if not os.access(path.parent, os.W_OK):
+        raise BadRun(f"{path}: expected a file in a folder that can be written, found {path.parent}")
+    if has_file(path):
+        with open_file(path) as file:
             start = file.read(len(DOCTYPE))
         if start and start != DOCTYPE:
             raise BadRun(f"{path}: expected a new file or an earlier page, found a file that is no page")
+
+
+def write_new_page(path, text):
+    require_place(path)
     write_atomically(path, text)
 
 
