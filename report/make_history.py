@@ -4,7 +4,8 @@
     make_history.py --measures FILE [--out FOLDER] [--measure NAME] [--json] DIR...
 
 FILE holds the measures as a JSON list of {name, unit, better, key, anew}; DIRs are run folders, or folders of runs. Exit codes: 0
-done; 2 a folder is none, or a record is broken; 3 matplotlib is missing, a file could not be written, or a fault of its own.
+done; 2 a folder is none, a record is broken, or FOLDER has somebody else's file where one would go; 3 matplotlib is missing, a file could
+not be written, or a fault of its own.
 """
 
 import argparse
@@ -12,7 +13,7 @@ import json
 import pathlib
 import sys
 
-from history import history
+from history import earlier_files, history
 from shared.exit_codes import guarded
 from shared.run_file import BadRun, read_json
 from shared.terminal import say
@@ -22,10 +23,11 @@ MOST_CHARTS = 24
 
 def write_all(found, folder):
     """Tables and charts; returns what there is to say of them."""
+    earlier_files.require_replaceable(folder)
     folder.mkdir(parents=True, exist_ok=True)
     history.write_history(found, folder)
     charts = folder / "charts"
-    for old in charts.glob("step_*"):
+    for old in earlier_files.earlier_charts(charts):
         old.unlink()
     if not found.found():
         return [f"Written: {folder}"]
@@ -36,6 +38,8 @@ def write_all(found, folder):
 
 
 def make_history(options):
+    if options.out:
+        earlier_files.require_replaceable(pathlib.Path(options.out))
     measures = read_json(options.measures)
     found = history.read_history(options.folders, measures, options.measure)
     if not found.runs:

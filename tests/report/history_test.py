@@ -8,6 +8,7 @@ import math
 import os
 import pathlib
 import random
+import shutil
 import sys
 import tempfile
 import unittest
@@ -149,6 +150,36 @@ class Runs(unittest.TestCase):
                                           "step_02_made_up_kidney_a_None_percent_above_0_5.svg"])
         self.call("--out", str(out_folder), str(self.folder / "runs"))
         self.assertEqual({path.name: path.read_bytes() for path in (out_folder / "charts").iterdir()}, charts)
+
+    def test_what_no_history_has_written_stays(self):
+        self.add_runs(count=6, better_from=3, slower_from=3)
+        runs, out = str(self.folder / "runs"), self.folder / "out"
+        self.assertEqual(self.call("--out", str(out), runs)[0], 0)
+        svg = next((out / "charts").glob("*.svg"))
+        self.assertEqual(self.call("--out", str(out), runs)[0], 0)
+        for path, theirs in ((out / "history.csv", "time_s,total_j\n0,1\n"), (out / "steps.csv", "my steps\n"), (svg, "<svg>mine</svg>"),
+                             (out / "charts" / "step_01_mine.png", "a photograph"), (out / "charts", "in the way")):
+            with self.subTest(path.name):
+                kept = self.folder / "kept"
+                shutil.copytree(out, kept)
+                if path.is_dir():
+                    shutil.rmtree(path)
+                path.write_text(theirs, encoding="utf-8")
+                before = {each: each.read_bytes() for each in out.rglob("*") if each.is_file()}
+                with unittest.mock.patch.object(history, "read_history", side_effect=AssertionError("work was done")):
+                    code, _, err = self.call("--out", str(out), runs)
+                self.assertEqual((code, err.count("\n")), (2, 1), err)
+                self.assertIn(f"{path.name}: expected", err)
+                self.assertEqual({each: each.read_bytes() for each in out.rglob("*") if each.is_file()}, before)
+                shutil.rmtree(out)
+                kept.rename(out)
+        (out / "charts" / "step_by_step.png").write_text("of other things", encoding="utf-8")
+        (out / "history.csv").rename(self.folder / "elsewhere.csv")
+        (out / "history.csv").symlink_to(self.folder / "elsewhere.csv")
+        self.assertIn("history.csv: expected a file or nothing, found a link", self.call("--out", str(out), runs)[2])
+        (out / "history.csv").unlink()
+        self.assertEqual(self.call("--out", str(out), runs)[0], 0)
+        self.assertEqual((out / "charts" / "step_by_step.png").read_text(encoding="utf-8"), "of other things")
 
     def test_one_measure_alone(self):
         self.add_runs()
