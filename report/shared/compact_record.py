@@ -10,6 +10,9 @@ import collections
 import hashlib
 import json
 import marshal
+import sys
+
+from shared.run_file import BadRun, is_number, refuse_constant
 
 MOST_OPEN = 20_000  # packed blocks that stay open
 MOST_SHARED = 400_000  # forms, texts and blocks that are looked for to be shared: beyond, each record has its own
@@ -20,7 +23,29 @@ NOT_KEPT = ("finished_at", "position")  # no report says when, or in which place
 OWN_KEYS = ("finished_at", "kernel_s", "load_1min", "others_s", "peak_rss_bytes", "position", "processor_s", "repeat", "user_s", "wall_s")
 # Each key, how it opens and how long that is, and what stands in a form for its value.
 OWN_MARKS = [(key, f'"{key}":'.encode(), len(key) + 3, json.dumps(f"\0{key}\0").encode()) for key in OWN_KEYS]
-read_next = json.JSONDecoder().scan_once
+read_next = json.JSONDecoder(parse_constant=refuse_constant).scan_once
+OUTCOMES = ("accepted", "rejected", "bad_input", "error", "crashed", "timed_out", "out_of_memory", "bad_answer", "unavailable", "not_judged")
+MOST_COUNT = 10**9  # as gates have it
+MOST_NUMBER = sys.float_info.max
+
+
+def is_from_zero(value):
+    return value is None or (type(value) in (float, int) and 0 <= value <= MOST_NUMBER)
+
+
+TIME = ("a number from 0, or null", is_from_zero)
+FLAG = ("true or false", lambda value: type(value) is bool)
+# What may stand under a key of a record that figures and tables are taken by (experiments/schema/record.schema.json), where it is there.
+FORMS = {
+    "case": ("a text", lambda value: type(value) is str),
+    "outcome": ("one of " + ", ".join(OUTCOMES), lambda value: type(value) is str and value in OUTCOMES),
+    "repeat": (f"a whole number from 0 to {MOST_COUNT}", lambda value: type(value) is int and 0 <= value <= MOST_COUNT),
+    "required": FLAG, "warmup": FLAG, "searched": FLAG,
+    "kernel_s": TIME, "wall_s": TIME, "user_s": TIME, "peak_rss_bytes": TIME, "load_1min": TIME, "processor_s": TIME,
+    "others_s": ("a number or null", lambda value: value is None or is_number(value)),
+}
+NEEDED = ("case", "outcome", "repeat")
+ABSENT = object()
 
 
 class Packed:
@@ -90,7 +115,8 @@ class RecordPacker:
         self.blocks = {}  # bytes -> the block that has them
 
     def read(self, line):
-        """The value in a line of JSON: a Record of an object with a label, anything else as json gives it. Throws what json throws."""
+        """The value in a line of JSON: a Record of an object with a label, anything else as json gives it. Throws what json throws, and NoNumber
+        for NaN and infinities."""
         form, keys, texts = split(line)
         digest = hashlib.blake2b(form, digest_size=16).digest()
         known = self.forms.get(digest, self)
@@ -105,7 +131,7 @@ class RecordPacker:
         return Record(places, shared, tuple([own[place] for place in kept]))
 
     def read_whole(self, line):
-        value = json.loads(line)
+        value = json.loads(line, parse_constant=refuse_constant)
         if not isinstance(value, dict) or not isinstance(value.get("label"), str):
             return value
         for key in NOT_KEPT:
@@ -115,7 +141,7 @@ class RecordPacker:
     def read_form(self, form, keys):
         """What lines of this form have in common; None if a mark stands where no record's own key has its value."""
         try:
-            value = json.loads(form)
+            value = json.loads(form, parse_constant=refuse_constant)
         except (ValueError, RecursionError):  # so is the line: reading it says where
             return None
         if not isinstance(value, dict) or not isinstance(value.get("label"), str) or any(value.get(key) != f"\0{key}\0" for key in keys):
@@ -190,3 +216,14 @@ def read_values(texts):
     except (ValueError, StopIteration, RecursionError):
         return None
     return values if end == len(text) and len(values) == len(texts) else None
+
+
+def check_forms(record, where):
+    """Throws BadRun for the first key that has something else than it may have, or that is needed and absent."""
+    for key, (expected, fits) in FORMS.items():
+        value = record.get(key, ABSENT)
+        if value is ABSENT:
+            if key in NEEDED:
+                raise BadRun(f"{where}: {key}: expected {expected}, found nothing")
+        elif not fits(value):
+            raise BadRun(f"{where}: {key}: expected {expected}, found {json.dumps(value)[:80]}")

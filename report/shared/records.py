@@ -11,8 +11,8 @@ import statistics
 from array import array
 from dataclasses import dataclass, field, replace
 
-from shared.compact_record import Record, RecordPacker
-from shared.run_file import BadRun, is_number, json_fault, open_file, read_object
+from shared.compact_record import Record, RecordPacker, check_forms
+from shared.run_file import BadRun, NoNumber, are_numbers, is_number, json_fault, open_file, read_object
 
 INPUT_LABEL = "input"
 REFERENCE_LABEL = "reference"  # of a contest of displacements: what the answers are judged by
@@ -177,7 +177,7 @@ def histogram(record):
     """The ten buckets of a judged mesh, or None."""
     judge = record.get("judge")
     buckets = judge.get("histogram") if isinstance(judge, dict) else None
-    if isinstance(buckets, list) and len(buckets) == BUCKETS and all(isinstance(n, (int, float)) for n in buckets):
+    if isinstance(buckets, list) and len(buckets) == BUCKETS and are_numbers(buckets):
         return buckets
     return None
 
@@ -253,6 +253,8 @@ def read_line(path, number, line, packer, notes):
         record = packer.read(line)
     except UnicodeDecodeError as error:
         raise BadRun(f"{path}: expected UTF-8 text") from error
+    except NoNumber as error:
+        raise BadRun(f"{path}:{number}: {error}") from error
     except (ValueError, RecursionError) as error:
         if not line.endswith(b"\n"):
             notes.append("the last record was cut off and is left out: resume the run")
@@ -260,7 +262,9 @@ def read_line(path, number, line, packer, notes):
         raise BadRun(f"{path}:{number}: expected a JSON object, found {json_fault(error)}") from error
     if not isinstance(record, Record):
         raise BadRun(f"{path}:{number}: expected a record with a label")
-    check_schema(record, RECORD, f"{path}:{number}")
+    where = f"{path}:{number}"
+    check_schema(record, RECORD, where)
+    check_forms(record, where)
     return record
 
 

@@ -79,8 +79,12 @@ def is_deeper(data, most=MOST_DEPTH):
     return False
 
 
+class NoNumber(ValueError):
+    """A word of Python's where JSON has numbers."""
+
+
 def refuse_constant(word):
-    raise ValueError(f"{word}, which is no number")
+    raise NoNumber(f"expected a number, found {word}")
 
 
 def whole_number(text):
@@ -103,6 +107,8 @@ def parse_json(data, where):
         return json.loads(data.decode("utf-8"), parse_constant=refuse_constant, parse_int=whole_number)
     except UnicodeDecodeError as error:
         raise BadRun(f"{where}: expected UTF-8 text") from error
+    except NoNumber as error:
+        raise BadRun(f"{where}: {error}") from error
     except (ValueError, RecursionError) as error:
         raise BadRun(f"{where}: expected JSON, found {json_fault(error)}") from error
 

@@ -18,7 +18,7 @@ HOSTILE = [
     '{"kernel_s":{"a":1},"label":"a"}',
     '{"kernel_s":"a,b","label":"a","repeat":"c,d"}',
     '{"kernel_s":",","label":"a","repeat":",","wall_s":1}',
-    '{"kernel_s":null,"label":"a","repeat":true,"wall_s":NaN,"z":1e400}',
+    '{"kernel_s":null,"label":"a","repeat":true,"wall_s":3,"z":1e400}',
     '{"label":"kernel_s","wall_s": 3 ,"repeat" : 4, "user_s":5}',
     '{"label":"\\u0000kernel_s\\u0000","kernel_s":2,"message":"\\u0000repeat\\u0000"}',
     '{"label":"a","report":[1,[2,{"b":3}]],"judge":{},"options":{"seed":1},"violations":["x"]}',
@@ -45,7 +45,8 @@ class Compact(unittest.TestCase):
         packer = RecordPacker()
         for line in ("3", "[]", "{}", '{"label":3}', '{"kernel_s":1,"label":null}'):
             self.assertEqual(packer.read(line.encode()), json.loads(line))
-        for line in ('{"label":"a","kernel_s":,"x":1}', '{"label":"a","kernel_s":1 2,"x":1}', '{"label":"a","kernel_s":1],"x":1}', '{"label":"a"', "[" * 100_000):
+        for line in ('{"label":"a","kernel_s":,"x":1}', '{"label":"a","kernel_s":1 2,"x":1}', '{"label":"a","kernel_s":1],"x":1}', '{"label":"a"', "[" * 100_000,
+                     '{"label":"a","kernel_s":NaN,"x":1}', '{"label":"a","judge":{"x":-Infinity},"repeat":1,"z":0}'):
             for _ in range(2):
                 self.assertRaises((ValueError, RecursionError), packer.read, line.encode())
 

@@ -30,8 +30,8 @@ class Reader(unittest.TestCase):
         return str(caught.exception)
 
     def test_texts_that_are_none_are_refused_in_one_line(self):
-        for text, said in ((DEEP, "too deep"), ('{"a":' * 70 + "1" + "}" * 70, "too deep"), ('{"a": NaN}', "NaN, which is no number"), ("[]", "an object"),
-                           ('{"a": -Infinity}', "no number"), ("{", "expected JSON"), ("", "expected JSON"), ("\xff", "UTF-8"), ('{"a": "' + "[" * 100, "expected JSON")):
+        for text, said in ((DEEP, "too deep"), ('{"a":' * 70 + "1" + "}" * 70, "too deep"), ('{"a": NaN}', "any.json: expected a number, found NaN"), ("[]", "an object"),
+                           ('{"a": -Infinity}', "expected a number, found -Infinity"), ("{", "expected JSON"), ("", "expected JSON"), ("\xff", "UTF-8"), ('{"a": "' + "[" * 100, "expected JSON")):
             self.path.write_text(text, encoding="latin-1")
             self.assertIn(said, self.refused(), text[:40])
         self.path.write_text(json.dumps({"text": "[{" * 1000 + '"[', "number": 10**400}))
