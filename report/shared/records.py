@@ -230,16 +230,21 @@ def read_provenance(folder):
 
 def read_lines(path, notes):
     """The records of a file, one after the other, so that it may be larger than the memory. A last line that was cut off by a kill is left
-    out, and noted."""
-    packer, found = RecordPacker(), []
+    out, and noted. Each repeat of a case stands there once: runs that are resumed or take parts leave out what has its record."""
+    packer, found, repeats = RecordPacker(), [], {}
     try:
         with open_file(path) as lines:
             for number, line in enumerate(iter(lambda: lines.readline(MOST_LINE_BYTES + 1), b""), start=1):
                 if len(line) > MOST_LINE_BYTES:
                     raise BadRun(f"{path}:{number}: expected a record of at most {MOST_LINE_BYTES:,} bytes, found more")
                 record = read_line(path, number, line, packer, notes)
-                if record is not None:
-                    found.append(record)
+                if record is None:
+                    continue
+                known = repeats.setdefault(record["case"], set())
+                if record["repeat"] in known:
+                    raise BadRun(f"{path}:{number}: expected each repeat of a case once, found repeat {record['repeat']} of {record['case'][:200]} again")
+                known.add(record["repeat"])
+                found.append(record)
     except OSError as error:
         raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
     return found

@@ -111,7 +111,8 @@ class Runs(CompareTest):
     def test_warm_ups_inputs_and_searches_do_not_count(self):
         warm = [{**line, "warmup": True} for line in repeats("kidney/one", 100.0, count=1)]
         searched = [{**line, "searched": True, "wall_s": 1000.0} for line in repeats("kidney/one", count=1)]
-        lines = [synthetic.input_record("kidney", 90.0), *warm, *searched, *repeats("kidney/one")[1:]]
+        after = [{**line, "repeat": line["repeat"] + 1} for line in [*searched, *repeats("kidney/one")[1:]]]
+        lines = [synthetic.input_record("kidney", 90.0), *warm, *after]
         found = self.found(self.write("a", lines), self.write("b", repeats("kidney/one")))
         kernel, wall = (result["pairs"][0] for result in found["measures"])
         self.assertEqual((kernel["repeats_a"], wall["repeats_a"]), (9, 8))

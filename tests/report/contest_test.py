@@ -264,7 +264,7 @@ class Comparisons(ReportTest):
         self.assertEqual(self.ratios([12, 12, 13, 12, 12, 14])[0], "met")
 
     def test_a_label_with_seeds_is_timed_by_its_median_over_them(self):
-        lines = [answer("refined", 96, 0.5, seed=seed, repeat=i, kernel_s=0.01 * seed) for i in range(9) for seed in (1, 2, 3)]
+        lines = [answer("refined", 96, 0.5, seed=seed, repeat=i, kernel_s=0.01 * seed, case=f"kidney/refined/seed={seed}") for i in range(9) for seed in (1, 2, 3)]
         rows, _ = self.compare(lines + rounds(answer("cgal_1", 95, 0.5, kernel_s=0.3)))
         self.assertEqual((rows["time"]["verdict"], float(rows["time"]["value"])), ("met", 15))
 

@@ -82,6 +82,7 @@ class Counts(ReportTest):
             if sweep.get("simplify") == "refined":
                 for label, factor in (("peer_1", 0.5 if sweep["tets_removed_ratio"] == 0.5 else 2.0), ("peer_2", 1.5)):
                     peer = json.loads(json.dumps(line).replace('"refined"', f'"{label}"').replace("simplify=refined", f"simplify={label}"))
+                    peer["case"] = peer["case"].replace('"refined"', f'"{label}"')
                     peer["judge"]["displacement_deformation"] *= factor
                     lines.append(peer)
         simplify = [*self.SIMPLIFY, {"method": "peer.a", "label": "peer_1"}, {"method": "peer.b", "label": "peer_2"}]

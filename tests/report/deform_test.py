@@ -242,7 +242,7 @@ class Targets(DeformTest):
     def test_answers_that_scatter_across_the_bound_leave_it_open(self):
         def state(errors):
             lines = [reference_record("one", own=0.0001)]
-            return self.judge(lines + [deformed("one", "a", error, own=0.0001, seed=i, output_hash=f"h{i}")
+            return self.judge(lines + [deformed("one", "a", error, own=0.0001, seed=i, output_hash=f"h{i}", case=f"one/a/seed={i}")
                                        for i, error in enumerate(errors)])["state"]
         self.assertEqual(state([0.010, 0.011, 0.012, 0.013, 0.014, 0.015]), "met")
         self.assertEqual(state([0.015, 0.016, 0.017, 0.018, 0.019, 0.021]), "open")

@@ -17,7 +17,7 @@ MESH = "MeshVersionFormatted 2\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0
 def line(scene, label, kind, judged, reported, report, options=None, vertices=4, **other):
     made = synthetic.record(scene, label, None, contestant=f"mover.{label}", options=options or {}, report={"outcome": "completed", **report},
                             judge={"kind": kind, "valid": True, "findings": [], **judged})
-    return {**made, "reported": reported, "mesh": {"name": scene, "vertices": vertices, "tets": 1, "hash": "0"}, **other}
+    return {**made, "case": f"{scene}/{label}/{json.dumps(other.get('sweep'))}", "reported": reported, "mesh": {"name": scene, "vertices": vertices, "tets": 1, "hash": "0"}, **other}
 
 
 def replay(scene, left, twentieth):

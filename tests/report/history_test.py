@@ -204,7 +204,7 @@ class Runs(unittest.TestCase):
         good = synthetic.record("kidney", "a", 70.0)
         self.add_run(0, [good])
         self.add_run(1, [good, synthetic.record("kidney", "a", 30.0, repeat=1, outcome="rejected")])
-        self.add_run(2, [synthetic.record("kidney", "a", 10.0, warmup=True), good])
+        self.add_run(2, [synthetic.record("kidney", "a", 10.0, warmup=True), {**good, "repeat": 1}])
         found = history.read_history([self.folder / "runs"], MEASURES, "percent_above_0_5")
         series, = found.series
         self.assertEqual([point.run.commit for point in series.points], ["c00000000", "c00000002"])

@@ -81,6 +81,15 @@ class Lines(ReportTest):
                 self.write(self.second(key, value))
                 self.assertEqual(self.report("--no-charts")[0], 0, key)
 
+    def test_a_repeat_that_stands_there_twice_is_refused(self):
+        first, second, third = map(json.dumps, self.lines)
+        said = f"expected each repeat of a case once, found repeat 1 of {self.lines[1]['case']} again"
+        self.refused([first, second, third, second], f"4: {said}")
+        self.refused([first, second, json.dumps({**self.lines[1], "kernel_s": 9.0}), third], f"3: {said}")
+        self.refused([first, json.dumps({**self.lines[1], "warmup": True}), second], f"3: {said}")
+        self.write([first, second, json.dumps({**self.lines[1], "case": "kidney/b", "label": "b"}), third])
+        self.assertEqual(self.report("--no-charts")[0], 0)
+
     def test_the_outcomes_are_those_of_the_schema(self):
         schema = json.loads((HERE.parents[1] / "experiments" / "schema" / "record.schema.json").read_text(encoding="utf-8"))
         self.assertEqual(schema["properties"]["outcome"]["enum"], list(OUTCOMES))

@@ -32,9 +32,9 @@ class Tables(ReportTest):
         self.assertEqual((cells, row["cases"]), ([70, 50, 80], "3"))
 
     def test_timing_leaves_out_warm_up_and_what_was_not_accepted(self):
-        lines = [synthetic.record("kidney", "a", 70, repeat=i, kernel_s=s) for i, s in enumerate((0.03, 0.01, 0.02))]
+        lines = [synthetic.record("kidney", "a", 70, repeat=i, kernel_s=s) for i, s in enumerate((0.03, 0.01, 0.02), start=1)]
         lines.append(synthetic.record("kidney", "a", 70, kernel_s=9.0, warmup=True))
-        lines.append(synthetic.record("kidney", "a", 70, repeat=3, kernel_s=0.0001, outcome="rejected"))
+        lines.append(synthetic.record("kidney", "a", 70, repeat=4, kernel_s=0.0001, outcome="rejected"))
         synthetic.write_run(self.folder, lines, {})
         self.report("--no-charts")
         row, = self.table("timing.csv")
