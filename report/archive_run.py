@@ -4,7 +4,7 @@
     archive_run.py RUN FOLDER             FOLDER (new or empty) gets archive.json, plan.yaml, provenance.json, records.jsonl.xz
     archive_run.py --unpack ARCHIVE FOLDER    FOLDER becomes a run folder again
 
-Exit codes: 0 done; 2 no run, no archive, or something in FOLDER; 3 a file could not be written, or a fault of its own.
+Exit codes: 0 done; 2 no run, no archive, a broken record, or something in FOLDER; 3 a file could not be written, or a fault of its own.
 """
 
 import argparse

@@ -10,6 +10,7 @@ import json
 import lzma
 import pathlib
 
+from shared.records import each_record
 from shared.run_file import BadRun, open_file, read_bytes, read_object
 from shared.whole_file import replacing
 
@@ -31,7 +32,7 @@ def blocks_of(stream):
 
 def pack(run, folder):
     """Writes an archive of the run into a folder that is new or empty; returns what archive.json says. The same records make the same bytes. The
-    note comes last: without it nobody takes the folder for an archive. Raises: BadRun if it is no whole run, or the folder holds something."""
+    note comes last: without it nobody takes the folder for an archive. Raises: BadRun if it is no whole run, a record is broken, or the folder holds something."""
     run, folder = pathlib.Path(run), pathlib.Path(folder)
     for name in (*COPIED, RECORDS):
         if not (run / name).is_file():
@@ -40,16 +41,30 @@ def pack(run, folder):
     plan = read_object(run / "provenance.json").get("plan")
     if not isinstance(plan, str):
         raise BadRun(f"{run / 'provenance.json'}: expected the plan's name, found {plan!r}")
+    count = count_records(run / RECORDS)
     with emptied_on_failure(folder):
         for name in COPIED:
             (folder / name).write_bytes(read_bytes(run / name))
         note = {"schema": ARCHIVE, "plan": plan, **pack_records(run / RECORDS, folder / PACKED)}
+        if note["records"] != count:
+            raise BadRun(f"{run / RECORDS}: expected a record a line, found {count:,} in {note['records']:,} lines")
         (folder / NOTE).write_text(json.dumps(note, indent=2) + "\n")
     return note
 
 
+def count_records(records):
+    """How many records there are. Raises: BadRun if there are none, or if one is none."""
+    notes = []
+    count = sum(1 for _ in each_record(records, notes))
+    if notes:
+        raise BadRun(f"{records}: its last record is cut; --resume mends that")
+    if count == 0:
+        raise BadRun(f"{records}: expected the records of a run, found none")
+    return count
+
+
 def pack_records(records, place):
-    """Packs the records; returns how many there are, their bytes and their sum. Raises: BadRun if the last one is cut."""
+    """Packs the records; returns how many lines there are, their bytes and their sum. Raises: BadRun if the last one is cut."""
     digest, lines, size, last = hashlib.sha256(), 0, 0, b"\n"
     with open_file(records) as source, lzma.open(place, "wb", preset=9) as packed:
         for block in blocks_of(source):

@@ -229,9 +229,14 @@ def read_provenance(folder):
 
 
 def read_lines(path, notes):
+    """The records of a file, as each_record gives them."""
+    return list(each_record(path, notes))
+
+
+def each_record(path, notes):
     """The records of a file, one after the other, so that it may be larger than the memory. A last line that was cut off by a kill is left
     out, and noted. Each repeat of a case stands there once: runs that are resumed or take parts leave out what has its record."""
-    packer, found, repeats = RecordPacker(), [], {}
+    packer, repeats = RecordPacker(), {}
     try:
         with open_file(path) as lines:
             for number, line in enumerate(iter(lambda: lines.readline(MOST_LINE_BYTES + 1), b""), start=1):
@@ -244,10 +249,9 @@ def read_lines(path, notes):
                 if record["repeat"] in known:
                     raise BadRun(f"{path}:{number}: expected each repeat of a case once, found repeat {record['repeat']} of {record['case'][:200]} again")
                 known.add(record["repeat"])
-                found.append(record)
+                yield record
     except OSError as error:
         raise BadRun(f"{path}: cannot be read ({error.strerror})") from error
-    return found
 
 
 def read_line(path, number, line, packer, notes):

@@ -83,6 +83,19 @@ class Archives(ReportTest):
         self.assertIn("cut", err)
         self.assertFalse((self.archive / "archive.json").exists())
 
+    def test_what_has_no_records_or_lines_without_one_is_not_packed(self):
+        records = self.folder / "records.jsonl"
+        whole = records.read_text(encoding="utf-8")
+        for text, said in (("", "expected the records of a run, found none"), ("\n", "found none"), (whole + "\n", "expected a record a line, found "),
+                           (whole + "not json\n", f"records.jsonl:{whole.count(chr(10)) + 1}: expected a JSON object"), (whole + "{}\n", "expected a record with a label")):
+            records.write_text(text, encoding="utf-8")
+            code, err = self.call(self.folder, self.archive)
+            self.assertEqual((code, err.count("\n")), (2, 1), err)
+            self.assertIn(said, err)
+            self.assertEqual(list(self.archive.iterdir()), [])
+        records.write_text(whole, encoding="utf-8")
+        self.pack()
+
     def test_a_folder_is_empty_after_a_failure_and_takes_the_next_try(self):
         (self.folder / "provenance.json").write_text('{"plan": "p"}')
         whole = (self.folder / "records.jsonl").read_bytes()

@@ -6,6 +6,7 @@ import json
 import unittest
 
 from support import HERE, ReportTest
+import archive_run
 import compare_runs
 import make_history
 import make_report
@@ -21,6 +22,7 @@ class Lines(ReportTest):
         super().setUp()
         self.lines = [synthetic.record("kidney", "a", 70, repeat=repeat, load_1min=1.0, processor_s=2.0, others_s=-0.01, searched=False) for repeat in range(3)]
         synthetic.write_run(self.folder, self.lines, {})
+        (self.folder / "plan.yaml").write_text("schema: palpate/plan/1\n")
         provenance = self.folder / "provenance.json"
         provenance.write_text(json.dumps({**json.loads(provenance.read_text()), "started_at": "2026-01-01T00:00:00Z"}))
         self.records = self.folder / "records.jsonl"
@@ -41,13 +43,15 @@ class Lines(ReportTest):
         """By all that read records, in one line, before anything is written."""
         self.write(texts)
         before = sorted(self.folder.rglob("*"))
-        for main, arguments in ((make_report.main, [self.folder]), (compare_runs.main, [self.folder, self.folder]),
+        archive = self.folder.parent / "archive"
+        for main, arguments in ((make_report.main, [self.folder]), (compare_runs.main, [self.folder, self.folder]), (archive_run.main, [self.folder, archive]),
                                 (make_history.main, ["--measures", self.measures, self.folder])):
             with contextlib.redirect_stderr(io.StringIO()) as err, contextlib.redirect_stdout(io.StringIO()) as out:
                 code = main([str(argument) for argument in arguments])
             self.assertEqual((code, out.getvalue(), err.getvalue().count("\n")), (2, "", 1), f"{main.__module__}: {err.getvalue()}")
             self.assertIn(f"{self.records}:{said}", err.getvalue(), main.__module__)
         self.assertEqual(sorted(self.folder.rglob("*")), before)
+        self.assertEqual(list(archive.iterdir()), [])
 
     def test_a_word_that_is_no_number_is_refused_wherever_it_stands(self):
         for word in ("NaN", "Infinity", "-Infinity"):
