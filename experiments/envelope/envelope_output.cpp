@@ -83,11 +83,13 @@ EnvelopePlace read_place(const json& value) {
   return place;
 }
 
-/// "error" as people say it.
+/// An ending as people say it.
 std::string ending_text(const json& ending) {
   if (!ending.is_string()) return "-";
   const auto name = ending.get<std::string>();
-  return name == "error" ? "the error passes the tolerance" : name;
+  if (name == kPassesTolerance) return "the error passes the tolerance";
+  if (name == kNotMeasured) return "no error could be measured, so the border is not known";
+  return name;
 }
 
 std::string border_text(const json& axis) {

@@ -90,7 +90,7 @@ class Envelope {
     if (is_moving_) look_at_motion(axis, factor, probe);
     if (probe.holds()) look_at_rest(axis, factor, probe);
     if (probe.holds() && probe.error() + probe.reference_error.value_or(0.0) > result_.at_most)
-      probe.ending = "error";
+      probe.ending = kPassesTolerance;
     if (is_over() && !probe.holds()) return std::nullopt;
     return probe;
   }
@@ -144,7 +144,9 @@ class Envelope {
         read_fit_points(fs::exists(records) ? read_records(records) : std::vector<json>(), plan, require)
             .front();
     if (!point.failure.empty()) {
-      probe.ending = point.failure.substr(0, point.failure.find(':'));
+      // A case that ends with the outcome "error", whose reference cannot be solved foremost, has no error.
+      const std::string outcome = point.failure.substr(0, point.failure.find(':'));
+      probe.ending = outcome == kPassesTolerance ? kNotMeasured : outcome;
       probe.message = point.failure;
       return;
     }

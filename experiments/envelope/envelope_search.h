@@ -8,13 +8,17 @@
 
 namespace palpate::experiments {
 
+/// Endings that are not a motion's own: the error was measured and is above the tolerance, or none was.
+inline constexpr const char* kPassesTolerance = "error";
+inline constexpr const char* kNotMeasured = "not_measured";
+
 /// What was found at one factor.
 struct EnvelopeProbe {
   double factor = 1.0;
   std::optional<double> rest_error;       ///< at rest, against the reference; relative
   std::optional<double> reference_error;  ///< the reference's own
   std::optional<double> step_error;       ///< what the step adds to the motion; relative
-  std::string ending;                     ///< "", or what ended it: "error", "diverged", ...
+  std::string ending;                     ///< "", or what ended it: kPassesTolerance, "diverged", ...
   std::string message;                    ///< what there is to say of the ending
 
   bool holds() const { return ending.empty(); }

@@ -54,7 +54,7 @@ def border_text(axis):
         return "does not hold as it is"
     if axis["fails_at"] is None:
         return f"holds up to {axis['holds_to']:.3g}, no further looked at"
-    why = "error" if axis["ending"] == "error" else str(axis["ending"])
+    why = str(axis["ending"]).replace("not_measured", "no error could be measured")
     return f"holds up to {axis['holds_to']:.3g}; at {axis['fails_at']:.3g}: {why}"
 
 
@@ -73,7 +73,7 @@ def draw_envelope(envelope, folder):
             axes.set_axis_off()
     handles = [Line2D([], [], color=BETTER, marker="o", markersize=3.5, label="error, the reference's own and the step's on top"),
                Line2D([], [], color=FAINT, linestyle=":", label="error at rest alone"), Line2D([], [], color=INK, label="tolerance"),
-               Line2D([], [], color=THAN, marker="x", linestyle="none", label="no error: the motion or the model ended"),
+               Line2D([], [], color=THAN, marker="x", linestyle="none", label="no error: the motion or the model ended, or the reference"),
                Patch(color=THAN, alpha=0.12, label="beyond the border")]
     lay_out(fig, draw_legend(fig, handles))
     return save(fig, folder, "envelope")

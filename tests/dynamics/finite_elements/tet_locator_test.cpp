@@ -75,5 +75,21 @@ TEST_F(Located, APointOutsideIsRefused) {
   EXPECT_NO_THROW(locator_.find({1.0 + 1e-13, 0.5, 0.5}));
 }
 
+/// Cells as small as the tets would be more than memory has.
+TEST(TetLocator, FewSmallTetsInALargeBoxAreFound) {
+  TetMesh mesh = build_kuhn_cube(1, 0.0, 0);
+  const std::size_t each = mesh.points.size();
+  const std::size_t tets = mesh.tets.size();
+  for (std::size_t v = 0; v < each; ++v) mesh.points.push_back(mesh.points[v] + Vec3{1e7, 1e7, 1e7});
+  for (std::size_t t = 0; t < tets; ++t) {
+    Tet far = mesh.tets[t];
+    for (Index& v : far) v += static_cast<Index>(each);
+    mesh.tets.push_back(far);
+  }
+  const TetLocator locator(mesh);
+  EXPECT_LT(locator.find({0.4, 0.3, 0.2}).tet, tets);
+  EXPECT_GE(locator.find({1e7 + 0.4, 1e7 + 0.3, 1e7 + 0.2}).tet, tets);
+}
+
 }  // namespace
 }  // namespace palpate::dynamics

@@ -1,16 +1,22 @@
 #include "core/dynamics/spring_engine/plain_engine.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <numeric>
 #include <set>
+#include <system_error>
 
 #include "core/base/error.h"
 #include "core/base/random.h"
 #include "core/dynamics/integrators/integrator.h"
+#include "core/dynamics/spring_engine/block_team.h"
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/plain_run.h"
 #include "core/mesh/shapes/shapes.h"
@@ -260,6 +266,38 @@ TEST(PlainEngine, RefusesWhatItCannotDo) {
   MotionModel linear = make_free_body(mesh, 0.0);
   linear.elastic.springs_are_linear = true;
   EXPECT_THROW(PlainEngine<float>(linear, {}), InputError);
+}
+
+/// Those that were made would wait for the others for ever.
+TEST(PlainEngine, ThreadsThatCannotAllBeMadeEndTheRun) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's shadow is larger than the bound on memory";
+#endif
+  const auto step_with_little_memory = [] {
+    TeamStep<double> step;
+    step.phases = {[](std::size_t, std::size_t, PlainReport&) {}};
+    step.swap = [] {};
+    step.blocks = 64;
+    PlainOptions options;
+    options.threads = 64;
+    const MotionModel model = make_oscillator(1.0, 0.0);
+    const std::vector<Index> order{0, 1};
+    PlainLoads loads(model, {order, order, 2, {}});
+    double time_s = 0.0;
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit bound{};
+    bound.rlim_cur = bound.rlim_max = pages * 4096 + (std::uint64_t{40} << 20U);  // stacks of four or five
+    ::setrlimit(RLIMIT_AS, &bound);
+    ::alarm(20);
+    try {
+      step_in_team(options, step, 0.01, 10, loads, time_s, {});
+    } catch (const std::system_error&) {
+      std::_Exit(7);
+    }
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(step_with_little_memory(), testing::ExitedWithCode(7), "");
 }
 
 }  // namespace

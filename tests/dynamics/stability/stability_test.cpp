@@ -250,5 +250,13 @@ TEST(Stability, ThePredictionIsTheSameOnTwoThreads) {
   EXPECT_EQ(predict_stable_step(model, IntegratorKind::kSymplecticEuler, 2).step_s, one.step_s);
 }
 
+/// The square of such a rate is no number; steps go as its inverse all the same.
+TEST(Stability, TheStepOfAModeBeyondTheSquaresRangeIsItsInverse) {
+  const double one = stable_step_of_mode(IntegratorKind::kRungeKutta4, 1.0, 0.0);
+  EXPECT_NEAR(1e200 * stable_step_of_mode(IntegratorKind::kRungeKutta4, 1e200, 0.0) / one, 1.0, 1e-9);
+  const double damped = stable_step_of_mode(IntegratorKind::kRungeKutta4, 1.0, 3.0);
+  EXPECT_NEAR(1e200 * stable_step_of_mode(IntegratorKind::kRungeKutta4, 1e200, 3e200) / damped, 1.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace palpate::dynamics

@@ -189,5 +189,48 @@ TEST(MotionOutcome, NamesAndBadInput) {
   EXPECT_THAT(error_with([](WatchOptions& w) { w.energy_factor = -1.0; }), HasSubstr("energy factor"));
 }
 
+/// Stays where it was put, but that no step is solved, until it flies away.
+class FlyingStepper : public BodyStepper {
+ public:
+  FlyingStepper(const MotionModel& model, std::uint64_t steps) : model_(model), steps_(steps) {}
+
+  const MotionModel& model() const override { return model_; }
+  void set_state(const MotionState& state) override {
+    state_ = state;
+    unsolved_ = 0;
+  }
+  void advance(double step_s, std::uint64_t steps) override {
+    unsolved_ += steps;
+    state_.time_s += step_s * static_cast<double>(steps);
+    if (state_.time_s > step_s * (static_cast<double>(steps_) - 0.5)) state_.displacement_m[1].x = 1e9;
+  }
+  const MotionState& state() override { return state_; }
+  std::uint64_t steps_unsolved() const override { return unsolved_; }
+  double rounding() const override { return 1e-14; }
+
+ private:
+  const MotionModel& model_;
+  std::uint64_t steps_;
+  std::uint64_t unsolved_ = 0;
+  MotionState state_;
+};
+
+/// The last piece of a long run is taken again, by a stepper that then counts from nothing.
+TEST(MotionOutcome, StepsThatWereNotSolvedAreCountedOnWhereAPieceIsTakenAgain) {
+  const MotionModel model = make_oscillator(1.0, 0.0);
+  const std::uint64_t last = 250'001;
+  FlyingStepper stepper(model, last);
+  WatchOptions watch;
+  watch.step_s = 0.5;
+  watch.steps = 400'000;
+  watch.keeps_rows = true;
+  const WatchedRun run = watch_motion(stepper, start_at_rest(model), watch);
+  EXPECT_EQ(run.outcome, WatchedOutcome::kDiverged);
+  EXPECT_EQ(run.steps, last);
+  EXPECT_EQ(run.steps_unsolved, last);
+  ASSERT_GT(run.rows.size(), 10U);
+  for (const WatchedRow& row : run.rows) EXPECT_EQ(row.unsolved, row.step);
+}
+
 }  // namespace
 }  // namespace palpate::dynamics

@@ -97,5 +97,24 @@ TEST(OddInputs, ANameThatIsNoTextIsSaid) {
   EXPECT_FALSE(fs::exists(odd));
 }
 
+/// The report reads a word in quotes as text, so that it must not be a flag or a number here.
+TEST(OddInputs, FlagsAndNumbersInQuotesAreText) {
+  const YamlValue file = parse_yaml(
+      "flag: \"true\"\nnumber: '0.5'\nwhole: \"3\"\nsigns: +-5\nreal: true\nplus: +5\n", "here.yaml");
+  const auto value = [&](const std::string& key) {
+    return file.fields({"flag", "number", "whole", "signs", "real", "plus"}).need(key);
+  };
+  EXPECT_THAT(message_of([&] { value("flag").boolean(); }),
+              HasSubstr("here.yaml:1: flag: expected true or false, found \"true\", which is text"));
+  EXPECT_THAT(message_of([&] { value("number").number(); }),
+              HasSubstr("here.yaml:2: number: expected a number"));
+  EXPECT_THAT(message_of([&] { value("whole").integer(); }), HasSubstr("expected a whole number"));
+  EXPECT_THAT(message_of([&] { value("signs").number(); }), HasSubstr("found \"+-5\""));
+  EXPECT_TRUE(value("signs").json().is_string());
+  EXPECT_TRUE(value("real").boolean());
+  EXPECT_EQ(value("plus").integer(), 5);
+  EXPECT_EQ(value("flag").text(), "true");
+}
+
 }  // namespace
 }  // namespace palpate::experiments

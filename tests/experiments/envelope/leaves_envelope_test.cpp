@@ -205,5 +205,13 @@ TEST_F(LeavesEnvelope, AnEnvelopeOfAnOlderProgramSaysWhatItKnows) {
   EXPECT_THROW(said(fitted_scene()), InputError);
 }
 
+TEST_F(LeavesEnvelope, WhatCouldNotBeMeasuredIsNotSaidToPassTheTolerance) {
+  const auto heavier = [&] { return said("/material/density_kg_m3", 4000); };
+  ASSERT_THAT(heavier(), testing::Contains(HasSubstr("at 2.2: the error passes the tolerance")));
+  for (json& axis : envelope_.at("axes")) axis["ending"] = kNotMeasured;
+  EXPECT_THAT(heavier(), testing::Contains(HasSubstr("at 2.2: no error could be measured")));
+  EXPECT_THAT(heavier(), testing::Not(testing::Contains(HasSubstr("passes the tolerance"))));
+}
+
 }  // namespace
 }  // namespace palpate::experiments

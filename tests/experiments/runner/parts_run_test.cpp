@@ -8,8 +8,10 @@
 #include <set>
 
 #include "core/base/error.h"
+#include "experiments/files/places.h"
 #include "experiments/gates/gate_run.h"
 #include "experiments/plan_reader/case_list.h"
+#include "experiments/processes/process.h"
 #include "experiments/records/record_file.h"
 #include "experiments/rounds/case_groups.h"
 #include "experiments/runner/side_by_side.h"
@@ -334,6 +336,29 @@ TEST_F(PartsRunTest, AnUntimedRunPreparesItsScenesSideBySide) {
   EXPECT_THAT(result.error, HasSubstr("inputs of 3 scenes, 2 at a time"));
   EXPECT_EQ(scenes_from_cache("all"), (std::set<std::string>{"firm", "other", "soft"}));
   EXPECT_THAT(run(plan, "all", {"--jobs", "2", "--resume"}).error, Not(HasSubstr("at a time")));
+}
+
+/// What a thread of ours throws is not the end of the program.
+TEST_F(PartsRunTest, WithoutRoomForMoreFilesItEndsInOrder) {
+  const std::string plan = add_plan("timed: false");
+  for (const int files : {16, 20, 24, 28, 32}) {
+    ProcessSpec spec;
+    spec.arguments = {"/bin/bash",
+                      "-c",
+                      "ulimit -n " + std::to_string(files) + " && exec \"$0\" \"$@\"",
+                      program_folder() + "/palpate",
+                      "run",
+                      plan,
+                      "--out",
+                      folder(std::to_string(files)),
+                      "--no-report",
+                      "--jobs",
+                      "8"};
+    spec.standard_output = spec.standard_error = folder("said");
+    const ProcessResult result = run_process(spec);
+    EXPECT_EQ(result.end, ProcessEnd::kExited) << files << ": " << test::bytes_of(folder("said"));
+    EXPECT_TRUE(result.exit_code == 0 || result.exit_code == 3) << files << ": " << result.exit_code;
+  }
 }
 
 TEST_F(PartsRunTest, BadPartsAndPlansAreNamed) {

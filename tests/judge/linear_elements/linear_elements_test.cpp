@@ -11,6 +11,7 @@
 #include "core/base/random.h"
 #include "core/judge/linear_elements/elastic_blocks.h"
 #include "core/judge/mesh/judge.h"
+#include "core/mesh/shapes/shapes.h"
 #include "core/mesh/subdivision/refinement.h"
 #include "tests/support/small_meshes.h"
 
@@ -196,6 +197,15 @@ double condition(const MatrixXd& matrix) {
   return values.tail(1)[0] / values[6];
 }
 
+/// L^-1 K L^-T, L L^T the diagonal blocks of K.
+MatrixXd scaled_by_diagonal_blocks(const MatrixXd& stiffness) {
+  MatrixXd factor = MatrixXd::Zero(stiffness.rows(), stiffness.cols());
+  for (Eigen::Index v = 0; v < stiffness.rows(); v += 3)
+    factor.block<3, 3>(v, v) = stiffness.block<3, 3>(v, v).llt().matrixL();
+  const MatrixXd half = factor.triangularView<Eigen::Lower>().solve(stiffness);
+  return factor.triangularView<Eigen::Lower>().solve(half.transpose());
+}
+
 TEST(LinearElements, AgreeWithDenseTextbookAlgebra) {
   for (const TetMesh& mesh :
        {shaken(3, 0.2), make_kuhn_block(3, 1, 1), make_cube_ring(), make_regular_tet()}) {
@@ -207,12 +217,7 @@ TEST(LinearElements, AgreeWithDenseTextbookAlgebra) {
     EXPECT_NEAR(found.p1_error / std::sqrt(shares.mean()), 1.0, kError);
     EXPECT_NEAR(found.p1_error_worst / std::sqrt(shares.maxCoeff()), 1.0, kError);
     EXPECT_NEAR(found.stiffness_condition / condition(dense.stiffness), 1.0, kEigenvalue);
-    MatrixXd factor = MatrixXd::Zero(dense.stiffness.rows(), dense.stiffness.cols());
-    for (Eigen::Index v = 0; v < dense.stiffness.rows(); v += 3) {
-      factor.block<3, 3>(v, v) = dense.stiffness.block<3, 3>(v, v).llt().matrixL();
-    }
-    const MatrixXd half = factor.triangularView<Eigen::Lower>().solve(dense.stiffness);
-    const MatrixXd scaled = factor.triangularView<Eigen::Lower>().solve(half.transpose());
+    const MatrixXd scaled = scaled_by_diagonal_blocks(dense.stiffness);
     EXPECT_NEAR(found.scaled_condition / condition(scaled), 1.0, kEigenvalue);
     EXPECT_NEAR(found.max_scaled_eigenvalue / greatest(scaled), 1.0, kEigenvalue);
     const VectorXd root = dense.mass.cwiseSqrt().cwiseInverse();
@@ -221,6 +226,32 @@ TEST(LinearElements, AgreeWithDenseTextbookAlgebra) {
     const double size = std::cbrt(dense.mass.sum() / 3.0 / static_cast<double>(mesh.tets.size()));
     EXPECT_NEAR(found.explicit_step / (2.0 / omega / size), 1.0, kEigenvalue);
     EXPECT_NEAR(found.max_stiffness_eigenvalue / (greatest(dense.stiffness) / size), 1.0, kEigenvalue);
+  }
+}
+
+/// A cube pushed out to a ball: its slowest bends come in groups.
+TetMesh make_round(int n, double jitter, std::uint64_t seed) {
+  TetMesh mesh = build_kuhn_cube(n, jitter, seed);
+  Vec3 middle;
+  for (const Vec3& p : mesh.points) middle = middle + (1.0 / static_cast<double>(mesh.points.size())) * p;
+  for (Vec3& p : mesh.points) {
+    const Vec3 from = p - middle;
+    const double far = std::max({std::fabs(from.x), std::fabs(from.y), std::fabs(from.z)});
+    if (far > 0.0) p = middle + (far / length(from)) * from;
+  }
+  return mesh;
+}
+
+TEST(LinearElements, RoundBodiesHaveFiguresToo) {
+  for (const std::uint64_t seed : {1, 2, 3, 4}) {
+    SCOPED_TRACE(seed);
+    const TetMesh ball = make_round(3, 0.2, seed);
+    const LinearElementFigures found = measure_linear_elements(ball);
+    ASSERT_EQ(found.reason, "");
+    const Dense dense(ball);
+    EXPECT_NEAR(found.stiffness_condition / condition(dense.stiffness), 1.0, kEigenvalue);
+    EXPECT_NEAR(found.scaled_condition / condition(scaled_by_diagonal_blocks(dense.stiffness)), 1.0,
+                kEigenvalue);
   }
 }
 

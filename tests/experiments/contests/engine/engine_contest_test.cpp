@@ -114,6 +114,26 @@ TEST_F(EngineContest, ScenesAreReplayedMeasuredAtRestAndTicked) {
   EXPECT_EQ(fixture_.run(plan, true).records_added, 0U);
 }
 
+/// A first phase that is over before half a step has none, and its state is the next one's first.
+TEST_F(EngineContest, APhaseShorterThanHalfAStepAddsNoRow) {
+  const auto add = [&](const char* name, const char* from) {
+    SceneText text;
+    text.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+    text.clamp = "[{half_space: {normal: [0, 0, 1], offset_m: 0}}]";
+    text.load = pad("", std::string(", from_s: ") + from + ", until_s: 0.03");
+    text.analysis =
+        "{dynamic: {integrator: symplectic_euler, time_step_s: 1.0e-4, duration_s: 0.06, damping: "
+        "{stiffness_s: 0.002, mass_per_s: 50}}}";
+    fixture_.folder().add(std::string(name) + ".yaml", text.yaml());
+  };
+  add("early", "2.0e-5");
+  add("on_step", "1.0e-4");
+  fixture_.run(add_plan("[{method: engine.replay, label: replay}]", "",
+                        "[{name: early, file: early.yaml}, {name: on_step, file: on_step.yaml}]"));
+  for (const auto& [id, record] : fixture_.records())
+    EXPECT_EQ(record.at("outcome"), "accepted") << id << record.dump();
+}
+
 TEST_F(EngineContest, OptionsOfOneContestantSweepItAlone) {
   const Plan plan = read_plan(
       add_plan("\n  - {method: engine.rest, label: a}\n  - {method: engine.replay, label: b, scenes: [held]}"
