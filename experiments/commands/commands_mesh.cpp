@@ -79,7 +79,8 @@ std::string quality_hint(const json& figures) {
                 share, angle);
   return text.data() +
          std::string(": the skin was kept as it is; --vertices N remakes it, with --vertices ") +
-         std::to_string(std::max(kFewestVertices, fewer)) + " for one";
+         std::to_string(std::max(kFewestVertices, fewer)) +
+         " for one, where the body is thicker than an edge is long";
 }
 
 /// Normalises if asked, judges, writes and reports a mesh that was made. A made mesh has to be valid.
