@@ -322,7 +322,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "Run cases that are not timed (timed: false) so many at a time, and make the\n"
                    "inputs of a plan of scenes that takes no times; timed ones run alone,\n"
                    "whatever this says")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command
       ->add_option("--part", arguments->part,
@@ -335,7 +335,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "has; repeatable. Of other kinds of nodes they come without times")
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--prepare", arguments->prepare,
                     "Make meshes, references and trained springs, and run nothing: parts that start\n"

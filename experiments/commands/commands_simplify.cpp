@@ -307,10 +307,10 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("NAME");
   command->add_option("--fusions", arguments->fusions, "Stop after so many fusions")
-      ->check(whole_number_from(0, kMostRemoved))
+      ->transform(whole_number_from(0, kMostRemoved))
       ->type_name("N");
   command->add_option("--tets", arguments->tets, "Stop at the first state with at most so many tetrahedra")
-      ->check(whole_number_from(1, kMostRemoved))
+      ->transform(whole_number_from(1, kMostRemoved))
       ->type_name("N");
   command->add_option("--ratio", arguments->ratio, "Stop when this share of the tetrahedra is removed")
       ->check(number_from(0.0, 0.999999))
@@ -326,7 +326,7 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0.01, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
       "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one.\n"

@@ -73,7 +73,7 @@ void add_train_command(CLI::App& app, int& exit_code) {
       ->add_option("--moduli", arguments->moduli, "Moduli to write (.csv), where the plan has a volume model")
       ->type_name("FILE");
   command->add_option("--threads", arguments->threads, "Threads that the quadratic elements may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = train(*arguments); });

@@ -85,13 +85,13 @@ void add_live_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", arguments->out, "Write the page to a file instead of serving it")
       ->type_name("FILE");
   command->add_option("--port", arguments->port, "Port on 127.0.0.1 (a free one)")
-      ->check(whole_number_from(1, 65535))
+      ->transform(whole_number_from(1, 65535))
       ->type_name("N");
   command->add_option("--unit-m", arguments->unit_m, "A mesh's unit in metres; without it, it is guessed")
       ->check(number_from(1e-9, 1e6))
       ->type_name("M");
   command->add_option("--vertices", arguments->vertices, "Of a surface's filling (1500)")
-      ->check(whole_number_from(10, 1000000))
+      ->transform(whole_number_from(10, 1000000))
       ->type_name("N");
   command
       ->add_option("--young-pa", arguments->material.young_modulus_pa,

@@ -235,7 +235,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->add_option("--tets", arguments->tets, "Tetrahedra to be left at most")
-      ->check(whole_number_from(1, std::int64_t{1} << 40))
+      ->transform(whole_number_from(1, std::int64_t{1} << 40))
       ->type_name("N");
   command->add_option("--ratio", arguments->ratio, "Share of the tetrahedra to remove")
       ->check(number_from(0.0, 0.999999))
@@ -243,7 +243,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--vertices", arguments->vertices,
                    "Make or fill the scene's body with about so many first, in place of its own count")
-      ->check(whole_number_from(4, 100'000'000))
+      ->transform(whole_number_from(4, 100'000'000))
       ->type_name("N");
   add_grade_sizes(*command, *arguments);
   command
@@ -254,7 +254,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command->add_option("--threads", arguments->threads, "Threads that the pilot may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--json", arguments->as_json, "Print grade.json");
   command->footer(
