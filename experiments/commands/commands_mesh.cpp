@@ -127,6 +127,7 @@ int make(const MakeArguments& arguments) {
 
 int mesh(MakeArguments arguments) {
   check_output_file(arguments.out);
+  refuse_output_over_input("-o", arguments.out, {arguments.source});
   arguments.keeps_skin = arguments.vertices == 0;
   return deliver(mesh_surface({arguments.source, size_of(arguments), arguments.repair}), arguments);
 }

@@ -231,6 +231,7 @@ int simplify(const SimplifyArguments& arguments) {
   task.options = parse_options(*method.method, arguments.set);
   task.stop = stop_of(arguments, *method.method);
   task.keep = keep_of(arguments, *method.method, registry);
+  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   check_output_file(arguments.out);
   const TetMesh in = read_valid_mesh(arguments.mesh);
   check_regions_meet(task.keep, in);

@@ -42,7 +42,13 @@ int train(const TrainArguments& arguments) {
                                 : "--moduli: the plan has no volume model, so there are no moduli to write");
   }
   check_output_csv(arguments.out);
-  if (has_moduli) check_output_csv(arguments.moduli);
+  refuse_output_over_input("-o", arguments.out, {arguments.plan, plan.mesh.file});
+  if (has_moduli) {
+    check_output_csv(arguments.moduli);
+    refuse_output_over_input("--moduli", arguments.moduli, {arguments.plan, plan.mesh.file});
+    if (is_same_file(arguments.moduli, arguments.out))
+      throw InputError("--moduli: the same file as --output");
+  }
   Progress progress(arguments.as_json);
   const Registry registry = load_registry();
   const ScratchFolder scratch;

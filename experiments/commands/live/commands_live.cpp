@@ -7,6 +7,7 @@
 #include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
+#include "experiments/files/output_file.h"
 #include "experiments/live/live_page.h"
 #include "experiments/live/live_prepare.h"
 #include "experiments/live/live_server.h"
@@ -49,7 +50,10 @@ void describe(const LiveBodyData& body) {
 }
 
 int live(const LiveArguments& arguments) {
-  if (!arguments.out.empty()) check_page_output(arguments.out);
+  if (!arguments.out.empty()) {
+    check_page_output(arguments.out);
+    refuse_output_over_input("-o", arguments.out, {arguments.source});
+  }
   if (!arguments.out.empty() && arguments.has_port)
     throw InputError("--port", 0, "a page that is served", "--output, which writes it to a file");
   LiveWish wish;

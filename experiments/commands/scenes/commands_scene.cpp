@@ -123,6 +123,7 @@ void refuse_to_overwrite(const std::filesystem::path& file) {
 int scene(const SceneArguments& arguments) {
   const std::filesystem::path out = arguments.out;
   check_output_yaml(out);
+  refuse_output_over_input("-o", out, {arguments.organ});
   if (!arguments.force) {
     refuse_to_overwrite(out);
     for (const std::filesystem::path& picture : pictures_of(out)) {
