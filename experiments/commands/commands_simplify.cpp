@@ -76,8 +76,7 @@ std::vector<std::string> keep_of(const SimplifyArguments& arguments, const Metho
 /// Throws: InputError for a region that no tetrahedron of the input meets.
 void check_regions_meet(const std::vector<std::string>& keep, const TetMesh& in) {
   for (const std::string& region : keep) {
-    const std::vector<std::string> alone{region};
-    if (judge::compare_in_regions(in, in, judge_regions(alone)).input_tets == 0)
+    if (!meets_region(region, in))
       throw InputError("--keep", 0, "a region in the mesh's own coordinates that meets it",
                        "\"" + region + "\", which no tetrahedron meets");
   }
@@ -231,8 +230,8 @@ int simplify(const SimplifyArguments& arguments) {
   task.options = parse_options(*method.method, arguments.set);
   task.stop = stop_of(arguments, *method.method);
   task.keep = keep_of(arguments, *method.method, registry);
-  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   check_output_file(arguments.out);
+  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   const TetMesh in = read_valid_mesh(arguments.mesh);
   check_regions_meet(task.keep, in);
   const ScratchFolder scratch;
