@@ -29,6 +29,7 @@
 #include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/text/terminal.h"
+#include "experiments/text/yaml_schema.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -159,11 +160,12 @@ int run(const RunArguments& arguments) {
 /// Whether a file says that it is a scene; anything else is read as a plan.
 bool is_scene(const std::string& file) {
   const YamlValue root = read_yaml(file);
-  if (!root.is_map()) return false;
-  for (const auto& [key, value] : root.entries()) {
-    if (key == "schema" && value.is_text()) return value.text().rfind("palpate/scene/", 0) == 0;
-  }
-  return false;
+  const auto entries = root.is_map() ? root.entries() : std::vector<std::pair<std::string, YamlValue>>{};
+  const bool has_schema =
+      std::any_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.first == "schema"; });
+  if (!entries.empty() && !has_schema)
+    root.fail("the key \"schema\" is missing: expected palpate/plan/1 or palpate/scene/1");
+  return find_schema(root).starts_with("palpate/scene/");
 }
 
 /// Reads the scene and puts it on its mesh, which finds the regions that take hold of nothing.
