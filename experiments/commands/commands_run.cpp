@@ -177,6 +177,8 @@ void check_scene(const std::string& file, const Registry& registry) {
   }
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
+  } else if (const std::string odd = size_complaint(scene.mesh, made.mesh); !odd.empty()) {
+    print_note(file + ": " + odd);
     for (const std::string& useless : check_moving_scene(placed, made.mesh)) print_note(useless);
     const ScratchFolder scratch;
     ContestantTask task = start_replay(build_moving_body(placed, made.mesh, registry), made.mesh, registry,
