@@ -115,6 +115,9 @@ int run(const RunArguments& arguments) {
   options.stop_flag = catch_stop_signals();
   options.folder = choose_folder(arguments, plan);
   options.resume = arguments.resume;
+  std::error_code error;
+  if (options.resume && !fs::exists(options.folder, error))
+    print_note(options.folder.string() + ": there is no run yet to go on with: it starts anew");
   options.retry_failed = arguments.retry_failed;
   options.case_id = arguments.case_id;
   options.only = arguments.only;
@@ -151,7 +154,7 @@ int run(const RunArguments& arguments) {
     std::cout << chosen.size() << " of the plan's " << cases.size()
               << " cases; --resume without --only and --case runs the rest\n";
   std::cout << "Run: " << options.folder.string() << '\n';
-  if (fs::exists(options.folder / "report.html"))
+  if (!arguments.no_report && fs::exists(options.folder / "report.html"))
     std::cout << "Page: " << (options.folder / "report.html").string() << '\n';
   if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
   return result.required_rejected ? kNotAccepted : reported;
@@ -174,11 +177,11 @@ void check_scene(const std::string& file, const Registry& registry) {
   const MadeMesh made = build_scene_mesh(scene.mesh);
   if (!scene.mesh.shape) {
     for (const std::string& note : made.notes) print_note(file + ": " + note);
+  } else if (const std::string odd = size_complaint(scene.mesh, made.mesh); !odd.empty()) {
+    print_note(file + ": " + odd);
   }
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
-  } else if (const std::string odd = size_complaint(scene.mesh, made.mesh); !odd.empty()) {
-    print_note(file + ": " + odd);
     for (const std::string& useless : check_moving_scene(placed, made.mesh)) print_note(useless);
     const ScratchFolder scratch;
     ContestantTask task = start_replay(build_moving_body(placed, made.mesh, registry), made.mesh, registry,
