@@ -104,6 +104,7 @@ std::vector<std::vector<Triangle>> pieces_of(const SurfaceMesh& surface) {
   std::map<Index, std::vector<Triangle>> pieces;
   for (const Triangle& t : surface.triangles) pieces[root(t[0])].push_back(t);
   std::vector<std::vector<Triangle>> all;
+  all.reserve(pieces.size());
   for (auto& [first, triangles] : pieces) all.push_back(std::move(triangles));
   return all;
 }
