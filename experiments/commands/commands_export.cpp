@@ -15,6 +15,7 @@
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
 #include "experiments/contests/moving_task.h"
+#include "experiments/files/output_file.h"
 #include "experiments/files/plain_file.h"
 #include "experiments/files/scratch_folder.h"
 #include "experiments/meshes/metre_mesh.h"
@@ -156,6 +157,7 @@ int export_model(const ExportArguments& arguments) {
     throw InputError("--unit-m", 0, "a finite number above 0", short_number(arguments.unit_m));
   const bool is_table = arguments.method == kTableMethod;
   is_table ? check_table_arguments(arguments) : check_model_arguments(arguments);
+  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   const Registry registry = load_registry();
   if (is_table) return export_table(arguments, registry);
   const json options = model_options(arguments, registry);

@@ -128,6 +128,7 @@ int make(const MakeArguments& arguments) {
 
 int mesh(MakeArguments arguments) {
   check_output_file(arguments.out);
+  refuse_output_over_input("-o", arguments.out, {arguments.source});
   arguments.keeps_skin = arguments.vertices == 0;
   return deliver(mesh_surface({arguments.source, size_of(arguments), arguments.repair}), arguments);
 }
@@ -203,7 +204,7 @@ void add_size_options(CLI::App* command, const std::shared_ptr<MakeArguments>& a
       ->required()
       ->type_name("FILE");
   auto* vertices = command->add_option("--vertices", arguments->vertices, "About so many vertices")
-                       ->check(whole_number_from(4, std::int64_t{1} << 29U))
+                       ->transform(whole_number_from(4, std::int64_t{1} << 29U))
                        ->type_name("N");
   command
       ->add_option("--edge-length", arguments->edge_length,
@@ -224,7 +225,7 @@ void add_make_command(CLI::App& app, int& exit_code) {
   add_size_options(command, arguments);
   command
       ->add_option("--seed", arguments->seed, "Another mesh of the same body; cube: seed of its jitter (0)")
-      ->check(whole_number_from(0, std::numeric_limits<std::int64_t>::max()))
+      ->transform(whole_number_from(0, std::numeric_limits<std::int64_t>::max()))
       ->type_name("N");
   command
       ->add_option("--skin", arguments->skin,

@@ -38,6 +38,16 @@ fs::path unpack(const fs::path& archive, const std::string& out, const ScratchFo
   return out;
 }
 
+/// What the pages of these runs are made from.
+std::vector<fs::path> files_of_runs(const std::vector<std::string>& folders) {
+  std::vector<fs::path> files;
+  for (const std::string& folder : folders) {
+    for (const char* name : {"records.jsonl", "retried.jsonl", "provenance.json", "plan.yaml"})
+      files.push_back(fs::path(folder) / name);
+  }
+  return files;
+}
+
 int report_runs(const ReportArguments& arguments) {
   const bool many = arguments.runs.size() > 1;
   if (many && arguments.out.empty())
@@ -55,6 +65,7 @@ int report_runs(const ReportArguments& arguments) {
       words.push_back(find_run(run).string());
     }
   }
+  refuse_output_over_input("-o", page, files_of_runs(words));
   if (page.empty()) {
     page = fs::path(words.front()) / "report.html";
   } else {

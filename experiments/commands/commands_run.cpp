@@ -29,6 +29,7 @@
 #include "experiments/scene_reader/scene_motion.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/text/terminal.h"
+#include "experiments/text/yaml_schema.h"
 
 namespace palpate::experiments {
 namespace fs = std::filesystem;
@@ -114,6 +115,9 @@ int run(const RunArguments& arguments) {
   options.stop_flag = catch_stop_signals();
   options.folder = choose_folder(arguments, plan);
   options.resume = arguments.resume;
+  std::error_code error;
+  if (options.resume && !fs::exists(options.folder, error))
+    print_note(options.folder.string() + ": there is no run yet to go on with: it starts anew");
   options.retry_failed = arguments.retry_failed;
   options.case_id = arguments.case_id;
   options.only = arguments.only;
@@ -150,7 +154,7 @@ int run(const RunArguments& arguments) {
     std::cout << chosen.size() << " of the plan's " << cases.size()
               << " cases; --resume without --only and --case runs the rest\n";
   std::cout << "Run: " << options.folder.string() << '\n';
-  if (fs::exists(options.folder / "report.html"))
+  if (!arguments.no_report && fs::exists(options.folder / "report.html"))
     std::cout << "Page: " << (options.folder / "report.html").string() << '\n';
   if (result.required_failed || reported == kCouldNotRun) return kCouldNotRun;
   return result.required_rejected ? kNotAccepted : reported;
@@ -159,11 +163,12 @@ int run(const RunArguments& arguments) {
 /// Whether a file says that it is a scene; anything else is read as a plan.
 bool is_scene(const std::string& file) {
   const YamlValue root = read_yaml(file);
-  if (!root.is_map()) return false;
-  for (const auto& [key, value] : root.entries()) {
-    if (key == "schema" && value.is_text()) return value.text().rfind("palpate/scene/", 0) == 0;
-  }
-  return false;
+  const auto entries = root.is_map() ? root.entries() : std::vector<std::pair<std::string, YamlValue>>{};
+  const bool has_schema =
+      std::any_of(entries.begin(), entries.end(), [](const auto& entry) { return entry.first == "schema"; });
+  if (!entries.empty() && !has_schema)
+    root.fail("the key \"schema\" is missing: expected palpate/plan/1 or palpate/scene/1");
+  return find_schema(root).starts_with("palpate/scene/");
 }
 
 /// Reads the scene and puts it on its mesh, which finds the regions that take hold of nothing.
@@ -172,6 +177,8 @@ void check_scene(const std::string& file, const Registry& registry) {
   const MadeMesh made = build_scene_mesh(scene.mesh);
   if (!scene.mesh.shape) {
     for (const std::string& note : made.notes) print_note(file + ": " + note);
+  } else if (const std::string odd = size_complaint(scene.mesh, made.mesh); !odd.empty()) {
+    print_note(file + ": " + odd);
   }
   const Scene placed = place_scene(scene, made.mesh);
   if (scene.is_dynamic) {
@@ -322,7 +329,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "Run cases that are not timed (timed: false) so many at a time, and make the\n"
                    "inputs of a plan of scenes that takes no times; timed ones run alone,\n"
                    "whatever this says")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command
       ->add_option("--part", arguments->part,
@@ -335,7 +342,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "has; repeatable. Of other kinds of nodes they come without times")
       ->type_name("DIR");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--prepare", arguments->prepare,
                     "Make meshes, references and trained springs, and run nothing: parts that start\n"

@@ -76,8 +76,7 @@ std::vector<std::string> keep_of(const SimplifyArguments& arguments, const Metho
 /// Throws: InputError for a region that no tetrahedron of the input meets.
 void check_regions_meet(const std::vector<std::string>& keep, const TetMesh& in) {
   for (const std::string& region : keep) {
-    const std::vector<std::string> alone{region};
-    if (judge::compare_in_regions(in, in, judge_regions(alone)).input_tets == 0)
+    if (!meets_region(region, in))
       throw InputError("--keep", 0, "a region in the mesh's own coordinates that meets it",
                        "\"" + region + "\", which no tetrahedron meets");
   }
@@ -232,6 +231,7 @@ int simplify(const SimplifyArguments& arguments) {
   task.stop = stop_of(arguments, *method.method);
   task.keep = keep_of(arguments, *method.method, registry);
   check_output_file(arguments.out);
+  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   const TetMesh in = read_valid_mesh(arguments.mesh);
   check_regions_meet(task.keep, in);
   const ScratchFolder scratch;
@@ -307,10 +307,10 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("NAME");
   command->add_option("--fusions", arguments->fusions, "Stop after so many fusions")
-      ->check(whole_number_from(0, kMostRemoved))
+      ->transform(whole_number_from(0, kMostRemoved))
       ->type_name("N");
   command->add_option("--tets", arguments->tets, "Stop at the first state with at most so many tetrahedra")
-      ->check(whole_number_from(1, kMostRemoved))
+      ->transform(whole_number_from(1, kMostRemoved))
       ->type_name("N");
   command->add_option("--ratio", arguments->ratio, "Stop when this share of the tetrahedra is removed")
       ->check(number_from(0.0, 0.999999))
@@ -326,7 +326,7 @@ void add_simplify_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0.01, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
       "Without a stop, a method that has a limit runs to it; others (palpate list contestants) need one.\n"

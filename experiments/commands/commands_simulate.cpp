@@ -337,7 +337,7 @@ void add_simulate_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0.01, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads that the method may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command
       ->add_option("--max-output-gb", arguments->most_output_gb,

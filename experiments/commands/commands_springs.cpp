@@ -158,8 +158,13 @@ int identify(const SpringsArguments& arguments) {
   if (!(arguments.unit_m > 0.0))
     throw InputError("--unit-m", 0, "a finite number above 0", short_number(arguments.unit_m));
   check_output_csv(arguments.out);
-  if (!arguments.masses.empty()) check_output_csv(arguments.masses);
-  if (arguments.masses == arguments.out) throw InputError("--masses: the same file as --output");
+  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
+  if (!arguments.masses.empty()) {
+    check_output_csv(arguments.masses);
+    refuse_output_over_input("--masses", arguments.masses, {arguments.mesh});
+    if (is_same_file(arguments.masses, arguments.out))
+      throw InputError("--masses: the same file as --output");
+  }
   const TetMesh mesh = read_mesh_in_metres(arguments.mesh, arguments.unit_m);
   const IdentifiedSprings found = obtain_springs(mesh, wish);
   const springs::IdentifyReport& report = found.report;

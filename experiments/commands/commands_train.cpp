@@ -42,7 +42,13 @@ int train(const TrainArguments& arguments) {
                                 : "--moduli: the plan has no volume model, so there are no moduli to write");
   }
   check_output_csv(arguments.out);
-  if (has_moduli) check_output_csv(arguments.moduli);
+  refuse_output_over_input("-o", arguments.out, {arguments.plan, plan.mesh.file});
+  if (has_moduli) {
+    check_output_csv(arguments.moduli);
+    refuse_output_over_input("--moduli", arguments.moduli, {arguments.plan, plan.mesh.file});
+    if (is_same_file(arguments.moduli, arguments.out))
+      throw InputError("--moduli: the same file as --output");
+  }
   Progress progress(arguments.as_json);
   const Registry registry = load_registry();
   const ScratchFolder scratch;
@@ -73,7 +79,7 @@ void add_train_command(CLI::App& app, int& exit_code) {
       ->add_option("--moduli", arguments->moduli, "Moduli to write (.csv), where the plan has a volume model")
       ->type_name("FILE");
   command->add_option("--threads", arguments->threads, "Threads that the quadratic elements may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--json", arguments->as_json, "Print the report as JSON");
   command->callback([arguments, &exit_code] { exit_code = train(*arguments); });

@@ -113,10 +113,12 @@ CLI::Validator number_from(double least, double most) {
 
 CLI::Validator whole_number_from(std::int64_t least, std::int64_t most) {
   return check_with(CLI::Validator(
-      [least, most](const std::string& text) {
+      [least, most](std::string& text) {
         std::int64_t value = 0;
-        const bool good = parse(text, value) && value >= least && value <= most;
-        return good ? "" : refused("a whole number", std::to_string(least), std::to_string(most), text);
+        if (!parse(text, value) || value < least || value > most)
+          return refused("a whole number", std::to_string(least), std::to_string(most), text);
+        text = std::to_string(value);
+        return std::string();
       },
       ""));
 }

@@ -19,7 +19,8 @@ inline constexpr double kMostNumber = 1e15;  ///< that an option without a limit
 /// A check that an option is a finite number from `least` to `most`.
 CLI::Validator number_from(double least, double most);
 
-/// A check that an option is a whole number from `least` to `most`, in digits.
+/// A check that an option is a whole number from `least` to `most`, in decimal digits. For `transform`, not
+/// `check`: the digits are handed on without leading zeros, which would be read as octal.
 CLI::Validator whole_number_from(std::int64_t least, std::int64_t most);
 
 /// Throws: InputError that names --young-pa, --poisson or --density unless they are those of a material.

@@ -1,8 +1,10 @@
 #include "experiments/contests/run_mesh.h"
 
+#include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/mesh/geometry.h"
 #include "experiments/files/file_hash.h"
+#include "experiments/judging/judge_record.h"
 #include "experiments/meshes/mesh_source.h"
 
 namespace palpate::experiments {
@@ -38,7 +40,17 @@ RunMesh obtain_mesh(const PlanMesh& plan_mesh, const fs::path& file) {
     mesh.mesh = std::move(made.mesh);
     mesh.notes = std::move(made.notes);
   } else {
-    MeditFile read = read_mesh(plan_mesh.file);
+    MeditFile read;
+    try {
+      read = read_mesh(plan_mesh.file);
+      const Judgement judgement = judge_mesh(read.mesh);
+      if (!judgement.violations.empty())
+        throw InputError(plan_mesh.file.string(), 0, "a valid mesh", judgement.violations.front());
+    } catch (const NoRoomError&) {
+      throw;
+    } catch (const InputError& error) {
+      throw InputError(plan_mesh.where + ": mesh " + plan_mesh.name + ": " + error.what());
+    }
     mesh.mesh = std::move(read.mesh);
     mesh.notes = std::move(read.notes);
   }

@@ -24,7 +24,8 @@ struct RunMesh {
 };
 
 /// Makes or reads the mesh and writes it to `file`.
-/// Throws: InputError or UnavailableError as make_shape and read_mesh do.
+/// Throws: InputError or UnavailableError as make_shape and read_mesh do; InputError for a file whose mesh is
+/// not valid. What is wrong with a file is said with the line of the plan.
 RunMesh obtain_mesh(const PlanMesh& plan_mesh, const std::filesystem::path& file);
 
 /// Reads the mesh that an earlier start wrote. Throws: InputError if its bytes are not those that

@@ -78,7 +78,10 @@ FittedFolder read_fitted_folder(const fs::path& folder) {
     out.levels = plan.at("reference").at("levels").get<int>();
     out.enough = plan.at("reference").at("enough").get<double>();
   } catch (const json::exception& error) {
-    throw InputError(folder.string() + ": not as palpate fit leaves it: " + error.what());
+    const std::string what = error.what();  // "[json.exception.out_of_range.403] key 'choice' not found"
+    const std::size_t bracket = what.find("] ");
+    throw InputError(folder.string() + ": not as palpate fit leaves it: " +
+                     (bracket == std::string::npos ? what : what.substr(bracket + 2)));
   }
   out.scene = read_yaml(out.scene_file()).json();
   out.rest_scene = read_yaml(folder / "search" / "scene_0.yaml").json();

@@ -43,6 +43,25 @@ void check_output_yaml(const std::filesystem::path& path) {
   check_place(path);
 }
 
+bool is_same_file(const std::filesystem::path& one, const std::filesystem::path& other) {
+  std::error_code error;
+  if (std::filesystem::equivalent(one, other, error)) return true;
+  const auto place = [&error](const std::filesystem::path& path) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  };
+  const std::filesystem::path first = place(one);
+  return !first.empty() && first == place(other);
+}
+
+void refuse_output_over_input(const std::string& flag, const std::filesystem::path& out,
+                              const std::vector<std::filesystem::path>& inputs) {
+  for (const std::filesystem::path& input : inputs) {
+    if (input.empty() || !is_same_file(out, input)) continue;
+    throw InputError(flag, 0, "a file that is not the input",
+                     out == input ? out.string() : out.string() + ", which is " + input.string());
+  }
+}
+
 void create_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

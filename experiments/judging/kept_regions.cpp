@@ -55,4 +55,9 @@ std::vector<judge::Region> judge_regions(std::span<const std::string> regions) {
   return result;
 }
 
+bool meets_region(const std::string& region, const TetMesh& mesh) {
+  const std::vector<std::string> alone{region};
+  return judge::compare_in_regions(mesh, mesh, judge_regions(alone)).input_tets > 0;
+}
+
 }  // namespace palpate::experiments

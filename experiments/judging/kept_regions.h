@@ -24,4 +24,7 @@ std::string keeping_methods(const Registry& registry);
 /// The same regions for the judge.
 std::vector<judge::Region> judge_regions(std::span<const std::string> regions);
 
+/// Whether any tetrahedron of the mesh meets the region.
+bool meets_region(const std::string& region, const TetMesh& mesh);
+
 }  // namespace palpate::experiments

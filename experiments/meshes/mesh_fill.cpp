@@ -1,8 +1,12 @@
 #include "experiments/meshes/mesh_fill.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <numeric>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -20,6 +24,12 @@ namespace {
 
 constexpr double kVerticesPerCube = 0.48;  // inner vertices for each h^3 of volume, as gmsh fills
 constexpr double kLargestVertexCount = 2e7;
+constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
+constexpr double kLongestInside = 1.1;    // edges inside over those of a user's skin that is kept
+constexpr double kLargestSurface = 1e60;  // gmsh 4.8 aborts on 1e80, and fails slowly on 1e-60
+constexpr double kSmallestSurface = 1e-40;
+constexpr double kSmallestBodyM = 1e-9;  // what --unit-m may make of one
+constexpr double kLargestBodyM = 1e6;
 constexpr double kAcceptedError = 0.01;
 constexpr double kSkinError = 0.08;  // close enough to keep the skin and adapt the interior alone
 constexpr int kSkinTries = 6;
@@ -79,7 +89,64 @@ class SearchNote {
   double next_s_ = kEveryS;
 };
 
+/// The triangles of a surface, connected piece by connected piece.
+std::vector<std::vector<Triangle>> pieces_of(const SurfaceMesh& surface) {
+  std::vector<Index> above(surface.points.size());
+  std::iota(above.begin(), above.end(), Index{0});
+  const auto root = [&above](Index v) {
+    while (above[v] != v) v = above[v] = above[above[v]];
+    return v;
+  };
+  for (const Triangle& t : surface.triangles) {
+    above[root(t[1])] = root(t[0]);
+    above[root(t[2])] = root(t[0]);
+  }
+  std::map<Index, std::vector<Triangle>> pieces;
+  for (const Triangle& t : surface.triangles) pieces[root(t[0])].push_back(t);
+  std::vector<std::vector<Triangle>> all;
+  all.reserve(pieces.size());
+  for (auto& [first, triangles] : pieces) all.push_back(std::move(triangles));
+  return all;
+}
+
+/// Whether a piece encloses a body, and no cavity: the sign of its volume.
+bool is_outward(const SurfaceMesh& surface, const std::vector<Triangle>& piece) {
+  const Vec3& from = surface.points[piece.front()[0]];
+  double volume = 0.0;
+  for (const Triangle& t : piece) {
+    volume +=
+        dot(surface.points[t[0]] - from, cross(surface.points[t[1]] - from, surface.points[t[2]] - from));
+  }
+  return volume > 0.0;
+}
+
 }  // namespace
+
+void check_fillable(const std::string& where, const SurfaceMesh& surface) {
+  double most = 0.0;
+  for (const Vec3& p : surface.points)
+    most = std::max({most, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  if (!(most <= kLargestSurface))
+    throw InputError(where, 0, "coordinates within +-" + short_number(kLargestSurface), short_number(most));
+  const double longest = longest_side(bounding_box(surface.points));
+  if (!(longest >= kSmallestSurface))
+    throw InputError(where, 0, "a surface that is at least " + short_number(kSmallestSurface) + " long",
+                     short_number(longest));
+  const std::vector<std::vector<Triangle>> pieces = pieces_of(surface);
+  const auto outer = static_cast<std::size_t>(std::count_if(
+      pieces.begin(), pieces.end(), [&](const auto& piece) { return is_outward(surface, piece); }));
+  const std::size_t cavities = pieces.size() - outer;
+  if (outer > 1 && cavities > 0)
+    throw InputError(where, 0, "one piece with its cavities, or several without any",
+                     std::to_string(outer) + " pieces and " + std::to_string(cavities) +
+                         (cavities == 1 ? " cavity" : " cavities") + ": mesh each piece by itself");
+}
+
+void require_body_size(double across_m) {
+  if (!(across_m >= kSmallestBodyM && across_m <= kLargestBodyM))
+    throw InputError("--unit-m", 0, "a unit in which the body is 1 nm to 1000 km across",
+                     short_number(across_m) + " m");
+}
 
 std::int64_t skin_euler(const SurfaceMesh& skin) {
   return static_cast<std::int64_t>(skin.points.size()) - static_cast<std::int64_t>(skin.triangles.size() / 2);
@@ -140,6 +207,34 @@ void check_interior_size(double volume, double interior_size) {
     std::snprintf(text.data(), text.size(), "%g, which takes about %.3g", interior_size, expected);
     throw InputError("edge length", 0, "a length that takes fewer than 20 million vertices", text.data());
   }
+}
+
+double mean_edge(const SurfaceMesh& surface) {
+  double sum = 0.0;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) sum += length(surface.points[t[k]] - surface.points[t[(k + 1) % 3]]);
+  }
+  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
+}
+
+FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertices,
+                                std::vector<std::string>& notes) {
+  const double volume = enclosed_volume(surface);
+  const std::size_t skin_count = surface.points.size();
+  if (skin_count < vertices) {
+    const double start =
+        estimate_interior_size(volume, static_cast<double>(vertices) - static_cast<double>(skin_count));
+    if (start <= kLongestInside * mean_edge(surface)) {
+      FilledSurface filled = fill_to_vertices(surface, vertices, start);
+      if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
+    }
+  }
+  notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too " +
+                  (skin_count < vertices ? "coarse" : "fine") + " for a mesh of " + std::to_string(vertices) +
+                  ": it was remeshed");
+  const auto skin = [&](double interior) { return remesh_surface(surface, kSkinToInterior * interior); };
+  return fill_with_skin(skin, vertices, estimate_interior_size(volume, 0.8 * static_cast<double>(vertices)),
+                        "vertices");
 }
 
 bool is_close_enough(std::uint64_t found, std::uint64_t wanted) {

@@ -26,6 +26,14 @@ std::int64_t skin_euler(const SurfaceMesh& skin);
 /// Euler characteristic). Throws: UnavailableError if gmsh fails, hangs, or breaks one of these.
 FilledSurface fill_surface(const SurfaceMesh& skin, double interior_size);
 
+/// Throws: InputError, "`where`: ...", for a closed surface that gmsh cannot fill: one so small or so large
+/// that products of its lengths leave the numbers, or several pieces of which one has a cavity (what lies in
+/// a cavity is a piece, too).
+void check_fillable(const std::string& where, const SurfaceMesh& surface);
+
+/// Throws: InputError unless a body, with its box's diagonal in metres, is 1 nm to 1000 km across.
+void require_body_size(double across_m);
+
 /// Remeshes a closed surface by CGAL to edges of about `edge_length`.
 SurfaceMesh remesh_surface(const SurfaceMesh& surface, double edge_length);
 
@@ -50,6 +58,14 @@ void check_interior_size(double volume, double interior_size);
 /// Starts from `start` and goes by the power law V ~ h^-3 inside a bracket; at most 14 fillings. The closest
 /// is returned, so it may be further off. Deterministic. Requires: vertices > skin.points.size().
 FilledSurface fill_to_vertices(const SurfaceMesh& skin, std::uint64_t vertices, double start);
+
+/// The mean length of the edges of a closed surface.
+double mean_edge(const SurfaceMesh& surface);
+
+/// Fills a user's surface: the interior is adapted to the count, and only a skin that is too fine or too
+/// coarse for it is remeshed, which is said in a note. Throws: as fill_with_skin.
+FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertices,
+                                std::vector<std::string>& notes);
 
 /// Is `found` within 1% of `wanted` (or one vertex)?
 bool is_close_enough(std::uint64_t found, std::uint64_t wanted);

@@ -10,6 +10,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
 #include "core/base/number_text.h"
+#include "core/base/plain_file.h"
 #include "core/mesh/geometry.h"
 #include "core/mesh/io/off.h"
 #include "core/mesh/orientation.h"
@@ -31,9 +32,7 @@ namespace palpate::experiments {
 namespace {
 
 constexpr std::uint64_t kMostVertices = 5'000'000;
-constexpr double kSkinToInterior = 2.25;  // of a user's surface that has to be remeshed
-constexpr double kLongestInside = 1.1;    // edges inside over those of a user's skin that is kept
-constexpr double kDefaultJitter = 0.25;   // cells
+constexpr double kDefaultJitter = 0.25;  // cells
 
 /// A built surface that is filled: ball, bean, filled_bar.
 struct FilledShape {
@@ -66,14 +65,6 @@ constexpr std::array<LatticeShape, 3> kLatticeShapes{{
 void check_vertex_count(const std::string& where, std::uint64_t vertices) {
   if (vertices >= kFewestVertices && vertices <= kMostVertices) return;
   throw InputError(where, 0, "100 to 5000000 vertices", std::to_string(vertices));
-}
-
-double mean_edge(const SurfaceMesh& surface) {
-  double sum = 0.0;
-  for (const Triangle& t : surface.triangles) {
-    for (std::size_t k = 0; k < 3; ++k) sum += length(surface.points[t[k]] - surface.points[t[(k + 1) % 3]]);
-  }
-  return sum / (3.0 * static_cast<double>(surface.triangles.size()));
 }
 
 std::string describe(const char* name, const FilledSurface& filled) {
@@ -190,27 +181,6 @@ std::string ending_of(const std::filesystem::path& path) {
   return ending;
 }
 
-/// Adapts the interior to the count; only a skin that is too fine for it is remeshed.
-FilledSurface fill_user_surface(const SurfaceMesh& surface, std::uint64_t vertices, MadeMesh& made) {
-  const double volume = enclosed_volume(surface);
-  check_vertex_count("mesh size", vertices);
-  const std::size_t skin_count = surface.points.size();
-  if (skin_count < vertices) {
-    const double start =
-        estimate_interior_size(volume, static_cast<double>(vertices) - static_cast<double>(skin_count));
-    if (start <= kLongestInside * mean_edge(surface)) {
-      FilledSurface filled = fill_to_vertices(surface, vertices, start);
-      if (is_close_enough(filled.mesh.points.size(), vertices)) return filled;
-    }
-  }
-  made.notes.push_back("the skin of " + std::to_string(skin_count) + " vertices is too " +
-                       (skin_count < vertices ? "coarse" : "fine") + " for a mesh of " +
-                       std::to_string(vertices) + ": it was remeshed");
-  const auto skin = [&](double interior) { return remesh_surface(surface, kSkinToInterior * interior); };
-  return fill_with_skin(skin, vertices, estimate_interior_size(volume, 0.8 * static_cast<double>(vertices)),
-                        "vertices");
-}
-
 /// Restores the orientation of foreign tets, and says so.
 void restore_orientation(const std::string& where, MeditFile& file) {
   std::size_t turned = 0;
@@ -298,6 +268,11 @@ bool is_surface_file(const std::filesystem::path& path) {
   return ending == ".stl" || ending == ".off" || ending == ".obj" || ending == ".ply";
 }
 
+bool is_mesh_file(const std::filesystem::path& path) {
+  const std::string ending = ending_of(path);
+  return ending == ".mesh" || ending == ".msh" || ending == ".vtk" || ending == ".vtu";
+}
+
 MadeMesh mesh_surface(const SurfaceRequest& request) {
   check_size(request.size);
   if (!is_surface_file(request.file)) {
@@ -311,11 +286,17 @@ MadeMesh mesh_surface(const SurfaceRequest& request) {
   call.timeout_s += 600.0;  // more than reading: it is checked against itself, or mended
   const nlohmann::json response = run_tool(tool, call);
   const SurfaceMesh surface = read_off(scratch.file("surface.off"));
+  check_fillable(request.file.string(), surface);
+  if (request.unit_m) {
+    const BoundingBox box = bounding_box(surface.points);
+    require_body_size(*request.unit_m * length(box.high - box.low));
+  }
   MadeMesh made;
   made.notes = response.value("notes", std::vector<std::string>{});
   FilledSurface filled;
   if (request.size.vertices) {
-    filled = fill_user_surface(surface, *request.size.vertices, made);
+    check_vertex_count("mesh size", *request.size.vertices);
+    filled = fill_user_surface(surface, *request.size.vertices, made.notes);
   } else {
     const double interior = request.size.edge_length.value_or(mean_edge(surface));
     check_interior_size(enclosed_volume(surface), interior);
@@ -340,11 +321,11 @@ namespace {
 
 MeditFile read_any_mesh(const std::filesystem::path& path, ReadOrientation orientation) {
   const std::string ending = ending_of(path);
+  if (!is_mesh_file(path))
+    throw InputError(path.string(), 0, "a mesh in .mesh, .msh, .vtk or .vtu", "\"" + ending + "\"");
+  refuse_no_file(path, "a mesh file");
   if (ending == ".mesh") return read_medit(path, orientation);
   const bool is_msh = ending == ".msh";
-  if (!is_msh && ending != ".vtk" && ending != ".vtu") {
-    throw InputError(path.string(), 0, "a mesh in .mesh, .msh, .vtk or .vtu", "\"" + ending + "\"");
-  }
   if (!std::filesystem::is_regular_file(path)) throw InputError(path.string(), 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(path.string(), 0, "a mesh", "an empty file");
   const ScratchFolder scratch;

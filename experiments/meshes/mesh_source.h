@@ -41,12 +41,16 @@ MadeMesh make_shape(const ShapeRequest& request);
 /// A surface that becomes a mesh.
 struct SurfaceRequest {
   std::filesystem::path file;
-  MeshSize size{};      ///< nothing: the skin as it is, edges inside as long as its mean
-  bool repair = false;  ///< mend what is open, turned or intersects itself
+  MeshSize size{};                 ///< nothing: the skin as it is, edges inside as long as its mean
+  bool repair = false;             ///< mend what is open, turned or intersects itself
+  std::optional<double> unit_m{};  ///< where it is given: no body is filled that cannot be so large or small
 };
 
 /// Is it the name of a surface (.stl, .off, .obj, .ply)?
 bool is_surface_file(const std::filesystem::path& path);
+
+/// Is it the name of a mesh that read_mesh reads (.mesh, .msh, .vtk, .vtu)?
+bool is_mesh_file(const std::filesystem::path& path);
 
 /// Fills a closed surface (.stl, .off, .obj, .ply) with tets. The skin is kept, unless a vertex count leaves
 /// so few for the inside that its edges would be 1.1 times as long as the skin's: then it is remeshed, with

@@ -6,6 +6,7 @@
 #include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "experiments/judging/judge_record.h"
+#include "experiments/meshes/mesh_fill.h"
 #include "experiments/meshes/mesh_source.h"
 #include "experiments/text/terminal.h"
 
@@ -15,17 +16,7 @@ namespace {
 /// No organ is longer: a bigger box is most likely in millimetres.
 constexpr double kLongestOrganM = 10.0;
 
-/// What --unit-m may make of a body.
-constexpr double kSmallestBodyM = 1e-9;
-constexpr double kLargestBodyM = 1e6;
-
 }  // namespace
-
-void require_body_size(double across_m) {
-  if (!(across_m >= kSmallestBodyM && across_m <= kLargestBodyM))
-    throw InputError("--unit-m", 0, "a unit in which the body is 1 nm to 1000 km across",
-                     short_number(across_m) + " m");
-}
 
 TetMesh read_mesh_in_metres(const std::string& path, double unit_m) {
   MeditFile file = read_mesh(path, ReadOrientation::kRestore);

@@ -12,7 +12,4 @@ namespace palpate::experiments {
 /// judge finds invalid or a unit in which it has no size of a body.
 TetMesh read_mesh_in_metres(const std::string& path, double unit_m);
 
-/// Throws: InputError unless a body, with its box's diagonal in metres, is 1 nm to 1000 km across.
-void require_body_size(double across_m);
-
 }  // namespace palpate::experiments

@@ -23,6 +23,7 @@ struct PlanMesh {
   std::string name;
   std::optional<ShapeRequest> shape;
   std::filesystem::path file;     ///< when there is no shape; resolved against the plan's folder
+  std::string where;              ///< "plan.yaml:3", for messages
   std::vector<std::string> tags;  ///< words by which a run may choose its cases
 };
 
@@ -51,6 +52,7 @@ struct PlanContestant {
   std::map<std::string, GivenOption> set;
   std::filesystem::path train;      ///< training plan whose springs it takes; empty: none
   std::vector<std::string> keep;    ///< regions whose tets are left alone, as parse_kept_region reads them
+  std::string keep_where;           ///< "plan.yaml:7", for messages
   std::vector<std::int64_t> seeds;  ///< one case each, as the option seed
   std::vector<std::string> scenes;  ///< contest engine: those that it runs on; empty: all
   /// Contest deform: values of the sweep at which alone it runs, by axis ("vertices", "simplify", ...).

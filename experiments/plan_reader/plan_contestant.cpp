@@ -145,6 +145,7 @@ Entry read_entry(const YamlValue& value, const std::string& contest, const Regis
     if (!entry.method.method->keeps)
       keep->fail("method " + contestant.method + " keeps no regions" + keeping_methods(registry));
     contestant.keep = read_kept_regions(*keep);
+    contestant.keep_where = keep->file() + ":" + std::to_string(keep->line());
   }
   if (const auto grade = fields.find("grade")) {
     if (entry.method.method->find_option("sizes") == nullptr)

@@ -22,6 +22,11 @@ PlanMesh read_mesh_entry(const YamlValue& value, const std::filesystem::path& fo
   }
   refuse_shape_keys(fields);
   mesh.file = folder / file->text();
+  mesh.where = file->file() + ":" + std::to_string(file->line());
+  if (is_surface_file(mesh.file))
+    file->fail("expected a mesh in .mesh, .msh, .vtk or .vtu, found a surface, " + mesh.file.string() +
+               " (palpate mesh fills it)");
+  if (!is_mesh_file(mesh.file)) file->fail_expected("a mesh in .mesh, .msh, .vtk or .vtu");
   std::error_code error;
   if (!std::filesystem::is_regular_file(mesh.file, error)) {
     file->fail("expected a mesh file, found none at " + mesh.file.string());

@@ -86,8 +86,14 @@ RunFolder::~RunFolder() {
 }
 
 std::optional<nlohmann::json> RunFolder::earlier_provenance() const {
-  if (!resume_ || !fs::exists(paths_.provenance())) return std::nullopt;
-  return read_provenance(paths_.provenance());
+  if (!resume_) return std::nullopt;
+  std::error_code error;
+  if (fs::exists(paths_.provenance(), error)) return read_provenance(paths_.provenance());
+  const auto recorded = fs::file_size(paths_.records(), error);
+  if (!error && recorded > 0)
+    throw InputError(paths_.provenance().string(), 0,
+                     "what the records beside it were made with, to continue the run", "none");
+  return std::nullopt;
 }
 
 fs::path RunFolder::fresh_scratch() const {

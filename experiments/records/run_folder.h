@@ -68,6 +68,7 @@ class RunFolder {
   const RunPaths& paths() const { return paths_; }
 
   /// The provenance that an earlier start left; nothing if there is none, or if this one starts anew.
+  /// Throws: InputError if there are records and no provenance: whose they are, nobody can tell.
   std::optional<nlohmann::json> earlier_provenance() const;
 
   /// An empty scratch folder that no other process knows of: what a killed run left and still writes does not

@@ -10,17 +10,13 @@
 #include "experiments/registry/method_options.h"
 #include "experiments/registry/stability_settings.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_schema.h"
 #include "experiments/text/yaml_value.h"
 
 namespace palpate::experiments {
 namespace {
 
 const std::vector<std::string> kStops{"fusions", "tets", "ratio", "limit"};
-
-void check_schema(const YamlFields& fields, const std::string& schema) {
-  const YamlValue value = fields.need("schema");
-  if (value.text() != schema) value.fail_expected(schema);
-}
 
 OptionType read_type(const YamlValue& value) {
   if (const auto type = kOptionTypeNames.find(value.text())) return *type;
@@ -208,10 +204,10 @@ void read_program(const YamlFields& fields, const std::filesystem::path& folder,
 std::vector<Contestant> read_description(const std::filesystem::path& description,
                                          const std::filesystem::path& bin_folder) {
   const YamlValue root = read_yaml(description);
+  require_schema(root, "palpate/contestant/1");
   const YamlFields fields =
       root.fields({"schema", "program", "command", "files", "starts", "packages", "licence", "option_sets",
                    "contests", "contest", "source", "options", "methods"});
-  check_schema(fields, "palpate/contestant/1");
   Contestant shared;
   const std::filesystem::path folder =
       std::filesystem::absolute(description).lexically_normal().parent_path();

@@ -71,15 +71,19 @@ void keep_part(const std::vector<Case>& cases, const std::string& part, std::vec
   std::ifstream file(part);
   if (!file) throw InputError(part, 0, "a file of cases, one a line", "none that can be read");
   std::vector<bool> named(cases.size(), false);
+  bool is_empty = true;
   std::array<char, 65536> line{};  // no case has as long a name
   for (std::size_t number = 1; file.getline(line.data(), line.size()) || file.gcount() > 0; ++number) {
     if (file.fail()) throw InputError(part, number, "a case of the plan", "a longer line");
-    const std::string id = line.data();
+    std::string id = line.data();
+    if (!id.empty() && id.back() == '\r') id.pop_back();  // of a file that was written on Windows
     if (id.empty()) continue;
+    is_empty = false;
     const auto found = known.find(id);
     if (found == known.end()) throw InputError(part, number, "a case of the plan", id);
     named[found->second] = wanted[found->second];
   }
+  if (is_empty) throw InputError(part, 0, "cases of the plan, one a line", "none");
   wanted = named;
 }
 
@@ -97,8 +101,8 @@ std::vector<std::size_t> choose_cases(const Plan& plan, const std::vector<Case>&
   if (!choice.part.empty()) keep_part(cases, choice.part, wanted);
   std::vector<std::size_t> chosen = with_needed_cases(cases, wanted);
   if (chosen.empty())
-    throw InputError("no case of " + (choice.case_id.empty() ? choice.part : choice.case_id) +
-                     " fits --only " + joined(choice.only));
+    throw InputError("no case of " + (choice.part.empty() ? choice.case_id : choice.part) + " fits " +
+                     (choice.only.empty() ? "--case " + choice.case_id : "--only " + joined(choice.only)));
   return chosen;
 }
 

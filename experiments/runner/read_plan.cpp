@@ -11,10 +11,12 @@
 #include "experiments/registry/registry.h"
 #include "experiments/runner/contest_table.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_schema.h"
 
 namespace palpate::experiments {
 namespace {
 
+constexpr const char* kPlanSchema = "palpate/plan/1";
 constexpr std::int64_t kMostRanks = 1024;
 /// Fewer repeats than this part equal cases by chance too often (rounds/halving.h).
 constexpr int kLeastRung = 3;
@@ -167,6 +169,7 @@ void set_ranks(const YamlValue& run, Plan& plan, const Registry& registry) {
 std::vector<std::filesystem::path> read_contestant_folders(const std::filesystem::path& path) {
   std::vector<std::filesystem::path> folders;
   const YamlValue root = read_yaml(path);
+  require_schema(root, kPlanSchema);
   if (!root.is_map()) return folders;
   for (const auto& [key, value] : root.entries()) {
     if (key != "contestant_folders") continue;
@@ -203,9 +206,8 @@ std::filesystem::path find_plan(const std::string& name) {
 
 Plan read_plan(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
+  require_schema(root, kPlanSchema);
   const YamlFields fields = root.fields(list_plan_keys());
-  const YamlValue schema = fields.need("schema");
-  if (schema.text() != "palpate/plan/1") schema.fail_expected("palpate/plan/1");
   Plan plan;
   plan.file = path;
   plan.name = plan_name(path);

@@ -7,6 +7,7 @@
 #include "experiments/files/places.h"
 #include "experiments/scene_reader/shape_fields.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_schema.h"
 
 namespace palpate::experiments {
 namespace {
@@ -47,6 +48,9 @@ SceneModel read_model(const YamlValue& value) {
     }
     if (!model.method.empty()) entry.fail("a scene takes one model, not two");
     if (key == "springs") model.method = "springs." + entry.identifier();
+    if (model.method == "springs.trained")
+      entry.fail_expected(
+          "springs that are found on the mesh (trained ones are a file's, and plans name it)");
     if (key == "smoothed") model.method = "smoothed." + entry.identifier();
     if (key == "reduced") model.method = "reduced." + entry.identifier();
     if (key == "finite_elements") model.method = "fem." + entry.identifier();
@@ -266,10 +270,9 @@ SceneLoad read_scene_load(const YamlValue& value) {
 
 Scene read_scene(const std::filesystem::path& path) {
   const YamlValue root = read_yaml(path);
+  require_schema(root, "palpate/scene/1");
   const YamlFields fields = root.fields({"schema", "mesh", "material", "strain", "model", "clamp", "load",
                                          "analysis", "probes_m", "require", "envelope"});
-  const YamlValue schema = fields.need("schema");
-  if (schema.text() != "palpate/scene/1") schema.fail_expected("palpate/scene/1");
   Scene scene;
   scene.file = path;
   scene.name = path.stem().string();

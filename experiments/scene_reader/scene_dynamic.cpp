@@ -128,7 +128,10 @@ SceneDynamic read_dynamic(const YamlValue& value) {
     const YamlValue step = fields.need("time_step_s");
     if (step.text() != "auto") out.time_step_s = read_above_zero(step);
   }
-  if (const auto safety = fields.find("safety")) out.safety = safety->number(1e-6, 1.0);
+  if (const auto safety = fields.find("safety")) {
+    out.safety = safety->number(1e-6, 1.0);
+    out.has_safety = true;
+  }
   out.duration_s = read_above_zero(fields.need("duration_s"));
   if (const auto allow = fields.find("allow_unstable")) out.allow_unstable = allow->boolean();
   if (const auto engine = fields.find("engine")) out.engine = read_engine(*engine);

@@ -22,6 +22,7 @@ struct SceneDynamic : reference::MotionStepping {
   std::vector<Vec3> probes_m;    ///< the vertices nearest to these points are written to history.csv
   std::string preset;            ///< empty: none
   bool has_solver = false;       ///< that is given
+  bool has_safety = false;       ///< that is given
 };
 
 /// The name of the thesis's parameters, Table 4.1, as a preset.

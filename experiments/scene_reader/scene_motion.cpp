@@ -1,6 +1,7 @@
 #include "experiments/scene_reader/scene_motion.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -26,6 +27,15 @@ BoundaryProblem resolve_part(const Scene& placed, const TetMesh& mesh, const Sce
 bool iterates(const SceneDynamic& dynamic) {
   return !dynamic.is_exponential && dynamics::is_implicit(dynamic.integrator) &&
          dynamic.integrator != dynamics::IntegratorKind::kImplicitEuler;
+}
+
+/// The time up to which a profile has no share at all; infinite if it never has any.
+double rises_at(const dynamics::TimeProfile& profile) {
+  for (std::size_t k = 0; k < profile.share.size(); ++k) {
+    if (profile.share[k] == 0.0) continue;
+    return k == 0 ? -std::numeric_limits<double>::infinity() : profile.time_s[k - 1];
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 double longest_edge(const TetMesh& mesh) {
@@ -134,9 +144,21 @@ std::vector<std::string> check_moving_scene(const Scene& placed, const TetMesh& 
   }
   std::vector<std::string> useless;
   for (const SceneLoad& load : placed.loads) {
-    if (load.from_s >= dynamic.duration_s)
+    if (load.from_s >= dynamic.duration_s) {
       useless.push_back(load.where + ": this load begins at " + short_number(load.from_s) +
                         " s, and the motion ends at " + duration);
+    } else if (load.profile && rises_at(*load.profile) >= dynamic.duration_s) {
+      useless.push_back(load.where + ": this load's profile is 0 until the motion ends at " + duration);
+    }
+  }
+  if (dynamic.has_safety && dynamic.time_step_s)
+    useless.push_back(placed.analysis_where + ": safety has no use: time_step_s is given, and is no auto");
+  if (placed.model && !placed.model->method.starts_with("springs.")) {
+    const std::string none = " has no use: " + placed.model->method + " has no springs";
+    if (dynamic.damping_spring_n_s_per_m > 0.0)
+      useless.push_back(placed.analysis_where + ": damping: spring_n_s_per_m" + none);
+    if (dynamic.spring_damping != dynamics::SpringDamping::kAxial)
+      useless.push_back(placed.analysis_where + ": damping: springs" + none);
   }
   if (dynamic.has_solver && !iterates(dynamic))
     useless.push_back(placed.analysis_where + ": solver has no use: the integrator iterates nothing");

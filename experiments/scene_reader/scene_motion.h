@@ -23,8 +23,8 @@ inline constexpr std::array kStaticOptions{"load_steps", "max_iterations", "tole
 reference::MotionProblem build_motion_problem(const Scene& placed, const TetMesh& mesh);
 
 /// What has no use in a motion, a line each: a load that begins after its end, a solver of steps that iterate
-/// nothing. Throws: InputError for a step longer than the motion, or a probe that is outside of the body by
-/// more than its longest edge.
+/// nothing, a safety of a given step, damping of springs that the model does not have. Throws: InputError for
+/// a step longer than the motion, or a probe that is outside of the body by more than its longest edge.
 std::vector<std::string> check_moving_scene(const Scene& placed, const TetMesh& mesh);
 
 /// The same with the scene's model and how it is stepped. What a preset stands for is written out. Throws:

@@ -39,7 +39,8 @@ double area_of(const TetMesh& mesh, const Triangle& face) {
   return 0.5 * length(cross(mesh.points[face[1]] - a, mesh.points[face[2]] - a));
 }
 
-/// What is odd about a body of this length, or an empty string.
+}  // namespace
+
 std::string size_complaint(const SceneMesh& how, const TetMesh& mesh) {
   constexpr double kLongestBody = 5.0;     // m
   constexpr double kShortestBody = 0.001;  // m
@@ -51,6 +52,8 @@ std::string size_complaint(const SceneMesh& how, const TetMesh& mesh) {
          " m long: is that its size? (unit_m is the length of the mesh's unit in metres, 0.001 for "
          "millimetres)";
 }
+
+namespace {
 
 /// Resolves one scene on one mesh.
 class ProblemBuilder {

@@ -11,6 +11,10 @@
 
 namespace palpate::experiments {
 
+/// What is odd about the length of a scene's body in metres, in one line; an empty string for one of 1 mm to
+/// 5 m.
+std::string size_complaint(const SceneMesh& how, const TetMesh& mesh);
+
 /// The scene's mesh in metres. `vertices` replaces the count of a made shape or a filled surface. One that is
 /// longer or shorter than any organ gets a note. Throws: InputError or UnavailableError as make_shape,
 /// mesh_surface and read_mesh do; InputError for `vertices` of a file with tets, or a file whose mesh is

@@ -26,13 +26,28 @@ std::string percent(double share) {
   return text.data();
 }
 
-/// A path as a quoted scalar, relative to the scene where that is possible.
+void require_printable(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  const auto odd = std::find_if(name.begin(), name.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte < 32 || byte == 127;
+  });
+  if (odd == name.end()) return;
+  std::string shown;
+  for (const char c : name) shown += static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
+  throw InputError(shown, 0, "a path without control characters, to stand in a scene",
+                   "character " + std::to_string(static_cast<unsigned char>(*odd)));
+}
+
+/// A path as a quoted scalar, relative to the scene where that is possible. Throws: InputError for a name
+/// with a control character, which no YAML file may hold.
 std::string quoted_path(const std::filesystem::path& organ, const std::filesystem::path& scene) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::path folder = fs::absolute(scene).parent_path();
   fs::path path = fs::proximate(fs::absolute(organ), folder, error);
   if (error || path.empty()) path = fs::absolute(organ);
+  require_printable(path);
   std::string text = "'";
   for (const char c : path.string()) text += c == '\'' ? std::string("''") : std::string(1, c);
   return text + "'";

@@ -9,8 +9,8 @@
 #include "core/base/number_text.h"
 #include "core/mesh/geometry.h"
 #include "experiments/judging/judge_record.h"
+#include "experiments/meshes/mesh_fill.h"
 #include "experiments/meshes/mesh_source.h"
-#include "experiments/meshes/metre_mesh.h"
 #include "experiments/scene_reader/scene.h"
 #include "experiments/scene_reader/scene_problem.h"
 #include "experiments/scene_writer/draft_text.h"
@@ -55,11 +55,11 @@ void make_mesh(const SceneWish& wish, SceneDraft& draft) {
   draft.vertices = wish.vertices.value_or(kUsualVertices);
   MadeMesh made;
   try {
-    made = mesh_surface_cached({wish.organ, {draft.vertices, std::nullopt}, wish.repair});
+    made = mesh_surface_cached({wish.organ, {draft.vertices, std::nullopt}, wish.repair, wish.unit_m});
   } catch (const InputError&) {
     if (wish.vertices) throw;
     draft.vertices.reset();
-    made = mesh_surface_cached({wish.organ, {}, wish.repair});
+    made = mesh_surface_cached({wish.organ, {}, wish.repair, wish.unit_m});
     draft.notes.push_back("it cannot be filled to " + std::to_string(kUsualVertices) +
                           " vertices: the skin is kept as it is");
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_schema.h"
 
 namespace palpate::experiments {
 namespace {
@@ -159,11 +160,11 @@ void read_fit(const YamlValue& value, TrainingPlan& plan) {
 }  // namespace
 
 TrainingPlan read_training_plan(const std::filesystem::path& path) {
+  const YamlValue root = read_yaml(path);
+  require_schema(root, "palpate/training/1");
   const YamlFields fields =
-      read_yaml(path).fields({"schema", "mesh", "material", "springs", "reference", "fit", "clamps", "loads",
-                              "train", "validate", "test_loads", "test_clamps"});
-  const YamlValue schema = fields.need("schema");
-  if (schema.text() != "palpate/training/1") schema.fail_expected("palpate/training/1");
+      root.fields({"schema", "mesh", "material", "springs", "reference", "fit", "clamps", "loads", "train",
+                   "validate", "test_loads", "test_clamps"});
   TrainingPlan plan;
   plan.file = path;
   plan.mesh = read_scene_mesh(fields.need("mesh"), path.parent_path());

@@ -2,6 +2,7 @@
 #include <CGAL/IO/polygon_soup_io.h>
 #include <CGAL/Simple_cartesian.h>
 
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -76,6 +78,35 @@ OffExtras check_whole(const std::string& where) {
   return ending == "off" ? check_off_file(where) : OffExtras{};
 }
 
+/// Throws: InputError with the line of the first corner of an OBJ file that is none of its vertices. They
+/// count from 1, or from -1 backwards from those above.
+void refuse_obj_corners(const std::string& where) {
+  const auto walk = [&](const auto& look) {
+    std::ifstream file(where);
+    std::size_t line = 0;
+    for (std::string row; std::getline(file, row);) {
+      std::istringstream words(row);
+      std::string word;
+      words >> word;
+      look(++line, word, words);
+    }
+  };
+  std::int64_t vertices = 0;
+  walk([&](std::size_t, const std::string& kind, std::istringstream&) { vertices += kind == "v" ? 1 : 0; });
+  std::int64_t above = 0;
+  walk([&](std::size_t line, const std::string& kind, std::istringstream& words) {
+    above += kind == "v" ? 1 : 0;
+    if (kind != "f") return;
+    for (std::string word; words >> word;) {
+      std::int64_t corner = 0;
+      const bool is_whole = std::from_chars(word.data(), word.data() + word.size(), corner).ec == std::errc();
+      if (is_whole && corner != 0 && corner <= vertices && corner >= -above) continue;
+      throw InputError(where, line, "vertices 1 to " + std::to_string(vertices),
+                       "\"" + shown_piece(word) + "\"");
+    }
+  });
+}
+
 bool read_soup(const std::string& where, const OffExtras& extras, std::vector<Point>& points,
                Polygons& polygons) {
   try {
@@ -97,9 +128,11 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path)) throw InputError(where, 0, "a readable file", "none");
   if (std::filesystem::file_size(path) == 0) throw InputError(where, 0, "a surface", "an empty file");
   const OffExtras extras = check_whole(where);
+  const bool is_obj = CGAL::IO::internal::get_file_extension(where) == "obj";
   std::vector<Point> points;
   Polygons polygons;
   if (!read_soup(where, extras, points, polygons)) {
+    if (is_obj) refuse_obj_corners(where);
     throw InputError(where, 0, "a whole " + path.extension().string() + " file",
                      "one that is broken, truncated or has a number that is none");
   }
@@ -114,7 +147,9 @@ SurfaceMesh read_surface(const std::filesystem::path& path) {
     Triangle triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
       if (polygon[k] >= points.size()) {
-        throw InputError(where, 0, "vertices of the file", "vertex " + std::to_string(polygon[k]));
+        if (is_obj) refuse_obj_corners(where);
+        throw InputError(where, 0, "vertices 0 to " + std::to_string(points.size() - 1),
+                         "vertex " + std::to_string(static_cast<std::int64_t>(polygon[k])));
       }
       const Point& p = points[polygon[k]];
       const Vec3 v{p.x(), p.y(), p.z()};

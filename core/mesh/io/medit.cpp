@@ -240,7 +240,7 @@ void check_extent(const WordReader& reader, const TetMesh& mesh) {
   }
   if (largest < 1.0 / kLargestCoordinate) {
     throw InputError(reader.name(), 0, "vertices at least 1e-90 apart",
-                     "an extent of " + std::to_string(largest));
+                     "an extent of " + short_number(largest));
   }
 }
 
@@ -346,9 +346,9 @@ MeditFile read_medit(const std::filesystem::path& path, ReadOrientation orientat
                                 : std::to_string(isolated) + " vertices that no tetrahedron uses were") +
                            " left out");
     }
-    check_extent(reader, mesh);
-    restore_orientation(reader, file);
   }
+  check_extent(reader, mesh);
+  if (orientation == ReadOrientation::kRestore) restore_orientation(reader, file);
   return file;
 }
 

@@ -74,7 +74,7 @@ void add_workflow_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0.001, 1e7))
       ->type_name("S");
   command->add_option("--threads", arguments->threads, "Threads a contestant, in place of the plan's")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->footer(
       "The folder has a Snakefile for Snakemake 7, a profile for Slurm and the cases of each job; "

@@ -7,6 +7,7 @@
 #include "core/base/number_text.h"
 #include "experiments/commands/commands.h"
 #include "experiments/commands/usage.h"
+#include "experiments/files/output_file.h"
 #include "experiments/live/live_page.h"
 #include "experiments/live/live_prepare.h"
 #include "experiments/live/live_server.h"
@@ -49,7 +50,10 @@ void describe(const LiveBodyData& body) {
 }
 
 int live(const LiveArguments& arguments) {
-  if (!arguments.out.empty()) check_page_output(arguments.out);
+  if (!arguments.out.empty()) {
+    check_page_output(arguments.out);
+    refuse_output_over_input("-o", arguments.out, {arguments.source});
+  }
   if (!arguments.out.empty() && arguments.has_port)
     throw InputError("--port", 0, "a page that is served", "--output, which writes it to a file");
   LiveWish wish;
@@ -85,13 +89,13 @@ void add_live_command(CLI::App& app, int& exit_code) {
   command->add_option("-o,--output", arguments->out, "Write the page to a file instead of serving it")
       ->type_name("FILE");
   command->add_option("--port", arguments->port, "Port on 127.0.0.1 (a free one)")
-      ->check(whole_number_from(1, 65535))
+      ->transform(whole_number_from(1, 65535))
       ->type_name("N");
   command->add_option("--unit-m", arguments->unit_m, "A mesh's unit in metres; without it, it is guessed")
       ->check(number_from(1e-9, 1e6))
       ->type_name("M");
   command->add_option("--vertices", arguments->vertices, "Of a surface's filling (1500)")
-      ->check(whole_number_from(10, 1000000))
+      ->transform(whole_number_from(10, 1000000))
       ->type_name("N");
   command
       ->add_option("--young-pa", arguments->material.young_modulus_pa,

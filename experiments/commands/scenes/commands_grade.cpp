@@ -43,6 +43,7 @@ struct GradeArguments {
   std::vector<std::string> set;
   int threads = 1;
   bool as_json = false;
+  std::vector<std::string> given;  ///< of the flags that say how sizes go, those that were given
 };
 
 Stop stop_of_grade(const GradeArguments& arguments) {
@@ -65,6 +66,22 @@ GradeWish wish_of_grade(const GradeArguments& arguments, const Registry& registr
   }
   if (arguments.reach_m > 0.0) wish.reach_m = arguments.reach_m;
   return wish;
+}
+
+/// Says which sizes have no use: they belong to places that are to be fine, or to a pilot.
+void note_idle_sizes(const GradeArguments& arguments) {
+  const auto say = [](const std::string& flag, const std::string& needed) {
+    print_note(flag + " has no use without " + needed);
+  };
+  for (const std::string& flag : arguments.given) {
+    if (flag == "--least-size") {
+      if (arguments.pilot.empty()) say(flag, "--pilot");
+    } else if (flag == "--growth") {
+      if (arguments.pilot.empty() && arguments.near.empty()) say(flag, "--near or --pilot");
+    } else if (arguments.near.empty()) {
+      say(flag, "--near");
+    }
+  }
 }
 
 MethodEntry grading_method(const GradeArguments& arguments, const Registry& registry) {
@@ -141,6 +158,7 @@ int grade(const GradeArguments& arguments) {
   if (arguments.vertices > 0) vertices = arguments.vertices;
   const MadeMesh whole = build_scene_mesh(scene.mesh, vertices);
   for (const std::string& note : whole.notes) print_note(note);
+  note_idle_sizes(arguments);
   const BoundaryProblem problem = problem_at_rest(scene, whole.mesh);
   std::vector<Vec3> probes = scene.dynamic.probes_m;  // those with names too
   if (!scene.is_dynamic) {
@@ -235,7 +253,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->add_option("--tets", arguments->tets, "Tetrahedra to be left at most")
-      ->check(whole_number_from(1, std::int64_t{1} << 40))
+      ->transform(whole_number_from(1, std::int64_t{1} << 40))
       ->type_name("N");
   command->add_option("--ratio", arguments->ratio, "Share of the tetrahedra to remove")
       ->check(number_from(0.0, 0.999999))
@@ -243,7 +261,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
   command
       ->add_option("--vertices", arguments->vertices,
                    "Make or fill the scene's body with about so many first, in place of its own count")
-      ->check(whole_number_from(4, 100'000'000))
+      ->transform(whole_number_from(4, 100'000'000))
       ->type_name("N");
   add_grade_sizes(*command, *arguments);
   command
@@ -254,7 +272,7 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false)
       ->type_name("KEY=VALUE");
   command->add_option("--threads", arguments->threads, "Threads that the pilot may use (1)")
-      ->check(whole_number_from(1, 1024))
+      ->transform(whole_number_from(1, 1024))
       ->type_name("N");
   command->add_flag("--json", arguments->as_json, "Print grade.json");
   command->footer(
@@ -264,7 +282,12 @@ void add_grade_command(CLI::App& app, int& exit_code) {
       "coarser: --vertices starts with a finer one. A moving scene is looked at at rest, its loads at their\n"
       "greatest. docs/graded.md has the formulas. Exit codes: 0 done;\n"
       "1 the count was not reached or the mesh is invalid; 2 bad input; 3 something needed could not run.");
-  command->callback([arguments, &exit_code] { exit_code = grade(*arguments); });
+  command->callback([arguments, command, &exit_code] {
+    for (const char* flag : {"--near-size", "--radius", "--reach", "--least-size", "--growth"}) {
+      if (command->count(flag) > 0) arguments->given.emplace_back(flag);
+    }
+    exit_code = grade(*arguments);
+  });
 }
 
 }  // namespace palpate::experiments

@@ -123,6 +123,7 @@ void refuse_to_overwrite(const std::filesystem::path& file) {
 int scene(const SceneArguments& arguments) {
   const std::filesystem::path out = arguments.out;
   check_output_yaml(out);
+  refuse_output_over_input("-o", out, {arguments.organ});
   if (!arguments.force) {
     refuse_to_overwrite(out);
     for (const std::filesystem::path& picture : pictures_of(out)) {
@@ -182,7 +183,7 @@ void add_scene_command(CLI::App& app, int& exit_code) {
       ->check(number_from(1e-6, 1e9))
       ->type_name("RHO");
   command->add_option("--vertices", arguments->vertices, "About so many vertices, of a surface's mesh (1500)")
-      ->check(whole_number_from(100, 5'000'000))
+      ->transform(whole_number_from(100, 5'000'000))
       ->type_name("N");
   command->add_option("--motion", arguments->motion, "static, or dynamic: pressed and let go (static)")
       ->check(CLI::IsMember({"static", "dynamic"}))

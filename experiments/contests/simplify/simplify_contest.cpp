@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/error.h"
 #include "experiments/contests/run_mesh.h"
 #include "experiments/contests/simplify/plan_simplify.h"
 #include "experiments/judging/judge_record.h"
+#include "experiments/judging/kept_regions.h"
 #include "experiments/meshes/mesh_source.h"
 
 namespace palpate::experiments {
@@ -13,17 +15,25 @@ namespace {
 
 using nlohmann::json;
 
-/// What the adapter reports of the mesh has to be what the judge counts.
+/// Notes a reported count that is not what was counted. A count that is not reported, or null, says nothing.
+void hold_count(const char* reported, const json& seen, const std::string& who, json& record) {
+  constexpr std::size_t kShown = 60;
+  const json said = record.at("report").value(reported, json());
+  if (said.is_null() || !seen.is_number() || (said.is_number() && said == seen)) return;
+  std::string shown = said.dump(-1, ' ', true, json::error_handler_t::replace);
+  if (shown.size() > kShown) shown = shown.substr(0, kShown) + "...";
+  record["violations"].push_back(std::string("reports ") + reported + " " + shown + ", " + who + " " +
+                                 seen.dump());
+}
+
+/// What the adapter reports of the meshes has to be what they have.
 void add_report_violations(json& record) {
-  for (const auto& [reported, counted] :
-       {std::pair{"tets_out", "tets"}, std::pair{"vertices_out", "vertices"}}) {
-    const json said = record.at("report").value(reported, json());
-    const json seen = record.at("judge").value(counted, json());
-    if (said.is_number() && seen.is_number() && said != seen) {
-      record["violations"].push_back(std::string("reports ") + reported + " " + said.dump() +
-                                     ", the judge counts " + seen.dump());
-    }
-  }
+  const json judged = record.at("judge");
+  const json input = record.at("mesh");
+  hold_count("tets_out", judged.value("tets", json()), "the judge counts", record);
+  hold_count("vertices_out", judged.value("vertices", json()), "the judge counts", record);
+  hold_count("tets_in", input.value("tets", json()), "the input has", record);
+  hold_count("vertices_in", input.value("vertices", json()), "the input has", record);
 }
 
 /// Whether the plan shows, bounds or compares a measure of linear elements.
@@ -43,7 +53,9 @@ class SimplifyContest : public Contest {
   explicit SimplifyContest(const ContestSetting& setting) : setting_(setting) {}
 
   json prepare(const std::vector<const Case*>&, const json& earlier) override {
-    return prepare_meshes(setting_, earlier, meshes_);
+    json described = prepare_meshes(setting_, earlier, meshes_);
+    check_kept_regions();
+    return described;
   }
 
   bool record_inputs(const std::set<std::string>& recorded,
@@ -84,6 +96,21 @@ class SimplifyContest : public Contest {
   }
 
  private:
+  /// Throws: InputError for a region that a contestant is to keep and that meets none of the plan's meshes.
+  void check_kept_regions() const {
+    for (const PlanContestant& contestant : setting_.plan.contestants) {
+      for (std::size_t k = 0; k < contestant.keep.size(); ++k) {
+        const bool meets = std::any_of(meshes_.begin(), meshes_.end(), [&](const RunMesh& mesh) {
+          return meets_region(contestant.keep[k], mesh.mesh);
+        });
+        if (!meets)
+          throw InputError(contestant.keep_where + ": keep", 0,
+                           "a region in the meshes' own coordinates that meets one of them",
+                           "\"" + contestant.keep[k] + "\", which no tetrahedron meets");
+      }
+    }
+  }
+
   const RunMesh& mesh_of(const Case& run_case) const { return meshes_[run_case.subject]; }
 
   json build_input_record(const RunMesh& mesh) const {

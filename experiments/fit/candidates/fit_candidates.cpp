@@ -9,6 +9,7 @@
 #include "experiments/plan_reader/plan.h"
 #include "experiments/plan_reader/plan_contestant.h"
 #include "experiments/text/nearest_name.h"
+#include "experiments/text/yaml_schema.h"
 #include "reference/door/moving_body.h"
 
 namespace palpate::experiments {
@@ -183,9 +184,8 @@ std::string FitModel::cannot(FitWork work, const std::vector<std::string>& needs
 
 FitCandidates read_candidates(const std::filesystem::path& path, const Registry& registry) {
   const YamlValue root = read_yaml(path);
+  require_schema(root, "palpate/candidates/1");
   const YamlFields fields = root.fields({"schema", "simplifiers", "models", "steppings"});
-  const YamlValue schema = fields.need("schema");
-  if (schema.text() != "palpate/candidates/1") schema.fail_expected("palpate/candidates/1");
   FitCandidates candidates;
   std::set<std::string> labels{kNoSimplifier};
   candidates.simplifiers = read_labelled<FitSimplifier>(

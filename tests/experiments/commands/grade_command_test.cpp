@@ -47,6 +47,13 @@ class GradeCommand : public testing::Test {
     return run_program(words);
   }
 
+  void expect_noted(const std::vector<std::string>& words, const std::string& part) const {
+    const ProgramResult result = grade("noted", words);
+    EXPECT_EQ(result.exit_code, 0) << result.error;
+    EXPECT_THAT(result.error, HasSubstr(part));
+    std::filesystem::remove_all(path("noted"));
+  }
+
   void expect_refused(const std::vector<std::string>& words, const std::string& part) const {
     const ProgramResult result = grade("refused", words);
     EXPECT_EQ(result.exit_code, 2) << result.error;
@@ -162,6 +169,17 @@ TEST_F(GradeCommand, RefusesNonsenseAndLeavesNothing) {
   expect_refused({"--ratio", "0.5", "--pilot", "palpate.refined"}, "not in deform");
   expect_refused({"--ratio", "0.5", "--near", "loads", "--method", "palpate.outcome"}, "takes sizes");
   expect_refused({"--tets", "1000000", "--near", "loads"}, "fewer than the mesh has");
+}
+
+TEST_F(GradeCommand, SizesOfPlacesThatNobodyNamedAreSaid) {
+  for (const char* flag : {"--near-size", "--radius", "--reach"})
+    expect_noted({"--ratio", "0.1", flag, "0.5"}, std::string(flag) + " has no use without --near");
+  expect_noted({"--ratio", "0.1", "--least-size", "0.5"}, "--least-size has no use without --pilot");
+  expect_noted({"--ratio", "0.1", "--growth", "0.5"}, "--growth has no use without --near or --pilot");
+  const ProgramResult used =
+      grade("used", {"--ratio", "0.1", "--near", "pads", "--near-size", "0.5", "--growth", "0.5"});
+  EXPECT_EQ(used.exit_code, 0) << used.error;
+  EXPECT_THAT(used.error, testing::Not(HasSubstr("has no use")));
 }
 
 }  // namespace

@@ -278,5 +278,16 @@ TEST_F(SceneCommand, PoorMeshesComeWithTheWayOut) {
   EXPECT_THAT(less.error, Not(HasSubstr("dense")));
 }
 
+TEST_F(SceneCommand, ANameThatNoSceneCanHoldIsRefusedAndNothingIsWritten) {
+  for (const std::string odd : {"two\nlines.mesh", "bell\a.mesh", "delete\x7f.mesh"}) {
+    write_medit(folder_ / odd, build_kuhn_cube(6, 0.1, 1));
+    const ProgramResult result = run_program({"scene", path(odd), "-o", path("odd.yaml"), "--unit-m", "0.1"});
+    EXPECT_EQ(result.exit_code, 2) << result.error;
+    EXPECT_THAT(result.error, HasSubstr("expected a path without control characters"));
+    EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1) << result.error;
+    EXPECT_FALSE(std::filesystem::exists(path("odd.yaml")));
+  }
+}
+
 }  // namespace
 }  // namespace palpate::experiments

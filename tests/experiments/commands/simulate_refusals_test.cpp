@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -174,6 +175,37 @@ TEST_F(SimulateRefusals, WhatAMotionWouldPassOverInSilence) {
       "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.01]}, from_s: 100}, "
       "{gravity_m_s2: [0, 0, -1]}]";
   noted(late, "scene.yaml:5: this load begins at 100 s, and the motion ends at 0.1 s");
+  late.load =
+      "[{displace: {half_space: {normal: [0, 0, -1], offset_m: -0.1}, by_m: [0, 0, -0.01]}, profile: "
+      "{times_s: "
+      "[0, 2, 3], shares: [0, 0, 1]}}, {gravity_m_s2: [0, 0, -1]}]";
+  noted(late, "scene.yaml:5: this load's profile is 0 until the motion ends at 0.1 s");
+  noted(pressed("integrator: symplectic_euler, time_step_s: 1.0e-5, duration_s: 0.1, safety: 0.5"),
+        "scene.yaml:6: safety has no use: time_step_s is given");
+  SceneText smoothed = pressed(kGood.substr(0, kGood.find(", damping")) +
+                               ", damping: {spring_n_s_per_m: 100, springs: isotropic}");
+  smoothed.rest = "strain: large\nmodel: {smoothed: edge_node}\n";
+  noted(smoothed, "scene.yaml:6: damping: spring_n_s_per_m has no use: smoothed.edge_node has no springs");
+  noted(smoothed, "scene.yaml:6: damping: springs has no use: smoothed.edge_node has no springs");
+  smoothed.rest = "strain: large\nmodel: {springs: van_gelder}\n";
+  for (const SceneText& used : {smoothed, pressed(kGood + ", safety: 0.5")}) {
+    const auto checked = run_program({"check", scene(used)});
+    EXPECT_EQ(checked.exit_code, 0) << checked.error;
+    EXPECT_EQ(checked.error, "");
+  }
+}
+
+TEST_F(SimulateRefusals, ABodyOfNoOrgansSizeIsNotedByCheckToo) {
+  SceneText text;
+  for (const char* mesh :
+       {"{make: cube, vertices: 100, length_m: 1.0e-9}", "{file: cube.mesh, length_m: 1.0e-9}"}) {
+    text.mesh = mesh;
+    const auto checked = run_program({"check", scene(text)});
+    EXPECT_EQ(checked.exit_code, 0) << checked.error;
+    EXPECT_THAT(checked.error, HasSubstr("with length_m: 1e-09 the body is 1e-09 m long: is that its size?"))
+        << mesh;
+    EXPECT_EQ(std::count(checked.error.begin(), checked.error.end(), '\n'), 1) << checked.error;
+  }
 }
 
 TEST_F(SimulateRefusals, FramesThatWouldFillTheDiskAreRefusedBeforeTheRun) {

@@ -157,6 +157,24 @@ TEST_F(OwnContestant, ATracebackStandsInTheMessageAndTheRecord) {
   EXPECT_THAT(record().at("stderr").get<std::string>(), HasSubstr("ZeroDivisionError"));
 }
 
+TEST_F(OwnContestant, ACountThatIsWrongOrNoneIsAViolation) {
+  describe("command: [python3, adapter.py]");
+  const auto outcome = [&](const std::string& report) {
+    std::string text = kCopies;
+    write_adapter(text.replace(text.find("\"report\": {}"), 12, "\"report\": " + report));
+    run_plan("contestant_folders: [mine]\n");
+    return record().at("outcome").get<std::string>() + " " + record().at("violations").dump();
+  };
+  EXPECT_EQ(outcome("{\"tets_in\": 384, \"tets_out\": 384, \"vertices_out\": 125}"), "accepted []");
+  EXPECT_EQ(outcome("{\"tets_in\": None, \"tets_out\": 384.0}"), "accepted []");
+  EXPECT_THAT(outcome("{\"tets_out\": 383}"), HasSubstr("reports tets_out 383, the judge counts 384"));
+  EXPECT_THAT(outcome("{\"tets_out\": \"NaN\"}"),
+              HasSubstr("rejected [\"reports tets_out \\\"NaN\\\", the judge"));
+  EXPECT_THAT(outcome("{\"tets_in\": [1]}"), HasSubstr("reports tets_in [1], the input has 384"));
+  EXPECT_THAT(outcome("{\"vertices_in\": True}"), HasSubstr("reports vertices_in true, the input has 125"));
+  EXPECT_THAT(outcome("{\"vertices_out\": {\"x\": 1}}"), HasSubstr("the judge counts 125"));
+}
+
 TEST_F(OwnContestant, WhatABadAnswerWroteIsSaid) {
   describe("command: [python3, adapter.py]");
   write_adapter("import sys\nprint('no mesh today', file=sys.stderr)\nopen(sys.argv[2], 'w').write('{}')\n");

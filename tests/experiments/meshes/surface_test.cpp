@@ -240,6 +240,66 @@ TEST(Surface, AFileThatClaimsMoreThanItHoldsIsRefusedInOneLine) {
   }
 }
 
+TEST(Surface, ThatIsTooSmallOrTooLargeIsRefusedByItsSize) {
+  const SurfaceMesh ball = build_geodesic_sphere(1);
+  EXPECT_NE(refusal_of(moved(ball, 1e80, {})).find("expected coordinates within +-1e+60, found "),
+            std::string::npos);
+  EXPECT_NE(refusal_of(moved(ball, 1e-60, {})).find("expected a surface that is at least 1e-40 long, found "),
+            std::string::npos);
+  EXPECT_EQ(refusal_of(moved(ball, 1e59, {})), "");
+  EXPECT_EQ(refusal_of(moved(ball, 1e-39, {})), "");
+}
+
+TEST(Surface, CavitiesBelongToOnePiece) {
+  const SurfaceMesh ball = build_geodesic_sphere(2);
+  const SurfaceMesh shell = united(moved(ball, 10.0, {}), turned(moved(ball, 6.0, {})));
+  EXPECT_EQ(refusal_of(shell), "");
+  for (const double x : {1.0, 20.0}) {  // within the cavity, beside the shell
+    EXPECT_NE(
+        refusal_of(united(shell, moved(ball, 2.0, {x, 0, 0})))
+            .find(
+                "expected one piece with its cavities, or several without any, found 2 pieces and 1 cavity"),
+        std::string::npos);
+  }
+}
+
+TEST(Surface, AUnitThatNoBodyHasIsRefusedBeforeItIsFilled) {
+  const test::ScratchFolder folder;
+  write_off(folder.path() / "ball.off", build_geodesic_sphere(2));
+  std::string message;
+  try {
+    // 5 million vertices would take minutes.
+    mesh_surface({folder.path() / "ball.off", {5'000'000, {}}, false, 1e9});
+  } catch (const InputError& error) {
+    message = error.what();
+  }
+  EXPECT_EQ(message.find("--unit-m: expected a unit in which the body is 1 nm to 1000 km across, found"), 0U)
+      << message;
+}
+
+TEST(Surface, CornersThatAreNoneAreSaidAsTheyStandInTheFile) {
+  const test::ScratchFolder folder;
+  const auto refused = [&](const std::string& name, const std::string& bytes) {
+    write_text(folder.path() / name, bytes);
+    return refusal(folder.path() / name);
+  };
+  const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+  const std::string faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  EXPECT_EQ(refused("good.obj", points + faces + "f -3 -2 -1\n"), "");
+  for (const char* corner : {"0", "5", "-5", "1000000"}) {
+    const std::string said = refused("a.obj", points + faces + "f " + corner + " 3 4\n");
+    EXPECT_NE(said.find("a.obj:8: expected vertices 1 to 4, found \"" + std::string(corner) + "\""),
+              std::string::npos)
+        << said;
+  }
+  const std::string ply = refused("a.ply",
+                                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float "
+                                  "y\nproperty float z\nelement face 4\n"
+                                  "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 "
+                                  "0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 -2\n");
+  EXPECT_NE(ply.find("expected vertices 0 to 3, found vertex -2"), std::string::npos) << ply;
+}
+
 // gmsh returns without tets when two sheets cross: that must never pass for a mesh.
 TEST(Gmsh, AFailureIsDetected) {
   const SurfaceMesh ball = build_geodesic_sphere(3);

@@ -228,6 +228,23 @@ std::string text_error(const std::string& bytes) {
   return error_of(fixture.folder().add("t.yaml", bytes), fixture.registry());
 }
 
+TEST(Plan, AMeshFileHasTheEndingOfOne) {
+  const test::ExperimentFixture fixture;
+  const auto error_of = [&](const std::string& file) {
+    fixture.folder().add(file, "x");
+    return fixture.error_of_plan(fixture.folder().add(
+        "ending.yaml", "schema: palpate/plan/1\nquestion: q\nmeshes: [{name: a, file: " + file +
+                           "}]\ncontest: simplify\ncontestants: [test.copy]\n"));
+  };
+  EXPECT_THAT(error_of("a.stl"),
+              HasSubstr("ending.yaml:3: expected a mesh in .mesh, .msh, .vtk or .vtu, found a surface"));
+  EXPECT_THAT(
+      error_of("a.txt"),
+      HasSubstr("ending.yaml:3: file: expected a mesh in .mesh, .msh, .vtk or .vtu, found \"a.txt\""));
+  for (const char* good : {"a.mesh", "a.msh", "a.VTK", "a.vtu"})
+    EXPECT_EQ(error_of(good), "no error") << good;
+}
+
 TEST(Plan, FilesThatAreNoPlans) {
   EXPECT_THAT(text_error(""), HasSubstr("t.yaml: the file is empty"));
   EXPECT_THAT(text_error("\n\n"), HasSubstr("t.yaml: the file is empty"));

@@ -7,6 +7,7 @@
 #include "experiments/runner/contest_table.h"
 #include "experiments/runner/read_plan.h"
 #include "tests/support/experiment_fixture.h"
+#include "tests/support/scratch_folder.h"
 
 namespace palpate::experiments {
 namespace {
@@ -89,6 +90,27 @@ TEST_F(CaseChoiceTest, WhatFitsNothingIsRefusedWithTheNearest) {
   EXPECT_THAT(refusal({"", {"cube/b/tets_removed_ratio=0.6"}}), HasSubstr("did you mean \"cube/b/tets_"));
   EXPECT_THAT(refusal({"", {"sphere/*"}}), HasSubstr("the pattern \"sphere/*\" fits no case"));
   EXPECT_THAT(refusal({"cube", {"block"}}), HasSubstr("no case of cube fits --only block"));
+}
+
+TEST_F(CaseChoiceTest, APartMayHaveTheLineEndsOfWindowsAndNamesACase) {
+  const test::ScratchFolder folder;
+  const auto part = [&](const std::string& text) {
+    CaseChoice choice;
+    choice.part = folder.add("part.txt", text).string();
+    return choice;
+  };
+  EXPECT_EQ(chosen(part("cube/b/tets_removed_ratio=0.1\r\n\r\ncube/b/tets_removed_ratio=0.5\r\n")),
+            chosen({"cube", {"fast"}}));
+  for (const char* empty : {"", "\n", "\r\n\r\n"})
+    EXPECT_THAT(refusal(part(empty)),
+                testing::EndsWith("part.txt: expected cases of the plan, one a line, found none"))
+        << empty;
+  CaseChoice other = part("cube/b/tets_removed_ratio=0.1\n");
+  other.only = {"block"};
+  EXPECT_THAT(refusal(other), testing::EndsWith("part.txt fits --only block"));
+  other.only = {};
+  other.case_id = "block";
+  EXPECT_THAT(refusal(other), testing::EndsWith("part.txt fits --case block"));
 }
 
 TEST_F(CaseChoiceTest, ItIsStated) {

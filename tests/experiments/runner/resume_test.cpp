@@ -62,6 +62,27 @@ TEST(Runner, ResumeRefusesAnotherPlanAndChangedMeshes) {
   EXPECT_THAT(run_error(fixture, same, folder, true), HasSubstr("the mesh that the run started with"));
 }
 
+TEST(Runner, RecordsThatNobodyKnowsTheOriginOfAreNotContinued) {
+  const test::ExperimentFixture fixture;
+  const auto folder = fixture.folder() / "run";
+  run_quietly(fixture, fixture.add_plan("[test.copy]"), folder);
+  const auto other = fixture.add_plan("[test.copy]", "run: {repeats: 2}\n", "other");
+  const std::string kept = test::bytes_of(folder / "plan.yaml");
+  std::filesystem::remove(folder / "provenance.json");
+  EXPECT_THAT(run_error(fixture, other, folder, true),
+              HasSubstr("provenance.json: expected what the records beside it were made with"));
+  EXPECT_EQ(test::bytes_of(folder / "plan.yaml"), kept);
+  EXPECT_FALSE(std::filesystem::exists(folder / "provenance.json"));
+  // Killed before its provenance was written, a run has no record either, and goes on.
+  for (const char* records : {"", "none"}) {
+    std::filesystem::remove(folder / "records.jsonl");
+    if (std::string(records).empty()) fixture.folder().add("run/records.jsonl", records);
+    std::filesystem::remove(folder / "provenance.json");
+    EXPECT_EQ(run_error(fixture, other, folder, true), "no error");
+    EXPECT_EQ(records_by_case(folder).size(), 2U);
+  }
+}
+
 TEST(Runner, ResumeRefusesAnotherMachineOrCompiler) {
   const test::ExperimentFixture fixture;
   const auto plan = fixture.add_plan("\n  - test.copy\n  - {method: test.copy, label: b}");

@@ -5,6 +5,8 @@
 
 #include <map>
 
+#include "core/mesh/io/medit.h"
+#include "core/mesh/shapes/shapes.h"
 #include "experiments/records/record_file.h"
 #include "experiments/rounds/round_order.h"
 #include "experiments/runner/contest_table.h"
@@ -106,6 +108,31 @@ TEST(Runner, SharpEdgesAreLookedForInEveryOutput) {
   EXPECT_EQ(same.at("outcome"), "accepted") << same.dump();
   EXPECT_EQ(same.at("judge").at("feature_edges"), 48);  // twelve edges of four cells
   EXPECT_EQ(same.at("judge").at("feature_distance_upper"), 0.0);
+}
+
+TEST(Runner, ARegionToKeepMeetsOneOfTheMeshesAtLeast) {
+  const test::ExperimentFixture fixture;
+  write_medit(fixture.folder() / "far.mesh", [] {
+    TetMesh mesh = build_kuhn_cube(2, 0.0, 0);
+    for (Vec3& p : mesh.points) p.x += 10.0;
+    return mesh;
+  }());
+  const auto plan = [&](const std::string& region) {
+    return fixture.folder().add(
+        "far.yaml",
+        "schema: palpate/plan/1\nquestion: q\ncontest: simplify\nmeshes: [{name: cube, file: "
+        "cube.mesh}, {name: far, file: far.mesh}]\ncontestants:\n  - {method: test.keep, keep: "
+        "[half_space 0 0 1 0.5, " +
+            region + "]}\n");
+  };
+  const auto folder = fixture.folder() / "run";
+  EXPECT_THAT(
+      run_error(fixture, plan("sphere 9 9 9 1"), folder, false),
+      HasSubstr("far.yaml:6: keep: expected a region in the meshes' own coordinates that meets one of them, "
+                "found \"sphere 9 9 9 1\", which no tetrahedron meets"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "records.jsonl"));
+  EXPECT_EQ(run_error(fixture, plan("sphere 10 0 0 0.1"), folder, false), "no error")
+      << "it meets the second";
 }
 
 TEST(Runner, ABrokenPromiseToKeepARegionIsAViolation) {

@@ -205,6 +205,12 @@ TEST_F(SceneFile, WrongPartsAreRefused) {
               HasSubstr("\"total_n\" is missing"));
 }
 
+TEST_F(SceneFile, TrainedSpringsHaveNoPlaceForTheirFile) {
+  test::SceneText text;
+  text.rest = "model: {springs: trained}\n";
+  EXPECT_THAT(error_of(text), HasSubstr(":7: springs: expected springs that are found on the mesh"));
+}
+
 TEST(Scenes, OfTheProjectCanBeReadAndAreNamed) {
   const auto names = scene_names();
   ASSERT_GE(names.size(), 20U);
