@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <set>
+#include <unordered_map>
 
 #include "core/base/atomic_file.h"
 #include "core/base/error.h"
@@ -102,9 +104,15 @@ void for_each_record(const std::filesystem::path& path, const std::function<void
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(name, 0, "the records of a run", "no such file");
   std::string line;
+  std::unordered_map<std::string, std::set<std::int64_t>> seen;  // repeats, by case
   for (std::size_t number = 1; next_line(file, name, number, line); ++number) {
     json record = reference::parse_json(line, name + ":" + std::to_string(number));
     check_record(record, name, number);
+    const auto repeat = record.at("repeat").get<std::int64_t>();
+    if (!seen[record.at("case").get<std::string>()].insert(repeat).second)
+      throw InputError(name, number, "each repeat of a case once",
+                       "repeat " + std::to_string(repeat) + " of " + record.at("case").get<std::string>() +
+                           " a second time");
     try {
       use(std::move(record));
     } catch (const json::exception& odd) {

@@ -11,7 +11,7 @@ namespace palpate::experiments {
 
 /// The records of a file in order. A last line without its newline is what a killed run leaves, and is left
 /// out.
-/// Throws: InputError with the line for any other line that is no record.
+/// Throws: InputError with the line for any other line that is no record, or a second one of a repeat.
 std::vector<nlohmann::json> read_records(const std::filesystem::path& path);
 
 /// The same records one after the other, so that no more than one is held.

@@ -191,6 +191,12 @@ TEST_F(RunRowsTest, OddKeysAreSaidWithFileAndLine) {
   }
 }
 
+TEST_F(RunRowsTest, ARepeatThatStandsTwiceIsSaid) {
+  write({record_of("a", 0), record_of("b", 0), record_of("a", 1), record_of("b", 0)});
+  EXPECT_EQ(refusal(), (folder_ / "records.jsonl").string() +
+                           ":4: expected each repeat of a case once, found repeat 0 of b a second time");
+}
+
 TEST_F(RunRowsTest, LinesHaveABound) {
   const std::string sound = record_of("a", 0).dump();
   json large = record_of("a", 1);
