@@ -317,6 +317,12 @@ def percent_text(value):
     return f"{percent:.1e}" if abs(percent) >= 1e5 or abs(percent) < 1e-3 else text
 
 
+def joined(names):
+    """"a", "a and b", "a, b and c"."""
+    names = list(names)
+    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else "".join(names)
+
+
 def pad_columns(lines):
     """Aligned text of lines that are lists (cells) or texts; the first cell and the last are to the left."""
     rows = [line for line in lines if isinstance(line, list)]
