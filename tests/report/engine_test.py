@@ -5,7 +5,8 @@ import types
 import unittest
 
 from support import ReportTest
-from engine import engine_charts
+from engine import engine, engine_charts, engine_page
+from shared import records
 import synthetic
 
 PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],
@@ -118,6 +119,15 @@ class Engine(ReportTest):
         self.assertEqual(titles(at(0, 1.01, 3.9)), ["undeformed\n0 s", "let go, 0.01 s\n1.01 s", "let go, 2.9 s\n3.9 s"])
         self.assertEqual(titles(at(0.7)), ["first frame\n0.7 s", "palpation 1, held\n0.7 s"])
         self.assertEqual(titles([]), [])
+
+    def test_a_rejected_replay_counts_in_no_sentence_and_each_says_what_it_is_of(self):
+        bad = replay("soft", 4.9e-3, None)
+        bad["reported"]["stability_margin"] = 0.4
+        self.run_report([*self.LINES[1:3], {**bad, "outcome": "rejected", "violations": ["its outcome is inverted"]}])
+        found = engine.read_cases(records.read_run(self.folder))
+        self.assertEqual(engine_page.verdict_of(found)[0], "Of 1 returns to rest the worst keeps 90% of where it was let go (stiff, replay); the stable step of the replays is at "
+                         "least 1.05 times their step. The stable step of bodies at rest is at least 1.01 times the step (stiff, rest).")
+        self.assertEqual({row["margin"]: row["hollow"] for row in engine_page.margin_chart(found).rows}, {1.01: False, 1.05: False, 0.4: True})
 
     def test_a_motion_that_cannot_be_read_is_noted(self):
         self.run_report()
