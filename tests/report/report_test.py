@@ -126,6 +126,15 @@ class Verdict(ReportTest):
         self.assertEqual(self.decide(1.0, 2.5, [2.4] * 19, claim), verdict.REPRODUCES)
         self.assertEqual(self.decide(1.0, 2.5, [0.9] * 19, claim), verdict.DOES_NOT)
 
+    def test_a_difference_below_the_last_shown_digit_is_a_tie(self):
+        self.assertEqual(verdict.decide(self.CLAIM, 99.934, [99.930], []), (verdict.DOES_NOT, verdict.TIE))
+        self.assertEqual(verdict.decide(self.CLAIM, 99.94, [99.93], [])[0], verdict.SIGN_ONLY)
+        mean = verdict.Claim("", "", "mean_quality", "a", "b", "", None, None)
+        self.assertEqual([verdict.decide(mean, better, [0.6512], [])[0] for better in (0.6514, 0.65122)], [verdict.REPRODUCES, verdict.DOES_NOT])
+        self.assertEqual(mean.signed(0.0002), "+0.0002")
+        seconds = verdict.Claim("", "", "kernel_s", "a", "b", "", 1.0, 3.0)
+        self.assertEqual(verdict.decide(seconds, 0.001, [0.003], [])[0], verdict.SIGN_ONLY)  # times have no last digit
+
     def test_what_is_held_against_it_may_scatter(self):
         decide = lambda values: verdict.decide(self.CLAIM, 80, values, [])[0]
         self.assertEqual(decide([60, 61, 62, 60.5, 61.5, 62.5]), verdict.REPRODUCES)
