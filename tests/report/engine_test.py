@@ -1,6 +1,7 @@
 """The report of a contest of the engine, on made-up records."""
 
 import json
+import shutil
 import types
 import unittest
 
@@ -135,6 +136,13 @@ class Engine(ReportTest):
         code, printed, _ = self.report()
         self.assertEqual(code, 0)
         self.assertIn("no motion of replay on soft", printed)
+
+    def test_motions_that_did_not_come_along_are_said_once(self):
+        self.run_report()
+        shutil.rmtree(self.folder / "motions")
+        printed = self.report()[1]
+        self.assertEqual([line for line in printed.splitlines() if "motion" in line and line.startswith("note")],
+                         ["note: no motions are drawn: the run's folder has none, as they do not travel with an archive"])
 
 
 if __name__ == "__main__":
