@@ -79,7 +79,7 @@ def measure_chart(run, claim):
     for group in run.groups:
         values = verdict.values_of(group, measure)
         if values:
-            rows.append({"name": group.name, "mesh": group.mesh, "value": median(values), "value_low": min(values), "value_high": max(values),
+            rows.append({"name": group.name, "label": group.label, "mesh": group.mesh, "value": median(values), "value_low": min(values), "value_high": max(values),
                          "seeds": len(values), "hollow": bool(group.count_note), "note": group.count_note, "case": group.records[0].get("case")})
     if not rows:
         return None
@@ -91,7 +91,7 @@ def measure_chart(run, claim):
     unit = "%" if measure.startswith("percent") else ""
     return Chart("Tetrahedra above a quality of 0.5" if measure == "percent_above_0_5" else title, "ranges",
                  Axis("value", "tetrahedra above 0.5" if measure == "percent_above_0_5" else title, unit), Axis("name", "label"), rows,
-                 series="name", facet="mesh", shown=[Axis("seeds", "values")], marks=marks, drawn="overview",
+                 series="label", facet="mesh", shown=[Axis("seeds", "values")], marks=marks, drawn="overview",
                  note="Median; line: least and greatest over seeds. Hollow: at another count, not to be compared.")
 
 
@@ -100,13 +100,13 @@ def timing_chart(run):
     for group in run.groups:
         timing = timing_of(group)
         if timing and timing["kernel_median_s"]:
-            rows.append({"name": group.name, "mesh": group.mesh, "time": timing["kernel_median_s"], "time_low": timing["kernel_median_low_s"],
+            rows.append({"name": group.name, "label": group.label, "mesh": group.mesh, "time": timing["kernel_median_s"], "time_low": timing["kernel_median_low_s"],
                          "time_high": timing["kernel_median_high_s"], "n": timing["n"], "rate": timing["tets_removed_per_s"],
                          "covers": timing["interval_covers"], "hollow": bool(group.count_note), "note": group.count_note,
                          "case": group.records[0].get("case")})
     if not rows:
         return None
-    return Chart("Time of the methods", "ranges", Axis("time", "time of the method", "ms", True, 1000.0), Axis("name", "label"), rows, series="name", facet="mesh",
+    return Chart("Time of the methods", "ranges", Axis("time", "time of the method", "ms", True, 1000.0), Axis("name", "label"), rows, series="label", facet="mesh",
                  shown=[Axis("n", "repeats"), Axis("covers", "the interval covers", "%", factor=100.0), Axis("rate", "tetrahedra removed a second")],
                  drawn="timing", note="Median over accepted repeats, with its interval by order statistics.")
 
