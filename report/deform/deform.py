@@ -185,6 +185,8 @@ def mark_rows(rows):
             row.marks[name] = ""
         for mark, field_ in ((BEST, judged), (BEST_OTHER, [row for row in judged if not row.is_reference_kind])):
             winners = [row for row in field_ if row.values[name] == min(row.values[name] for row in field_)] if len(rows) > 1 else []
+            if name != "kernel_s" and any(row.is_coarse(name) for row in winners):
+                continue  # who has the least cannot be told
             if not any(row.marks[name] for row in winners):
                 for row in winners:
                     row.marks[name] = mark

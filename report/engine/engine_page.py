@@ -90,7 +90,9 @@ def tick_chart(found):
     deadline = next((value for case in found.ticks if (value := figure(case.record, "report", "tick_s")) is not None), None)
     if not rows:
         return None
+    scenes = {name: {row["scene"] for row in rows if row["name"] == name} for name in {row["name"] for row in rows}}
     for row in rows:
+        row["name"] += f", {row['scene']}" if len(scenes[row["name"]]) > 1 else ""
         row["how"] = {"median": "median tick", "none missed": "worst tick"}.get(row["how"], f"{row['how']} of the ticks")
     note = "" if deadline is None else f"A tick is in time below {MILLI * deadline:g} ms."
     return Chart("Time of a tick", "lines", Axis("vertices", "vertices", "", True), Axis("time", "time of a tick", "ms", True, MILLI), rows, series="name", facet="how",

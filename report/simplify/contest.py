@@ -15,6 +15,7 @@ from simplify.verdict import read_claim
 
 RANKED, OTHER_COUNT, REJECTED, NONE = "ranked", "other count", "rejected", "no answer"
 BEST, BEST_KEPT = "*", "+"
+LEAST_REPEATS = 9  # from which on times are compared
 
 
 @dataclass(frozen=True)
@@ -158,10 +159,16 @@ def set_apart(standings, tolerance):
         standing.note = "; ".join(text for text in ("a count of its own", standing.note) if text)
 
 
-def mark_best(standings):
+def compares_times(run):
+    """Whether the run has the repeats and the warm-up that times are compared by; one that does not say is taken to."""
+    repeats, warmup = figure(run.provenance, "repeats"), figure(run.provenance, "warmup")
+    return (repeats is None or repeats >= LEAST_REPEATS) and (warmup is None or warmup >= 1)
+
+
+def mark_best(standings, with_times=True):
     """Marks the best of each column among the ranked, and the best that keeps the boundary where no best does."""
     ranked = [standing for standing in standings if standing.state == RANKED]
-    for column in COLUMNS:
+    for column in COLUMNS if with_times else [column for column in COLUMNS if column.form != "time"]:
         for mark, field_ in ((BEST, ranked), (BEST_KEPT, [standing for standing in ranked if standing.keeps_boundary])):
             values = [standing.values[column.name] for standing in field_ if standing.values[column.name] is not None]
             if not column.sign or not values:
@@ -191,7 +198,7 @@ def read_sections(run):
             if asked is None:
                 set_apart(standings, tolerance_of(run))
             standings.sort(key=order_of)
-            mark_best(standings)
+            mark_best(standings, compares_times(run))
             sections.append(Section(mesh, sweep, asked, standings))
     return sections
 

@@ -1,10 +1,11 @@
 """The report of a contest of displacements on made-up records: marks, targets, refinement, sets, charts."""
 
+import types
 import unittest
 
 from support import ReportTest
 import synthetic
-from deform import deform, deform_page
+from deform import deform, deform_charts, deform_page
 from shared import records
 from synthetic import deformed, reference_record
 
@@ -89,7 +90,7 @@ class Rows(DeformTest):
         self.assertEqual(rows["far"]["marked"], "")
         self.assertEqual(rows["fine"]["marked"], "displacement_energy")
         self.assertEqual(rows["good"]["marked"], "displacement_l2 displacement_energy displacement_max")
-        self.assertIn("1.99*~", self.line_of(out, "good"))
+        self.assertIn("1.99~", self.line_of(out, "good"))
         self.assertIn("not 5 times better", out)
 
     def test_without_an_estimate_everything_is_marked(self):
@@ -345,6 +346,13 @@ class Refined(DeformTest):
 
 
 class Charts(DeformTest):
+    def test_no_two_labels_look_alike(self):
+        row = lambda label, is_reference_kind: types.SimpleNamespace(label=label, is_reference_kind=is_reference_kind)
+        section = types.SimpleNamespace(rows=[row(f"{kind}{k}", kind == "fem") for k in range(12) for kind in ("fem", "springs")])
+        styles = deform_charts.read_styles([section])
+        self.assertEqual(len(set(styles.values())), 24)
+        self.assertEqual([styles["fem0"][1], styles["fem1"][1]], ["s", "s"])
+
     def lines(self):
         lines = []
         for vertices in (1503, 10000):

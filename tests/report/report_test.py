@@ -42,6 +42,14 @@ class Tables(ReportTest):
         self.assertEqual((row["n"], row["outcome"]), ("3", "3 accepted, 1 rejected"))
         self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.02)
 
+    def test_the_rate_is_that_of_the_median_time(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70, seed=seed, repeat=repeat, kernel_s=seconds) for seed, times in enumerate(((0.001, 0.001, 0.001), (0.04,), (0.03,)))
+                                          for repeat, seconds in enumerate(times)], {})
+        self.assertEqual(self.report("--no-charts")[0], 0)
+        row, = self.table("timing.csv")
+        self.assertEqual(float(row["kernel_median_s"]), 0.03)  # over the seeds
+        self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.03)
+
     def test_memory_and_process_time_of_a_search_are_left_out_where_a_repeat_had_none(self):
         lines = [synthetic.record("kidney", "a", 70, searched=True, wall_s=9.0, peak_rss_bytes=900),
                  synthetic.record("kidney", "a", 70, repeat=1, searched=False, wall_s=1.0, peak_rss_bytes=100)]
