@@ -11,9 +11,9 @@ import { startReader } from "./reader.mjs";
 
 const [root, build] = process.argv.slice(2);
 const pages = mkdtempSync(join(tmpdir(), "palpate-layout-"));
-const made = spawnSync("/usr/bin/python3", ["-B", join(root, "tests", "page", "make_pages.py"), pages, join(build, "page"), "long_names", "engine", "stability"], { encoding: "utf8" });
+const made = spawnSync("/usr/bin/python3", ["-B", join(root, "tests", "page", "make_pages.py"), pages, join(build, "page"), "long_names", "engine", "stability", "deform"], { encoding: "utf8" });
 assert.equal(made.status, 0, made.stderr);
-const { browser, drawCharts, open } = await startReader(root);
+const { browser, drawCharts, open, seeBodies } = await startReader(root);
 after(async () => {
   await browser.close();
   rmSync(pages, { recursive: true, force: true });
@@ -54,6 +54,15 @@ for (const width of [1200, 400]) {
     await close();
   });
 }
+
+test("in a narrow window the legend of a body is a strip along its lower edge", async () => {
+  const { page, close } = await open(at("deform"), { viewport: { width: 400, height: 800 } });
+  await seeBodies(page);
+  const [legend, view] = await Promise.all([".organ-legend", ".organ-view"].map((name) => page.locator(name).first().boundingBox()));
+  assert.ok(legend.height > 0 && legend.height < 36, `${legend.height} pixels high`);
+  assert.ok(Math.abs(legend.y + legend.height - view.y - view.height) < 2 && Math.abs(legend.width - view.width) < 3);
+  await close();
+});
 
 test("what a colour stands for is said where the rows of a chart do not, and nowhere else", async () => {
   const { page, close } = await open(at("stability"));
