@@ -121,6 +121,12 @@ TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kerne
                   "peak_rss_max_bytes", "tets_removed_per_s", "load_1min_max", "others_share"]
 
 
+def compares_times(run):
+    """Whether the run has the repeats and the warm-up that times are compared by; one that does not say is taken to."""
+    repeats, warmup = figure(run.provenance, "repeats"), figure(run.provenance, "warmup")
+    return (repeats is None or repeats >= LEAST_REPEATS) and (warmup is None or warmup >= 1)
+
+
 def timing_rows(run):
     for group in run.groups:
         timing = timing_of(group) or {"n": 0}
@@ -272,6 +278,7 @@ def interval_text(timing):
     return [f"[{ends[0]}, {ends[1]}]", percent(timing["interval_covers"])]
 
 
+LEAST_REPEATS = 9  # from which on times are compared
 WORDY = ("", "note")  # heads of last columns of words
 TIMING_TITLE = ("Time of accepted answers: median, [its interval by order statistics], and the chance that such an interval holds the "
                 "true median\n(95% takes 6 repeats; of a label with seeds it is over the seeds)")

@@ -10,12 +10,11 @@ from dataclasses import dataclass, field
 
 from shared.equal_count import asked_tets, is_at_equal_count, tolerance_of
 from shared.records import figure, median
-from shared.tables import first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
+from shared.tables import compares_times, first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
 from simplify.verdict import read_claim
 
 RANKED, OTHER_COUNT, REJECTED, NONE = "ranked", "other count", "rejected", "no answer"
 BEST, BEST_KEPT = "*", "+"
-LEAST_REPEATS = 9  # from which on times are compared
 
 
 @dataclass(frozen=True)
@@ -157,12 +156,6 @@ def set_apart(standings, tolerance):
     for standing in ranked:
         standing.state = OTHER_COUNT
         standing.note = "; ".join(text for text in ("a count of its own", standing.note) if text)
-
-
-def compares_times(run):
-    """Whether the run has the repeats and the warm-up that times are compared by; one that does not say is taken to."""
-    repeats, warmup = figure(run.provenance, "repeats"), figure(run.provenance, "warmup")
-    return (repeats is None or repeats >= LEAST_REPEATS) and (warmup is None or warmup >= 1)
 
 
 def mark_best(standings, with_times=True):

@@ -83,6 +83,14 @@ class Rows(DeformTest):
         self.assertIn("+ least without methods of the reference's kind", out)
         self.assertIn("2.00+", self.line_of(out, "a"))
 
+    def test_times_that_are_not_compared_have_no_least(self):
+        self.run_deform([reference_record("bar"), deformed("bar", "a", 0.03), deformed("bar", "b", 0.05, seconds=0.1)])
+        run = records.read_run(self.folder)
+        for repeats, expected in ((9, "*"), (1, "")):
+            run.provenance |= {"repeats": repeats, "warmup": 1}
+            section, = deform.read_sections(run)
+            self.assertEqual([row.marks.get("kernel_s", "") for row in section.rows if row.label == "a"], [expected])
+
     def test_what_the_reference_cannot_tell_is_marked_figure_by_figure(self):
         # Own errors 0.004, 0.008, 0.016 in L2, max and energy; the answers have 1, 1.5 and 2 times their L2 error.
         rows, out = self.run_deform([reference_record("bar", own=0.004), deformed("bar", "fine", 0.03, own=0.004),
