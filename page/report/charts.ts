@@ -1,12 +1,11 @@
 // Charts from the page's data, by Observable Plot: one small plot for each panel, all on the same axes.
 import * as Plot from "@observablehq/plot";
+import { logTicks, NAME_PIXELS, tickText, wrapped, type Range } from "./axes";
 import { addKeys, pointsOf } from "./chart_keys";
 import { openDetails, rowsOf, tipText, type Row } from "./details";
 import { readBlock, showFault, type AxisData, type ChartData, type MarkData, type RunData } from "./page_data";
-import { styleSeries, type SeriesStyle } from "./series_style";
+import { placeNames, styleSeries, type SeriesStyle } from "./series_style";
 import { isDark, onTheme, pageColour } from "./theme";
-
-type Range = [number, number];
 
 interface Panel {
   name: string;
@@ -14,7 +13,9 @@ interface Panel {
 }
 
 const LEAST_PANEL = 300; // pixels
-const NAME_PIXELS = 6.7; // of a letter of a label
+const LEAST_PLOT = 170; // pixels of a panel beside the names of its rows
+const NAME_GAP = 14;
+const LINE_PIXELS = 14; // of a name in several lines
 const MARK_PIXELS = 12; // between the names of marks, one above the other
 
 /** Draws the chart whose data the place names, once a reader comes near it or prints, and again whenever its width or the colours change. */
@@ -65,18 +66,42 @@ function panelsOf(chart: ChartData, rows: Row[]): Panel[] {
   return [...panels].map(([name, own]) => ({ name, rows: own }));
 }
 
+function seriesOf(chart: ChartData): string[] {
+  return chart.series ? [...new Set(Array.from({ length: chart.rows }, (_, k) => String(chart.columns[chart.series]?.[k] ?? "")))] : [""];
+}
+
+let places: Map<string, number> | undefined;
+
+/** The places of all series of the page's charts; a block that is broken is told of where it is drawn. */
+function placesOfPage(): Map<string, number> {
+  const namesOf = (place: HTMLElement): string[] => {
+    try {
+      return seriesOf(readBlock<ChartData>(place.dataset["chart"]!));
+    } catch {
+      return [];
+    }
+  };
+  return (places ??= placeNames([...document.querySelectorAll<HTMLElement>("[data-chart]")].map(namesOf)));
+}
+
+/** Pixels of the longest name of a row; 0 where rows have none. */
+function namePixels(chart: ChartData, rows: Row[]): number {
+  return chart.kind === "ranges" ? NAME_GAP + NAME_PIXELS * Math.max(...rows.map((row) => String(row[chart.y.key]).length)) : 0;
+}
+
 function drawChart(chart: ChartData, rows: Row[], width: number, run: RunData): Element[] {
-  const names = chart.series ? [...new Set(rows.map((row) => String(row[chart.series] ?? "")))] : [""];
-  const style = styleSeries(names, isDark());
+  const names = seriesOf(chart);
+  const style = styleSeries(names, isDark(), placesOfPage());
   const panels = panelsOf(chart, rows);
-  const columns = Math.max(1, Math.min(panels.length, Math.floor(width / LEAST_PANEL)));
+  const columns = Math.max(1, Math.min(panels.length, Math.floor(width / Math.max(LEAST_PANEL, namePixels(chart, rows) + LEAST_PLOT))));
   const own = Math.floor((width - 16 * (columns - 1)) / columns);
   const domains = { x: rangeOf(chart, rows, chart.x), y: rangeOf(chart, rows, chart.y) };
   const grid = document.createElement("div");
   grid.className = "panels";
   grid.style.gridTemplateColumns = `repeat(${columns}, 1fr)`;
   for (const panel of panels) grid.append(drawPanel(chart, panel, own, domains, style, run));
-  const needsLegend = names.length > 1 && chart.kind !== "bars" && chart.kind !== "ranges";
+  const isNamed = chart.kind === "bars" || (chart.kind === "ranges" && (chart.series === chart.facet || rows.every((row) => String(row[chart.y.key]).startsWith(String(row[chart.series])))));
+  const needsLegend = names.length > 1 && !isNamed;
   return needsLegend ? [legendOf(style), grid] : [grid];
 }
 
@@ -89,7 +114,7 @@ function drawPanel(chart: ChartData, panel: Panel, width: number, domains: { x?:
     ...options,
     symbol: { domain: style.names, range: style.marks },
     style: { background: "transparent", color: pageColour("--ink"), fontSize: "12px", overflow: "visible" },
-    marks: [...logAxes(chart, domains), ...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
+    marks: [...logAxes(chart, domains, options), ...ground(chart, marks), ...marksOf(chart, panel.rows, style), tip(chart, panel.rows)],
   });
   const count = `${panel.rows.length} point${panel.rows.length === 1 ? "" : "s"}`;
   const title = [chart.title, panel.name, count].filter(Boolean).join(", ");
@@ -118,10 +143,12 @@ function optionsOf(chart: ChartData, panel: Panel, width: number, domains: { x?:
   });
   if (chart.kind === "ranges") {
     const names = [...new Set(panel.rows.map((row) => String(row[chart.y.key])))];
-    const longest = Math.max(...names.map((name) => name.length));
+    const marginLeft = Math.min(Math.max(0.5 * width, width - LEAST_PLOT), namePixels(chart, panel.rows));
+    const tickFormat = (name: string) => wrapped(name, Math.floor((marginLeft - NAME_GAP) / NAME_PIXELS + 0.01));
+    const lines = Math.max(...names.map((name) => tickFormat(name).split("\n").length));
     return {
-      width, height: 24 * names.length + 54 + MARK_PIXELS * marks.length, marginLeft: Math.min(0.5 * width, NAME_PIXELS * longest + 14), marginRight: 18,
-      marginTop: 10 + MARK_PIXELS * marks.length, marginBottom: 38, x: scale(chart.x, domains.x), y: { type: "point", domain: names, label: null, padding: 0.6, tickSize: 0 },
+      width, height: Math.max(24, LINE_PIXELS * lines + 4) * names.length + 54 + MARK_PIXELS * marks.length, marginLeft, marginRight: 18,
+      marginTop: 10 + MARK_PIXELS * marks.length, marginBottom: 38, x: scale(chart.x, domains.x), y: { type: "point", domain: names, label: null, padding: 0.6, tickSize: 0, tickFormat },
     };
   }
   const height = chart.kind === "bars" ? Math.max(170, Math.min(240, 0.62 * width)) : Math.max(240, Math.min(420, 0.66 * width));
@@ -140,26 +167,11 @@ function axisTitle(axis: AxisData): string {
   return axis.unit ? `${axis.title}, ${axis.unit}` : axis.title;
 }
 
-/** Where a logarithmic axis has numbers: at powers of ten, and at 2 and 5 (or at more digits) between them where there is room. */
-function logTicks([low, high]: Range): number[] {
-  const decades = Math.log10(high / low);
-  const digits = decades < 0.35 ? [1, 2, 3, 4, 5, 6, 7, 8, 9] : decades < 0.7 ? [1, 2, 3, 5, 7] : decades < 2.5 ? [1, 2, 5] : [1];
-  const every = Math.ceil(decades / 7);
-  const found: number[] = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++)
-    if (power % every === 0) for (const digit of digits) found.push(digit * 10 ** power);
-  return found.filter((value) => value >= low && value <= high);
-}
-
-function tickText(value: number): string {
-  return value >= 1e5 || value < 1e-3 ? value.toExponential(0).replace("e+", "e") : String(Number(value.toPrecision(3)));
-}
-
 // Grid and numbers of the logarithmic axes.
-function logAxes(chart: ChartData, domains: { x?: Range; y?: Range }): Plot.Markish[] {
+function logAxes(chart: ChartData, domains: { x?: Range; y?: Range }, { width, marginLeft, marginRight }: Plot.PlotOptions): Plot.Markish[] {
   const found: Plot.Markish[] = [];
   if (chart.x.log && domains.x) {
-    const ticks = logTicks(domains.x);
+    const ticks = logTicks(domains.x, width! - marginLeft! - marginRight!);
     found.push(Plot.gridX(ticks), Plot.axisX(ticks, { text: tickText, label: axisTitle(chart.x) } as Plot.AxisXOptions));
   }
   if (chart.y.log && domains.y && chart.kind !== "ranges") {

@@ -10,12 +10,33 @@ export interface SeriesStyle {
   marks: (typeof MARKS)[number][];
 }
 
-/** A colour and a mark for each name; the mark changes where the colours begin again. */
-export function styleSeries(names: string[], dark: boolean): SeriesStyle {
+/** The place of each name over the charts of a page, so that a name looks alike on all of them: the first that no name beside it on any chart has. */
+export function placeNames(charts: readonly (readonly string[])[]): Map<string, number> {
+  const beside = new Map<string, Set<string>>();
+  for (const names of charts) {
+    for (const name of names) {
+      const own = beside.get(name) ?? new Set();
+      beside.set(name, own);
+      for (const other of names) own.add(other);
+    }
+  }
+  const places = new Map<string, number>();
+  for (const [name, others] of beside) {
+    const taken = new Set([...others].map((other) => places.get(other)));
+    let place = 0;
+    while (taken.has(place)) place++;
+    places.set(name, place);
+  }
+  return places;
+}
+
+/** A colour and a mark for each name, by its place on the page or else in the list; the mark changes where the colours begin again. */
+export function styleSeries(names: string[], dark: boolean, places?: ReadonlyMap<string, number>): SeriesStyle {
   const colours = dark ? DARK : LIGHT;
+  const own = names.map((name, k) => places?.get(name) ?? k);
   return {
     names,
-    colours: names.map((_, place) => colours[place % colours.length]!),
-    marks: names.map((_, place) => MARKS[(place + Math.floor(place / colours.length)) % MARKS.length]!),
+    colours: own.map((place) => colours[place % colours.length]!),
+    marks: own.map((place) => MARKS[(place + Math.floor(place / colours.length)) % MARKS.length]!),
   };
 }

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from shared.intervals import span_of
 from shared.records import figure, median, present
-from shared.tables import first_reason, outcome_text, timing_of
+from shared.tables import compares_times, first_reason, outcome_text, timing_of
 
 MARGIN = 5.0
 PROBLEM_AXES = ("poisson_ratio", "vertices")
@@ -176,15 +176,17 @@ def read_row(group, references, reference_method):
                tets=figure(record, "solved_on", "tets") or figure(record, "mesh", "tets"))
 
 
-def mark_rows(rows):
+def mark_rows(rows, with_times=True):
     """Marks what the reference cannot tell, the least figure of each column, whoever has it, and the least without methods
     of the reference's kind where that is another one."""
-    for name in [name for name, _, _ in ERRORS] + ["kernel_s"]:
+    for name in [name for name, _, _ in ERRORS] + (["kernel_s"] if with_times else []):
         judged = [row for row in rows if row.is_judged and row.values[name] is not None]
         for row in rows:
             row.marks[name] = ""
         for mark, field_ in ((BEST, judged), (BEST_OTHER, [row for row in judged if not row.is_reference_kind])):
             winners = [row for row in field_ if row.values[name] == min(row.values[name] for row in field_)] if len(rows) > 1 else []
+            if name != "kernel_s" and any(row.is_coarse(name) for row in winners):
+                continue  # who has the least cannot be told
             if not any(row.marks[name] for row in winners):
                 for row in winners:
                     row.marks[name] = mark
@@ -204,7 +206,7 @@ def read_sections(run):
         key = (row.problem, row.simplify, row.ratio)
         sections.setdefault(key, Section(*key, references.get(row.problem), [], beside)).rows.append(row)
     for section in sections.values():
-        mark_rows(section.rows)
+        mark_rows(section.rows, compares_times(run))
     return list(sections.values())
 
 

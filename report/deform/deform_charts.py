@@ -20,18 +20,20 @@ COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7a
           "#a0522d"]
 MARKS = ["o", "s", "^", "D", "v", "P", "<", "X", ">", "h", "p", "*"]
 SIZES = {"*": 1.6, "P": 1.15, "X": 1.15, "p": 1.15, "h": 1.1, "D": 0.9}  # of marks that look smaller or larger than others
+GREYS = [INK, "#9a9a9a"]
+GREY_MARKS = ["s", "o", "D", "^", "v", "X"]
 SHADE = "#ececec"
 DEFORMATION = "displacement_deformation"
 NAMES = ["error_bars", "error_time", "convergence", "simplified_error", "error_count", "frontier"]
 
 
 def read_styles(sections):
-    """Colour and mark of each label, the same in every chart; methods of the reference's kind are black and grey squares."""
+    """Colour and mark of each label, the same in every chart; methods of the reference's kind are black and grey, squares first."""
     styles, place, greys = {}, 0, 0
     kinds = {row.label: row.is_reference_kind for section in sections for row in section.rows}
     for label, is_reference_kind in kinds.items():
         if is_reference_kind:
-            styles[label] = ((INK, "#9a9a9a")[greys % 2], "s")
+            styles[label] = (GREYS[greys % len(GREYS)], GREY_MARKS[greys // len(GREYS) % len(GREY_MARKS)])
             greys += 1
             continue
         # After one round of colours and marks the colours go on with other marks.

@@ -1,6 +1,6 @@
 """What a contest of displacements has for the page of its run."""
 
-from deform import counts, element_steps, frontier, targets
+from deform import counts, element_steps, frontier, soonest, targets
 from deform.deform import COARSE, ERRORS, MAIN, MARGIN, TIMES, problem_of, root_mean_square, sweep_of
 from deform.deform_tables import TITLES, reference_text, set_rows, setting_text
 from shared.page_parts import BAD, GOOD, OPEN, PLAIN, Axis, Body, Chart, Column, Field, PageParts, Section, Table
@@ -20,18 +20,6 @@ def milliseconds(value):
 
 
 # --- The verdict --------------------------------------------------------------------------------------------------------
-
-
-def frontier_sentence(run, scenes):
-    """Which family is the fastest at the first of the plan's errors, over the scenes."""
-    rows = [row for row in frontier.equal_error_rows(run, scenes) if row["times"]]
-    if not rows:
-        return "No model came within an error that the plan names."
-    work, error = rows[0]["work"], rows[0]["error"]
-    own = [row for row in rows if row["work"] == work and row["error"] == error]
-    best = max(own, key=lambda row: (len(row["times"]), -frontier.median([point.works[work].median for point in row["times"].values()])))
-    return (f"At an error of at most {100 * error:g}% the {dict(frontier.WORKS)[work]} comes soonest from {best['family']}: "
-            f"{frontier.family_cell(best)} over {best['scenes']} scene{'s' if best['scenes'] > 1 else ''}.")
 
 
 def targets_sentence(outcomes):
@@ -64,7 +52,7 @@ def verdict_of(run, sections, points, outcomes):
     if outcomes:
         states = {outcome.state for outcome in outcomes}
         return targets_sentence(outcomes), STATES[next(state for state in (targets.MISSED, targets.OPEN, targets.MET) if state in states)]
-    return (frontier_sentence(run, points) if points else best_sentence(sections)), PLAIN
+    return (soonest.sentence(run, points) if points else best_sentence(sections)), PLAIN
 
 
 # --- Charts -------------------------------------------------------------------------------------------------------------

@@ -49,6 +49,10 @@ class Case:
         return self.told(name) if value is None else value
 
     @property
+    def is_accepted(self):
+        return self.record.get("outcome") == "accepted"
+
+    @property
     def threads(self):
         found = self.chosen("engine_threads")
         return found if is_number(found) else None

@@ -291,7 +291,7 @@ def draw_distribution(cases, folder):
         ax.set_title(setting_text(setting), loc="left", color=INK)
         ax.set_xlabel("time of a tick in ms")
         ax.grid(axis="both")
-        ax.legend(fontsize=6, title="vertices", title_fontsize=6, loc="best")
+        ax.legend(fontsize=6, title="vertices", title_fontsize=6, loc="upper left", bbox_to_anchor=(0.0, -0.18), ncol=1 if several else 4)  # curves may be anywhere inside
     for row in grid:
         row[0].set_ylabel("share of ticks that take longer")
     lay_out(fig)

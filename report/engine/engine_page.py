@@ -39,21 +39,22 @@ def ticks_sentence(found):
 
 
 def replay_sentence(found):
-    returned = [(case, each) for case in found.replays for each in returns_of(case) if figure(each, "error") is not None]
+    accepted = [case for case in found.replays if case.is_accepted]
+    returned = [(case, each) for case in accepted for each in returns_of(case) if figure(each, "error") is not None]
     if not returned:
-        return f"{len(found.replays)} motions were replayed; none of them came to a return."
+        return f"{len(accepted)} of {len(found.replays)} replayed motions were accepted; none of them came to a return."
     case, worst = max(returned, key=lambda pair: figure(pair[1], "error"))
-    margins = [case.number("stability_margin") for case in found.replays if case.number("stability_margin") is not None]
+    margins = [case.number("stability_margin") for case in accepted if case.number("stability_margin") is not None]
     text = f"Of {len(returned)} returns to rest the worst keeps {100 * figure(worst, 'error'):.3g}% of where it was let go ({case.scene}, {case.label})"
-    return text + (f"; the stable step is at least {min(margins):.3g} times the step." if margins else ".")
+    return text + (f"; the stable step of the replays is at least {min(margins):.3g} times their step." if margins else ".")
 
 
 def rest_sentence(found):
-    margins = [(case.number("stability_margin"), case) for case in found.rests if case.number("stability_margin") is not None]
+    margins = [(case.number("stability_margin"), case) for case in found.rests if case.is_accepted and case.number("stability_margin") is not None]
     if not margins:
         return f"{len(found.rests)} bodies at rest, none of them with a stable step."
     least, case = min(margins, key=lambda pair: pair[0])
-    return f"The stable step is at least {least:.3g} times the step ({case.scene}, {case.label})."
+    return f"The stable step of bodies at rest is at least {least:.3g} times the step ({case.scene}, {case.label})."
 
 
 def verdict_of(found):
@@ -89,7 +90,9 @@ def tick_chart(found):
     deadline = next((value for case in found.ticks if (value := figure(case.record, "report", "tick_s")) is not None), None)
     if not rows:
         return None
+    scenes = {name: {row["scene"] for row in rows if row["name"] == name} for name in {row["name"] for row in rows}}
     for row in rows:
+        row["name"] += f", {row['scene']}" if len(scenes[row["name"]]) > 1 else ""
         row["how"] = {"median": "median tick", "none missed": "worst tick"}.get(row["how"], f"{row['how']} of the ticks")
     note = "" if deadline is None else f"A tick is in time below {MILLI * deadline:g} ms."
     return Chart("Time of a tick", "lines", Axis("vertices", "vertices", "", True), Axis("time", "time of a tick", "ms", True, MILLI), rows, series="name", facet="how",
@@ -97,12 +100,13 @@ def tick_chart(found):
 
 
 def margin_chart(found):
-    rows = [{"name": f"{case.scene}, {case.label}", "vertices": case.vertices, "margin": case.number("stability_margin"), "case": case.record.get("case")}
+    rows = [{"name": f"{case.scene}, {case.label}", "vertices": case.vertices, "margin": case.number("stability_margin"), "hollow": not case.is_accepted,
+             "note": case.note, "case": case.record.get("case")}
             for case in [*found.rests, *found.replays] if case.vertices and case.number("stability_margin") is not None]
     if not rows:
         return None
     return Chart("Longest stable step over the step", "ranges", Axis("margin", "longest stable step over step"), Axis("name", "body"), rows, series="name",
-                 shown=[Axis("vertices", "vertices")], marks=[{"value": 1.0, "title": "unstable to the left"}])
+                 shown=[Axis("vertices", "vertices")], marks=[{"value": 1.0, "title": "unstable to the left"}], note="Hollow: rejected.")
 
 
 # --- Tables -------------------------------------------------------------------------------------------------------------

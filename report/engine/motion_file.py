@@ -2,12 +2,13 @@
 
 from shared.records import BadRun
 from shared.run_file import are_numbers, is_number, read_object
+from shared.run_meshes import is_left_behind
 
 
 def read_motion(run, case):
     """{"columns", "rows", "frames"} that a case left, or None; what cannot be read is noted, and so is what is no motion."""
     name = case.record.get("mesh_file")
-    if not isinstance(name, str):
+    if not isinstance(name, str) or is_left_behind(run, name):
         return None
     try:
         from shared.mesh_view import inside  # needs numpy

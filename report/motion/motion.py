@@ -150,10 +150,10 @@ def mark_rows(section):
             row.marks[measure.name] = ""
             if value is None or measure.name in UNMARKED:
                 continue
-            if len(sizes) > 1 and abs(value) == min(sizes):
-                row.marks[measure.name] += BEST
             if own is None or abs(value) < MARGIN * own:
-                row.marks[measure.name] += COARSE
+                row.marks[measure.name] = COARSE
+            elif len(sizes) > 1 and abs(value) == min(sizes):
+                row.marks[measure.name] = BEST
 
 
 def read_sections(run):

@@ -6,34 +6,52 @@ from shared.page_parts import BAD, OPEN, PLAIN, Axis, Body, Chart, Column, PageP
 from shared.records import BadRun, median
 from shared.run_file import are_numbers, is_number, read_object
 from shared.run_meshes import mesh_beside, quality_field
+from shared.tables import joined
 
 MOST_POINTS = 160  # of one history
 SIGNALS = [("probe_1_", "_m", 1e3, "displacement of the probe", "mm"), ("tool_", "_n", 1.0, "force of the tool", "N")]
 MAIN = "probe_l2"
+MOST_NEAR = 4  # labels that a verdict names
 
 
 def percent(measure, value):
     return None if value is None else measure.scale * value
 
 
+def nearest_text(errors, untold, over):
+    """Who is nearest, and whether the reference can tell: not if it is within its own error on a problem. `untold` are the labels that are so."""
+    text_of = lambda label: f"{100 * median(errors[label]):.3g}%"
+    told = {label: text_of(label) for label in errors if label not in untold}
+    best, worst = (choose(errors, key=lambda label: median(errors[label])) for choose in (min, max))
+    off = lambda labels: f"{joined(labels)}{' alike' if len(labels) > 1 else ''}: {'their' if len(labels) > 1 else 'its'} probe is off by {text_of(labels[0])} (median)"
+    if best not in untold:
+        text = f"Nearest to elastodynamics over {over} is {off([label for label, said in told.items() if said == told[best]])}"
+        return text + (f", where {worst} is off by {text_of(worst)}" if text_of(worst) != text_of(best) else ""), True
+    near = sorted(untold, key=lambda label: median(errors[label]))
+    shown = joined([*(f"{label} ({text_of(label)})" for label in near[:MOST_NEAR]), *([f"{len(near) - MOST_NEAR} more"] if len(near) > MOST_NEAR else [])])
+    text = f"The reference cannot tell who is nearest to elastodynamics over {over}: {shown} {'are' if len(near) > 1 else 'is'} within {MARGIN:g} times its own error"
+    if not told:
+        return text, False
+    first = min(told, key=lambda label: median(errors[label]))
+    return f"{text}; of what it tells apart the nearest is {off([label for label, said in told.items() if said == told[first]])}", False
+
+
 def verdict_of(sections):
-    """The label whose probe is nearest to the reference's over all problems that it finished."""
-    errors, silent = {}, 0
+    """Whose probe is nearest to the reference's, of the labels that finished most problems; or that the reference cannot tell."""
+    errors, silent, untold = {}, 0, set()
     for section in sections:
         for row in section.rows:
             if row.values[MAIN] is None:
                 silent += 1
             else:
                 errors.setdefault(row.label, []).append(row.values[MAIN])
+                untold |= {row.label} if COARSE in row.marks.get(MAIN, "") else set()
     if not errors:
         return "No motion could be held against the reference.", BAD
     most = max(map(len, errors.values()))
     full = {label: values for label, values in errors.items() if len(values) == most}
-    best, worst = (choose(full, key=lambda label: median(full[label])) for choose in (min, max))
-    over = f"{most} problem{'s' if most > 1 else ''}"
-    text = f"Nearest to elastodynamics over {over} is {best}: its probe is off by {100 * median(full[best]):.3g}% (median)"
-    text += f", where {worst} is off by {100 * median(full[worst]):.3g}%" if worst != best else ""
-    return text + (f"; {silent} answer{'s' if silent > 1 else ''} could not be judged." if silent else "."), OPEN if silent else PLAIN
+    text, is_told = nearest_text(full, untold & set(full), f"{most} problem{'s' if most > 1 else ''}")
+    return text + (f"; {silent} answer{'s' if silent > 1 else ''} could not be judged." if silent else "."), PLAIN if is_told and not silent else OPEN
 
 
 def cases_of(run):

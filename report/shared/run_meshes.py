@@ -1,10 +1,21 @@
 """The meshes that a run's folder keeps, as bodies for the page. What is not there, or cannot be read, is noted and left out."""
 
+import pathlib
+
 from shared.page_parts import Body, Field
 from shared.run_file import BadRun, read_text
 
 
 MOST_FIELD_BYTES = 256 * 2**20  # of the displacement of each vertex
+
+
+def is_left_behind(run, name):
+    """Whether the run's folder has nothing at all of a kind of file ("meshes", "motions"), as an archive does not; noted once."""
+    kind = pathlib.PurePath(name).parts[0] if name else ""
+    if not kind or (run.folder / kind).exists():
+        return False
+    run.note(f"no {kind} are drawn: the run's folder has none, as they do not travel with an archive")
+    return True
 
 
 def mesh_beside(run, name):

@@ -96,16 +96,15 @@ def work_out_timing(group):
     plain = [record for record in answers if not record.get("searched")] or answers  # a search counts into both
     wall = figures_of(plain, "wall_s")
     memory = figures_of(plain, "peak_rss_bytes")
-    rates, removed = [], {}
+    removed = {}
     for record in answers:
-        report, seconds = record.get("report"), figure(record, "kernel_s")
-        if not isinstance(report, dict) or seconds is None or seconds <= 0:
+        report = record.get("report")
+        if not isinstance(report, dict):
             continue
         if id(report) not in removed:  # repeats share theirs; it is kept, so that its id stays its own
             before, after = figure(report, "tets_in"), figure(report, "tets_out")
             removed[id(report)] = (None if None in (before, after) else before - after, report)
-        if removed[id(report)][0] is not None:
-            rates.append(removed[id(report)][0] / seconds)
+    tets, seconds = median(present(count for count, _ in removed.values())), median(timed_units(answers)[0])
     loads = load.loads_of(group)
     units, over = timed_units(answers)
     interval = median_interval(units)
@@ -113,13 +112,19 @@ def work_out_timing(group):
             "kernel_q1_s": quantile(kernel, 0.25), "kernel_q3_s": quantile(kernel, 0.75), "kernel_median_low_s": interval and interval.low,
             "kernel_median_high_s": interval and interval.high, "interval_covers": interval and interval.coverage,
             "interval_kind": f"{interval.kind} {over}" if interval else "none: one value", "wall_median_s": median(wall), "peak_rss_max_bytes": max(memory, default=None),
-            "tets_removed_per_s": median(rates), "load_1min_max": max(present(one.load_1min for one in loads), default=None),
+            "tets_removed_per_s": tets / seconds if tets is not None and seconds else None, "load_1min_max": max(present(one.load_1min for one in loads), default=None),
             "others_share": load.share_of(loads)}
 
 
 TIMING_FIGURES = ["n", "kernel_median_s", "kernel_min_s", "kernel_max_s", "kernel_q1_s", "kernel_q3_s",
                   "kernel_median_low_s", "kernel_median_high_s", "interval_covers", "interval_kind", "wall_median_s",
                   "peak_rss_max_bytes", "tets_removed_per_s", "load_1min_max", "others_share"]
+
+
+def compares_times(run):
+    """Whether the run has the repeats and the warm-up that times are compared by; one that does not say is taken to."""
+    repeats, warmup = figure(run.provenance, "repeats"), figure(run.provenance, "warmup")
+    return (repeats is None or repeats >= LEAST_REPEATS) and (warmup is None or warmup >= 1)
 
 
 def timing_rows(run):
@@ -273,6 +278,8 @@ def interval_text(timing):
     return [f"[{ends[0]}, {ends[1]}]", percent(timing["interval_covers"])]
 
 
+LEAST_REPEATS = 9  # from which on times are compared
+WORDY = ("", "note")  # heads of last columns of words
 TIMING_TITLE = ("Time of accepted answers: median, [its interval by order statistics], and the chance that such an interval holds the "
                 "true median\n(95% takes 6 repeats; of a label with seeds it is over the seeds)")
 
@@ -317,9 +324,18 @@ def percent_text(value):
     return f"{percent:.1e}" if abs(percent) >= 1e5 or abs(percent) < 1e-3 else text
 
 
+def joined(names):
+    """"a", "a and b", "a, b and c"."""
+    names = list(names)
+    return " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else "".join(names)
+
+
 def pad_columns(lines):
-    """Aligned text of lines that are lists (cells) or texts; the first cell and the last are to the left."""
+    """Aligned text of lines that are lists (cells) or texts; the first cell is to the left, and so is the last if it holds words (notes)."""
     rows = [line for line in lines if isinstance(line, list)]
+    if rows[0][-1] not in WORDY:
+        lines = [[*line, ""] if isinstance(line, list) else line for line in lines]
+        rows = [line for line in lines if isinstance(line, list)]
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]) - 1)]
     out = []
     for line in lines:

@@ -13,6 +13,8 @@ RULER = re.compile(r"-+(  -+)+$")
 LEAST = 40  # columns: no terminal is taken as narrower
 LEAST_NOTE = 24  # columns that a column of words is worth having
 INDENT = "    "
+DIGITS = "0123456789+-"
+MOST_NAMES = 5  # columns
 
 
 def width():
@@ -83,10 +85,10 @@ def fold_table(lines, most):
     if max(map(len, lines)) <= most:
         return lines
     spans = spans_of(lines)
-    names = count_names(lines, spans)
+    names = count_names(lines, spans, most)
     out, rows = [], []
     for line in lines[2:]:
-        if is_row(line, spans):
+        if is_row(line, spans) and (rows or len(cells_of(line, spans)) > 1):  # a short title lies below the first column alone
             rows.append(line)
             continue
         out += fold_rows(lines, rows, spans, names, most)
@@ -95,15 +97,19 @@ def fold_table(lines, most):
     return out + fold_rows(lines, rows, spans, names, most)
 
 
-def count_names(lines, spans):
-    """How many of the first columns name the row: those to the left, two at most."""
+def count_names(lines, spans, most):
+    """How many of the first columns name the row: those of words, two at most; and as many more as tell the rows apart, where there is room."""
+    rows = [line for line in lines[2:] if is_row(line, spans)]
     count = 0
     for start, end in spans[:min(2, len(spans) - 1)]:
-        cells = [line[start:end] for line in lines[2:] if is_row(line, spans)]
-        if any(cell.strip() and (cell[:1] == " " or cell[:1] in "0123456789+-") for cell in cells):
+        if any(line[start:end].strip()[:1] in DIGITS for line in rows if line[start:end].strip()):
             break
         count += 1
-    return max(1, count)
+    count = max(1, count)
+    for more in range(count, min(MOST_NAMES, len(spans) - 1) + 1):
+        if spans[more - 1][1] <= most // 2 and len({line[:spans[more - 1][1]] for line in rows}) == len(rows):
+            return more
+    return count
 
 
 def fold_rows(lines, rows, spans, names, most):

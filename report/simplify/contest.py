@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from shared.equal_count import asked_tets, is_at_equal_count, tolerance_of
 from shared.records import figure, median
-from shared.tables import first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
+from shared.tables import compares_times, first_reason, outcome_text, seconds_text, timing_of, write_atomically, write_csv
 from simplify.verdict import read_claim
 
 RANKED, OTHER_COUNT, REJECTED, NONE = "ranked", "other count", "rejected", "no answer"
@@ -158,10 +158,10 @@ def set_apart(standings, tolerance):
         standing.note = "; ".join(text for text in ("a count of its own", standing.note) if text)
 
 
-def mark_best(standings):
+def mark_best(standings, with_times=True):
     """Marks the best of each column among the ranked, and the best that keeps the boundary where no best does."""
     ranked = [standing for standing in standings if standing.state == RANKED]
-    for column in COLUMNS:
+    for column in COLUMNS if with_times else [column for column in COLUMNS if column.form != "time"]:
         for mark, field_ in ((BEST, ranked), (BEST_KEPT, [standing for standing in ranked if standing.keeps_boundary])):
             values = [standing.values[column.name] for standing in field_ if standing.values[column.name] is not None]
             if not column.sign or not values:
@@ -191,7 +191,7 @@ def read_sections(run):
             if asked is None:
                 set_apart(standings, tolerance_of(run))
             standings.sort(key=order_of)
-            mark_best(standings)
+            mark_best(standings, compares_times(run))
             sections.append(Section(mesh, sweep, asked, standings))
     return sections
 

@@ -17,6 +17,7 @@ from shared.chart_style import FAINT, INK, file_name, save
 from shared.mesh_file import outer_faces, qualities, read_mesh
 from shared.mesh_view import choose_view, inside, shade_front
 from shared.records import BadRun, figure
+from shared.run_meshes import is_left_behind
 from simplify.contest import NONE, RANKED, REJECTED, section_title
 
 COLUMNS = 4
@@ -89,7 +90,7 @@ def panels_of(run, section):
                 for standing in section.standings if standing.state != NONE]
     panels = []
     for title, text, record in entries:
-        if not isinstance(record.get("mesh_file"), str):
+        if not isinstance(record.get("mesh_file"), str) or is_left_behind(run, record["mesh_file"]):
             continue
         try:
             mesh = read_mesh(inside(run.folder, record["mesh_file"]))

@@ -6,7 +6,7 @@ from shared.measure_text import TITLES
 from shared.records import BUCKETS, figure, median, shares_of
 from shared.run_meshes import mesh_body
 from shared.tables import VALIDITY_FIGURES, outcome_text, timing_of, validity_rows
-from simplify import comparisons, contest, verdict
+from simplify import comparisons, contest, leading, verdict
 
 STATES = {verdict.REPRODUCES: GOOD, verdict.SIGN_ONLY: OPEN, verdict.DOES_NOT: BAD, verdict.OPEN: OPEN, verdict.UNDECIDED: OPEN}
 QUALITY = [("percent_above_0_5", Column("above 0.5", "%")), ("percent_above_0_6", Column("above 0.6", "%")), ("mean_quality", Column("mean quality")),
@@ -20,32 +20,17 @@ def claim_sentence(claim, verdicts):
     if not decided:
         return verdict.overall_sentence(claim, verdicts)
     low, high = min(each.difference for each in decided), max(each.difference for each in decided)
-    span = verdict.signed(low, claim.unit) if low == high else f"{low:+.2f} to {verdict.signed(high, claim.unit)}"
+    span = claim.signed(low) if low == high else f"{claim.text_of(low, '+')} to {claim.signed(high)}"
     over = f"{len(decided)} mesh{'es' if len(decided) > 1 else ''}"
     outcome = verdict.overall(verdicts)
     text = (f"The claim {'is ' if outcome == verdict.OPEN else ''}{outcome}: {claim.better} against {claim.than} has {span} "
             f"in {TITLES.get(claim.measure, claim.measure)} over {over}")
     if claim.published_difference is not None:
-        text += f", where {verdict.signed(claim.published_difference, claim.unit)} was published"
+        text += f", where {claim.signed(claim.published_difference)} was published"
     ranked = [each for each in decided if each.spread]
     if ranked:
         text += (f", and {sum(each.as_good for each in ranked)} of {sum(len(each.spread) for each in ranked)} answers of {claim.spread} are at least as good")
     return text + "."
-
-
-def best_sentence(run):
-    """Which label has the most tetrahedra above 0.5, mesh by mesh."""
-    best = {}
-    for mesh in run.meshes():
-        values = {group.name: median(group.figures("judge", "percent_above_0_5")) for group in run.of_mesh(mesh)}
-        values = {name: value for name, value in values.items() if value is not None}
-        if values:
-            name = max(values, key=values.get)
-            best.setdefault(name, []).append((mesh, values[name]))
-    if not best:
-        return "No answer was accepted, so there is nothing to compare."
-    said = "; ".join(f"{name} on {', '.join(f'{mesh} ({value:.1f}%)' for mesh, value in where)}" for name, where in best.items())
-    return f"Most tetrahedra above a quality of 0.5: {said}."
 
 
 def verdict_of(run, claim, found):
@@ -58,7 +43,7 @@ def verdict_of(run, claim, found):
         states = {finding.verdict for row in found.comparisons for finding in row.findings}
         state = BAD if comparisons.SHORT in states else OPEN if states & {comparisons.OPEN, comparisons.SCATTERS} else GOOD
         return " ".join(lines), state
-    return best_sentence(run), PLAIN
+    return leading.sentence(run, found.scaling), PLAIN
 
 
 # --- Charts -------------------------------------------------------------------------------------------------------------
@@ -94,7 +79,7 @@ def measure_chart(run, claim):
     for group in run.groups:
         values = verdict.values_of(group, measure)
         if values:
-            rows.append({"name": group.name, "mesh": group.mesh, "value": median(values), "value_low": min(values), "value_high": max(values),
+            rows.append({"name": group.name, "label": group.label, "mesh": group.mesh, "value": median(values), "value_low": min(values), "value_high": max(values),
                          "seeds": len(values), "hollow": bool(group.count_note), "note": group.count_note, "case": group.records[0].get("case")})
     if not rows:
         return None
@@ -106,7 +91,7 @@ def measure_chart(run, claim):
     unit = "%" if measure.startswith("percent") else ""
     return Chart("Tetrahedra above a quality of 0.5" if measure == "percent_above_0_5" else title, "ranges",
                  Axis("value", "tetrahedra above 0.5" if measure == "percent_above_0_5" else title, unit), Axis("name", "label"), rows,
-                 series="name", facet="mesh", shown=[Axis("seeds", "values")], marks=marks, drawn="overview",
+                 series="label", facet="mesh", shown=[Axis("seeds", "values")], marks=marks, drawn="overview",
                  note="Median; line: least and greatest over seeds. Hollow: at another count, not to be compared.")
 
 
@@ -115,13 +100,13 @@ def timing_chart(run):
     for group in run.groups:
         timing = timing_of(group)
         if timing and timing["kernel_median_s"]:
-            rows.append({"name": group.name, "mesh": group.mesh, "time": timing["kernel_median_s"], "time_low": timing["kernel_median_low_s"],
+            rows.append({"name": group.name, "label": group.label, "mesh": group.mesh, "time": timing["kernel_median_s"], "time_low": timing["kernel_median_low_s"],
                          "time_high": timing["kernel_median_high_s"], "n": timing["n"], "rate": timing["tets_removed_per_s"],
                          "covers": timing["interval_covers"], "hollow": bool(group.count_note), "note": group.count_note,
                          "case": group.records[0].get("case")})
     if not rows:
         return None
-    return Chart("Time of the methods", "ranges", Axis("time", "time of the method", "ms", True, 1000.0), Axis("name", "label"), rows, series="name", facet="mesh",
+    return Chart("Time of the methods", "ranges", Axis("time", "time of the method", "ms", True, 1000.0), Axis("name", "label"), rows, series="label", facet="mesh",
                  shown=[Axis("n", "repeats"), Axis("covers", "the interval covers", "%", factor=100.0), Axis("rate", "tetrahedra removed a second")],
                  drawn="timing", note="Median over accepted repeats, with its interval by order statistics.")
 

@@ -7,8 +7,9 @@ random orders) that are at least as good as b:
   reproduces               b is better than t, by at least half of the published difference, and better than random orders:
                            (k + 1) / (n + 1) is at most 5%
   reproduces in sign only  the same, but the difference is less than half of the published one
-  does not reproduce       b is no better than t; or more than 5% of all random orders are at least as good, for certain: the lower
-                           end of Clopper and Pearson's 95% interval of that share, from k of n, is above 5%
+  does not reproduce       b is no better than t, or by less than the last digit that is shown; or more than 5% of all random orders are
+                           at least as good, for certain: the lower end of Clopper and Pearson's 95% interval of that share, from
+                           k of n, is above 5%
   open                     neither: too few seeds (19 are the least that can show it), or a share that is near 5%; or t has several
                            values, and the interval of its median (intervals.py) holds b
   cannot be decided        there is no accepted answer of `better` or `than`, or none of `spread` where the claim has one;
@@ -33,6 +34,7 @@ from typing import Optional
 
 from shared.equal_count import equal_cases, is_equal, tets_of, tolerance_of
 from shared.intervals import is_share_above, rank_chance, share_interval, span_of
+from shared.measure_text import DIGITS
 from shared.records import figure, median, present
 from shared.tables import align, outcome_text, write_atomically, write_csv
 
@@ -41,6 +43,7 @@ SIGN_ONLY = "reproduces in sign only"
 DOES_NOT = "does not reproduce"
 OPEN = "open"
 UNDECIDED = "cannot be decided"
+TIE = "a tie, the difference is below the last digit that is shown"
 LEAST_SHARE = 0.5  # of the published difference
 RANDOM_SHARE = 0.05  # of the random orders may be at least as good
 
@@ -67,6 +70,19 @@ class Claim:
     def sign(self):
         """+1 if the published side is the higher one (or nothing is published), -1 if the lower."""
         return -1 if (self.published_difference or 0) < 0 else 1
+
+    def text_of(self, value, form=""):
+        """A figure of the measure, or with the form "+" a difference, as it is shown."""
+        digits = DIGITS.get(self.measure)
+        return f"{value:{form}.4g}" if digits is None else f"{value:{form}.{digits}f}"
+
+    def signed(self, value):
+        return self.text_of(value, "+") + (f" {self.unit}" if self.unit else "")
+
+    def is_tie(self, one, other):
+        """Whether two figures differ by less than the last digit that is shown."""
+        digits = DIGITS.get(self.measure)
+        return one == other if digits is None else round(abs(one - other), digits) == 0
 
     @property
     def unit(self):
@@ -132,6 +148,8 @@ def least_difference(claim, better, than):
 
 def decide(claim, better, than, spread):
     """The verdict on one mesh from the median of `better` and the values of the others, and why it is open."""
+    if claim.is_tie(better, median(than)):
+        return DOES_NOT, TIE
     least, most = least_difference(claim, better, than)
     ranked = rank_state(count_as_good(claim, better, spread), len(spread)) if spread else REPRODUCES
     if most <= 0 or ranked == DOES_NOT:
@@ -205,17 +223,11 @@ def overall(verdicts):
 # --- In words -----------------------------------------------------------------------------------------------------------
 
 
-def signed(value, unit):
-    return f"{value:+.2f}" + (f" {unit}" if unit else "")
-
-
-def spread_text(values):
-    if not values:
-        return ""
-    if len(values) == 1:
-        return f"{values[0]:.2f}"
-    return (f"{statistics.fmean(values):.2f} +- {statistics.stdev(values):.2f} (mean, sd), "
-            f"{min(values):.2f} to {max(values):.2f} over {len(values)} seeds")
+def spread_text(claim, values):
+    if len(values) < 2:
+        return "".join(map(claim.text_of, values))
+    return (f"{claim.text_of(statistics.fmean(values))} +- {claim.text_of(statistics.stdev(values))} (mean, sd), "
+            f"{claim.text_of(min(values))} to {claim.text_of(max(values))} over {len(values)} seeds")
 
 
 def mesh_sentence(claim, verdict):
@@ -224,10 +236,10 @@ def mesh_sentence(claim, verdict):
     if verdict.verdict == UNDECIDED:
         return f"{name}: {UNDECIDED}: {verdict.reason}."
     left = ["" if tets is None else f" ({tets:.0f} tets)" for tets in (verdict.better_tets, verdict.than_tets)]
-    text = (f"{name}: {claim.better} {verdict.better:.2f}{left[0]}, {claim.than} {verdict.than:.2f}{left[1]}: "
-            f"{signed(verdict.difference, claim.unit)}")
+    text = (f"{name}: {claim.better} {claim.text_of(verdict.better)}{left[0]}, {claim.than} {claim.text_of(verdict.than)}{left[1]}: "
+            f"{claim.signed(verdict.difference)}")
     if claim.spread:
-        text += f"; {claim.spread} {spread_text(verdict.spread)}"
+        text += f"; {claim.spread} {spread_text(claim, verdict.spread)}"
         text += f" ({verdict.left_out} at another count left out)" if verdict.left_out else ""
         text += f", {verdict.as_good} of them at least as good ({ranks_text([verdict])})"
     return f"{text}. {verdict.verdict.capitalize()}{': ' if verdict.reason else ''}{verdict.reason}."
@@ -252,10 +264,10 @@ def overall_sentence(claim, verdicts):
     said = ", ".join(f"{'is ' if outcome == OPEN else ''}{outcome} on {count}" for outcome, count in counts.items())
     published = ""
     if claim.published_difference is not None:
-        published = (f"Published: {claim.published_better:.2f} against {claim.published_than:.2f} "
-                     f"({signed(claim.published_difference, claim.unit)}). ")
+        published = (f"Published: {claim.text_of(claim.published_better)} against {claim.text_of(claim.published_than)} "
+                     f"({claim.signed(claim.published_difference)}). ")
     differences = [verdict.difference for verdict in decided]
-    measured = (f"Measured: {signed(min(differences), claim.unit)} to {signed(max(differences), claim.unit)} over "
+    measured = (f"Measured: {claim.signed(min(differences))} to {claim.signed(max(differences))} over "
                 f"{len(decided)} {'mesh' if len(decided) == 1 else 'meshes'}; the claim {said}. ")
     ranked = [verdict for verdict in decided if verdict.spread]
     if len(ranked) > 1:
@@ -346,7 +358,7 @@ def variant_summary(run, claim):
     for mesh, label, sweep, outcome, _, note, _, _, change, _ in variant_rows(run, claim):
         name = f"{label} ({sweep})" if sweep else label
         text = note if change is None and note else outcome
-        table.setdefault(name, {})[mesh] = (change, text if change is None else f"{change:+.2f}")
+        table.setdefault(name, {})[mesh] = (change, text if change is None else claim.text_of(change, "+"))
     if not table:
         return ""
 

@@ -9,6 +9,7 @@ SHORT = {"steady": "steady", "oscillating": "moves", "energy_growing": "grows", 
          "non_finite": "no number", "too_slow": "too slow", "growing_slowly": "grows slowly"}
 WORST_FIRST = ["too_slow", "non_finite", "diverged", "energy_growing", "growing_slowly", "inverted", "oscillating", "steady"]
 NO_ANSWER = "no answer"
+GIVEN_UP = "too_slow"  # no ending: how it would have ended is not known
 # What the judge alone says; all else of a case is what the contestant reports.
 JUDGED = ["measured_step_s", "measured_over_predicted", "row_sum_over_measured", "min_dihedral_deg"]
 AGREEMENT = 0.02
@@ -38,6 +39,10 @@ class Case:
     @property
     def measures(self):
         return self.options.get("task", "measure") == "measure"
+
+    @property
+    def is_accepted(self):
+        return self.outcome == "accepted"
 
     @property
     def is_large(self):
@@ -110,7 +115,7 @@ def agreement_rows(cases):
     """Per integrator: cases of small motions with both steps, their ratio, its worst, and the row sums' share."""
     rows = []
     for label in dict.fromkeys(case.label for case in cases):
-        own = [case for case in cases if case.label == label and case.measures and not case.is_large]
+        own = [case for case in cases if case.label == label and case.is_accepted and case.measures and not case.is_large]
         ratios = [(case.number("measured_over_predicted"), case) for case in own if case.number("measured_over_predicted") is not None]
         shares = [share for share in (case.number("row_sum_over_measured") for case in own) if share]
         if not own:
@@ -165,16 +170,20 @@ def failure_text(cases):
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in lines)
 
 
+def endings_of(case):
+    """How the runs of an accepted case ended: of a measurement those beyond the measured step."""
+    return [entry.get("outcome") for entry in (case.runs[1:] if case.measures else case.runs)] if case.is_accepted else []
+
+
 def endings_text(cases):
-    """How often each integrator ended how, over all runs beyond the measured step and all single runs."""
+    """How often each integrator ended how, over the accepted cases; and how many cases were not accepted."""
     labels = list(dict.fromkeys(case.label for case in cases))
-    lines = [["integrator", "runs", *(SHORT[ending] for ending in reversed(WORST_FIRST)), NO_ANSWER]]
+    names = [ending for ending in reversed(WORST_FIRST) if ending != GIVEN_UP]
+    lines = [["integrator", "runs", *(SHORT[ending] for ending in names), "not accepted"]]
     for label in labels:
         own = [case for case in cases if case.label == label]
-        endings = [entry.get("outcome") for case in own for entry in (case.runs[1:] if case.measures else case.runs)]
-        endings += ["too_slow" if case.ending == "too_slow" else NO_ANSWER for case in own if not case.runs]
-        lines.append([plain_label(label), str(len(endings)), *(str(endings.count(ending)) for ending in reversed(WORST_FIRST)),
-                      str(endings.count(NO_ANSWER))])
+        endings = [ending for case in own for ending in endings_of(case)]
+        lines.append([plain_label(label), str(len(endings)), *(str(endings.count(ending)) for ending in names), str(sum(not case.is_accepted for case in own))])
     return pad_columns(lines)
 
 
@@ -186,7 +195,7 @@ def trouble_lines(cases):
 def summary_text(cases):
     parts = [f"Extremes: {len(cases)} cases, {sum(case.outcome == 'accepted' for case in cases)} accepted",
              "Longest stable step of small motions, measured over predicted; row sums over measured:\n" + agreement_text(agreement_rows(cases)),
-             "How runs ended (of measurements those at 1.02, 2 and 10 times the measured step):\n" + endings_text(cases)]
+             "How runs of accepted cases ended (of measurements those at 1.02, 2 and 10 times the measured step):\n" + endings_text(cases)]
     trouble = trouble_lines(cases)
     if trouble:
         parts.append("Not accepted:\n" + "\n".join(trouble[:40]) + (f"\n... and {len(trouble) - 40} more" if len(trouble) > 40 else ""))

@@ -140,7 +140,7 @@ def draw_shrinkage(cases, folder):
 
 def draw_agreement(cases, folder):
     points = [(case.number("measured_over_predicted"), case) for case in cases
-              if case.measures and not case.is_large and case.number("measured_over_predicted") is not None]
+              if case.is_accepted and case.measures and not case.is_large and case.number("measured_over_predicted") is not None]
     if not points:
         return []
     extremes = list(dict.fromkeys(case.extreme for _, case in points))

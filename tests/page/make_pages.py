@@ -73,6 +73,17 @@ def make_contest(folder):
     synthetic.write_run(folder, lines, synthetic.CONTEST)
 
 
+def make_long_names(folder):
+    """A contest whose labels and meshes have long names, at two counts; the fewer tetrahedra the fewer labels."""
+    labels = [("refined_with_a_rather_long_label", 81.0, 0.002), ("cgal_1_iteration_with_a_bound_of_half_a_millimetre", 80.0, 2.5), ("another label of several words that goes on", 82.5, 300.0)]
+    lines = []
+    for mesh in ("kidney", "a_mesh_with_a_rather_long_name_too", "bean"):
+        lines.append(synthetic.input_record(mesh, 70))
+        for ratio in (0.5, 0.22):
+            lines += [synthetic.answer(label, percent, ratio, mesh=mesh, kernel_s=seconds) for label, percent, seconds in labels[ratio < 0.3:]]
+    synthetic.write_run(folder, lines, synthetic.CONTEST | {"meshes": [{"name": "kidney"}], "comparisons": []})
+
+
 def make_deform(folder):
     points, tets = block((10, 2, 2), 0.1)
     lines, scenes = [], ("bar_tension", "kidney_gravity")
@@ -150,6 +161,7 @@ def make_histograms(folder):
 def make_stability(folder):
     test = stability_test
     lines = [test.measured("motion.symplectic_euler", "nominal", 1.0), test.measured("motion.plain_float", "nominal", 0.98),
+             {**test.measured("motion.plain_float", "nominal", 0.99), "mesh": {"name": "kidney"}, "case": "kidney/plain_float"},
              test.one_run("motion.symplectic_euler", "rest", "steady", {})]
     synthetic.write_mesh(folder / "problems" / "cube" / "in.mesh", *block((3, 3, 3)))
     synthetic.write_run(folder, lines, {"contest": "stability", "question": "Where do they break?"})
@@ -162,10 +174,10 @@ def make_verify(folder):
     synthetic.write_run(folder, lines, plan)
 
 
-PAGES = {"simplify": make_simplify, "contest": make_contest, "deform": make_deform, "frontier": make_frontier, "motion": make_motion, "engine": make_engine,
+PAGES = {"simplify": make_simplify, "contest": make_contest, "long_names": make_long_names, "deform": make_deform, "frontier": make_frontier, "motion": make_motion, "engine": make_engine,
          "stability": make_stability, "verify": make_verify, "bare": make_simplify}
 RUNS_OF_THESIS = {"thesis/histograms": make_histograms, "thesis/palpation": make_palpation}
-WITH_CHARTS = ("simplify", "bare", "thesis/histograms")
+WITH_CHARTS = ("simplify", "bare", "long_names", "thesis/histograms")
 
 
 def main(arguments):

@@ -26,7 +26,8 @@ const { pickTriangle } = await load("view/pick");
 const { frameOf } = await load("view/framing");
 const colours = await load("view/colour_scale");
 const { csvOf } = await load("report/tables");
-const { styleSeries } = await load("report/series_style");
+const { placeNames, styleSeries } = await load("report/series_style");
+const { logTicks, wrapped } = await load("report/axes");
 
 const TETS_OF_CUBE = [[0, 1, 3, 7], [0, 3, 2, 7], [0, 2, 6, 7], [0, 6, 4, 7], [0, 4, 5, 7], [0, 5, 1, 7]];
 
@@ -266,4 +267,33 @@ test("no two of the first forty series have the same colour and mark", () => {
     const { colours: own, marks } = styleSeries(names, dark);
     assert.equal(new Set(names.map((_, i) => own[i] + marks[i])).size, 40);
   }
+});
+
+test("a name has the same place on every chart of a page, and no two of one chart share theirs", () => {
+  const charts = [["a", "b", "c"], ["x", "y"], ["c", "a"], ["c", "z", "x"]];
+  const places = placeNames(charts);
+  assert.deepEqual([...places.entries()].filter(([name]) => "abc".includes(name)), [["a", 0], ["b", 1], ["c", 2]]);
+  for (const names of charts) assert.equal(new Set(names.map((name) => places.get(name))).size, names.length);
+  assert.equal(places.get("x"), 0, "what is beside none of the others may look like them");
+  const [all, some] = [charts[0], charts[2]].map((names) => styleSeries(names, false, places));
+  assert.deepEqual([some.colours, some.marks], [[all.colours[2], all.colours[0]], [all.marks[2], all.marks[0]]]);
+});
+
+test("numbers of a logarithmic axis stand apart however narrow it is, and are the same as before where there is room", () => {
+  assert.deepEqual(logTicks([0.9, 120]), [1, 2, 5, 10, 20, 50, 100]);
+  assert.deepEqual(logTicks([0.9, 120], 600), [1, 2, 5, 10, 20, 50, 100]);
+  assert.deepEqual(logTicks([0.9, 120], 150), [1, 10, 100]);
+  assert.deepEqual(logTicks([3, 4e6], 120).length, 3, "1000 and 10000 would touch");
+  for (const pixels of [60, 100, 150, 300])
+    for (const high of [9, 300, 2e4, 3e7, 2e12]) {
+      const ticks = logTicks([1, high], pixels);
+      ticks.slice(1).forEach((value, k) => assert.ok((pixels * Math.log(value / ticks[k])) / Math.log(high) > 7 * Math.max(1, String(value).length / 3), `${ticks} on ${pixels}`));
+    }
+});
+
+test("a long name is broken where it can be, and nothing of it is lost", () => {
+  assert.equal(wrapped("short", 10), "short");
+  assert.equal(wrapped("palpate.refined (tets_removed_ratio 0.22)", 20), "palpate.refined\n(tets_removed_ratio\n0.22)");
+  assert.equal(wrapped("abcdefghij", 4), "abcd\nefgh\nij");
+  assert.equal(wrapped("one_two_three", 8), "one_two_\nthree");
 });

@@ -1,5 +1,6 @@
 """The contest's table and its comparisons on made-up answers: who is ranked, who is marked, and what is said of the others."""
 
+import json
 import unittest
 
 from support import ReportTest
@@ -49,6 +50,15 @@ class Contest(ReportTest):
                          ["9", "0.02", "0.08", "0.9609375"])
         self.assertEqual((rows["cgal_1"]["n"], rows["cgal_1"]["interval_kind"]), ("1", "none: one value"))
         self.assertIn("Times: medians over 1 to 9 accepted repeats", out)
+
+    def test_times_that_are_not_compared_have_no_best(self):
+        lines = [answer("refined", 90, kernel_s=0.02), answer("cgal_1", 80, kernel_s=0.2)]
+        for repeats, warmup, expected in ((9, 1, True), (1, 1, False), (9, 0, False)):
+            synthetic.write_run(self.folder, lines, synthetic.CONTEST)
+            path = self.folder / "provenance.json"
+            path.write_text(json.dumps({**json.loads(path.read_text()), "repeats": repeats, "warmup": warmup}))
+            self.assertEqual(self.report("--no-charts")[0], 0)
+            self.assertEqual("kernel_s" in {row["label"]: row["best_in"] for row in self.table("contest.csv")}["refined"], expected, (repeats, warmup))
 
     def test_a_tie_marks_both(self):
         rows, _ = self.run_contest([answer("refined", 90), answer("cgal_1", 90)])

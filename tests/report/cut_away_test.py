@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import shutil
 import unittest
 
 import numpy as np
@@ -164,6 +165,13 @@ class Pictures(ReportTest):
         self.assertIn("no cut-away of gone on kidney", out)
         self.assertIn("no cut-away of broken on kidney", out)
         self.assertEqual(len(self.charts()), 2)
+
+    def test_meshes_that_did_not_come_along_are_said_once(self):
+        self.write_contest({"input": grid(3), "refined": grid(2)})
+        shutil.rmtree(self.folder / "meshes")
+        printed = self.report()[1]
+        self.assertEqual([line for line in printed.splitlines() if line.startswith("note") and "meshes" in line],
+                         ["note: no meshes are drawn: the run's folder has none, as they do not travel with an archive"])
 
     def test_a_picture_that_disagrees_with_the_judge_is_said(self):
         self.write_contest({"input": grid(3), "refined": grid(2)})

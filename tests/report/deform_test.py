@@ -1,10 +1,11 @@
 """The report of a contest of displacements on made-up records: marks, targets, refinement, sets, charts."""
 
+import types
 import unittest
 
 from support import ReportTest
 import synthetic
-from deform import deform, deform_page
+from deform import deform, deform_charts, deform_page
 from shared import records
 from synthetic import deformed, reference_record
 
@@ -82,6 +83,14 @@ class Rows(DeformTest):
         self.assertIn("+ least without methods of the reference's kind", out)
         self.assertIn("2.00+", self.line_of(out, "a"))
 
+    def test_times_that_are_not_compared_have_no_least(self):
+        self.run_deform([reference_record("bar"), deformed("bar", "a", 0.03), deformed("bar", "b", 0.05, seconds=0.1)])
+        run = records.read_run(self.folder)
+        for repeats, expected in ((9, "*"), (1, "")):
+            run.provenance |= {"repeats": repeats, "warmup": 1}
+            section, = deform.read_sections(run)
+            self.assertEqual([row.marks.get("kernel_s", "") for row in section.rows if row.label == "a"], [expected])
+
     def test_what_the_reference_cannot_tell_is_marked_figure_by_figure(self):
         # Own errors 0.004, 0.008, 0.016 in L2, max and energy; the answers have 1, 1.5 and 2 times their L2 error.
         rows, out = self.run_deform([reference_record("bar", own=0.004), deformed("bar", "fine", 0.03, own=0.004),
@@ -89,7 +98,7 @@ class Rows(DeformTest):
         self.assertEqual(rows["far"]["marked"], "")
         self.assertEqual(rows["fine"]["marked"], "displacement_energy")
         self.assertEqual(rows["good"]["marked"], "displacement_l2 displacement_energy displacement_max")
-        self.assertIn("1.99*~", self.line_of(out, "good"))
+        self.assertIn("1.99~", self.line_of(out, "good"))
         self.assertIn("not 5 times better", out)
 
     def test_without_an_estimate_everything_is_marked(self):
@@ -345,6 +354,13 @@ class Refined(DeformTest):
 
 
 class Charts(DeformTest):
+    def test_no_two_labels_look_alike(self):
+        row = lambda label, is_reference_kind: types.SimpleNamespace(label=label, is_reference_kind=is_reference_kind)
+        section = types.SimpleNamespace(rows=[row(f"{kind}{k}", kind == "fem") for k in range(12) for kind in ("fem", "springs")])
+        styles = deform_charts.read_styles([section])
+        self.assertEqual(len(set(styles.values())), 24)
+        self.assertEqual([styles["fem0"][1], styles["fem1"][1]], ["s", "s"])
+
     def lines(self):
         lines = []
         for vertices in (1503, 10000):

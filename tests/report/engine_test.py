@@ -1,11 +1,13 @@
 """The report of a contest of the engine, on made-up records."""
 
 import json
+import shutil
 import types
 import unittest
 
 from support import ReportTest
-from engine import engine_charts
+from engine import engine, engine_charts, engine_page
+from shared import records
 import synthetic
 
 PLAN = {"question": "Does it come back?", "contest": "engine", "scenes": ["stiff", "soft"],
@@ -119,12 +121,34 @@ class Engine(ReportTest):
         self.assertEqual(titles(at(0.7)), ["first frame\n0.7 s", "palpation 1, held\n0.7 s"])
         self.assertEqual(titles([]), [])
 
+    def test_a_rejected_replay_counts_in_no_sentence_and_each_says_what_it_is_of(self):
+        bad = replay("soft", 4.9e-3, None)
+        bad["reported"]["stability_margin"] = 0.4
+        self.run_report([*self.LINES[1:3], {**bad, "outcome": "rejected", "violations": ["its outcome is inverted"]}])
+        found = engine.read_cases(records.read_run(self.folder))
+        self.assertEqual(engine_page.verdict_of(found)[0], "Of 1 returns to rest the worst keeps 90% of where it was let go (stiff, replay); the stable step of the replays is at "
+                         "least 1.05 times their step. The stable step of bodies at rest is at least 1.01 times the step (stiff, rest).")
+        self.assertEqual({row["margin"]: row["hollow"] for row in engine_page.margin_chart(found).rows}, {1.01: False, 1.05: False, 0.4: True})
+
+    def test_a_setting_on_two_scenes_is_two_curves(self):
+        other = {**ticks(1000, 1, 2e-4, 9e-4), "mesh": {"name": "stiff", "vertices": 1000, "tets": 1, "hash": "0"}}
+        self.run_report([ticks(1000, 1, 1e-4, 8e-4), other, ticks(1000, 2, 1e-4, 8e-4)])
+        rows = engine_page.tick_chart(engine.read_cases(records.read_run(self.folder))).rows
+        self.assertEqual({row["name"] for row in rows}, {"ticks, single, 1 thread, soft", "ticks, single, 1 thread, stiff", "ticks, single, 2 threads"})
+
     def test_a_motion_that_cannot_be_read_is_noted(self):
         self.run_report()
         (self.folder / "motions/soft/replay.json").write_text("{", encoding="utf-8")
         code, printed, _ = self.report()
         self.assertEqual(code, 0)
         self.assertIn("no motion of replay on soft", printed)
+
+    def test_motions_that_did_not_come_along_are_said_once(self):
+        self.run_report()
+        shutil.rmtree(self.folder / "motions")
+        printed = self.report()[1]
+        self.assertEqual([line for line in printed.splitlines() if "motion" in line and line.startswith("note")],
+                         ["note: no motions are drawn: the run's folder has none, as they do not travel with an archive"])
 
 
 if __name__ == "__main__":

@@ -5,6 +5,9 @@ import unittest
 
 from support import ReportTest
 import synthetic
+from deform import soonest
+from deform.frontier import read_points
+from shared import records
 from synthetic import deformed, reference_record
 
 PLAN = {**synthetic.DEFORM, "beside": None, "scenes": ["bar"],
@@ -160,6 +163,41 @@ class OfSimplifiers(FrontierTest):
         self.assertEqual(rows[("ours", 0.1)]["times_as_few_as"], "theirs=3")
         self.assertEqual(rows[("theirs", 0.1)]["times_as_few_as"], "")
         self.assertIn("times as few as theirs", out)
+
+
+class Verdict(FrontierTest):
+    """Who comes soonest, in a sentence."""
+
+    def sentence(self, lines, **frontier):
+        run = records.read_run(synthetic.write_run(self.folder, lines, {**PLAN, "frontier": {**PLAN["frontier"], **frontier}}))
+        return soonest.sentence(run, read_points(run))
+
+    def test_it_is_said_scene_by_scene_at_the_error_of_the_target(self):
+        lines = [reference(), reference("ball"), *repeats("quick", 0.08, 0.01), *repeats("quick", 0.015, 0.1, scene="ball"), *repeats("exact", 0.01, 1.0),
+                 *repeats("exact", 0.01, 0.02, scene="ball")]
+        self.assertEqual(self.sentence(lines, targets=[]), "At an error of at most 10% the first answer comes soonest from ours on bar, nu 0.25 (10 ms), from theirs on ball, nu 0.25 (20 ms).")
+        self.assertEqual(self.sentence(lines, targets=[{"work": "first", "against": "theirs", "at": 0.02, "factor": 2}]),
+                         "At an error of at most 2% the first answer comes soonest from theirs on bar, nu 0.25 (1 s) and ball, nu 0.25 (20 ms).")
+
+    def test_figures_that_are_the_same_as_shown_have_no_winner(self):
+        lines = [reference(), *repeats("quick", 0.08, 0.01), *repeats("exact", 0.01, 0.010001)]
+        self.assertIn("from ours and theirs alike on bar, nu 0.25 (10 ms).", self.sentence(lines))
+
+    def test_many_scenes_are_counted_and_those_without_an_answer_are_said(self):
+        scenes = [f"s{number}" for number in range(6)]
+        lines = [line for place, scene in enumerate(scenes) for line in (reference(scene), *repeats("quick", 0.08 if place else 0.3, 0.01 * (1 + place), scene=scene))]
+        self.assertEqual(self.sentence(lines), "At an error of at most 10% the first answer comes soonest from ours on 5 of 6 scenes, at 40 ms (20 ms to 60 ms); none comes within it on 1 of 6 scenes.")
+
+    def test_where_no_time_was_taken_elements_times_steps_are_said(self):
+        lines = [reference()]
+        for simplify, tets in (("one", 3000), ("other", 4500)):
+            line = deformed("bar", "quick", 0.08, sweep={"simplify": simplify, "tets_removed_ratio": 0.5})
+            line["judge"]["displacement_deformation"] = 0.08
+            line |= {"kernel_s": None, "solved_on": {"tets": tets}, "report": {"explicit_step_s": 2e-4}}
+            lines.append(line)
+        self.assertEqual(self.sentence(lines, of="simplifiers", families={"ours": ["one"], "theirs": ["other"]}),
+                         "At an error of at most 10% the fewest tetrahedra times steps of a simulated second come from ours on bar, nu 0.25 (16.7 million).")
+        self.assertEqual(self.sentence([reference(), deformed("bar", "quick", None)]), "No model came within an error that the plan names.")
 
 
 class EqualError(FrontierTest):

@@ -70,7 +70,9 @@ class Motion(ReportTest):
 
     def test_what_the_reference_cannot_tell_is_marked(self):
         self.write()
-        self.assertRegex(self.printed, r"2\.00\*~")  # twice the reference's own error, and the least
+        self.assertRegex(self.printed, r"2\.00~")  # twice the reference's own error: whether it is the least, nobody can tell
+        self.assertNotRegex(self.printed, r"\*~|20\.0\*")
+        self.assertRegex(self.printed, r"4\.00\*")
         self.assertNotRegex(self.printed, r"20\.0~")
 
     def test_what_a_fit_leaves_over_is_shown_and_not_ranked(self):
@@ -104,6 +106,16 @@ class Motion(ReportTest):
         os.truncate(self.folder / "histories" / "a.csv", 2**30)
         self.assertIn("536,870,912 bytes", self.report()[1])
         os.remove(self.folder / "histories" / "a.csv")
+
+    def verdict(self):
+        return motion_page.verdict_of(motion.read_sections(records.read_run(self.folder)))
+
+    def test_the_verdict_names_nobody_nearest_whom_the_reference_cannot_tell(self):
+        self.write(moved("c", None, {"probe_l2": 0.3}))  # b is at 2%, twice the reference's own error
+        self.assertEqual(self.verdict(), ("The reference cannot tell who is nearest to elastodynamics over 1 problem: b (2%) is within 5 times its own error; "
+                                          "of what it tells apart the nearest is a: its probe is off by 20% (median).", "open"))
+        synthetic.write_run(self.folder, [reference(None), moved("a", None, self.A), moved("c", None, {"probe_l2": 0.3}), moved("d", None, {"probe_l2": 0.2001})], PLAN)
+        self.assertEqual(self.verdict(), ("Nearest to elastodynamics over 1 problem is a and d alike: their probe is off by 20% (median), where c is off by 30%.", "plain"))
 
     def bodies(self):
         """What the page shows in 3D, by title, and what it says of what it does not."""

@@ -42,6 +42,14 @@ class Tables(ReportTest):
         self.assertEqual((row["n"], row["outcome"]), ("3", "3 accepted, 1 rejected"))
         self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.02)
 
+    def test_the_rate_is_that_of_the_median_time(self):
+        synthetic.write_run(self.folder, [synthetic.record("kidney", "a", 70, seed=seed, repeat=repeat, kernel_s=seconds) for seed, times in enumerate(((0.001, 0.001, 0.001), (0.04,), (0.03,)))
+                                          for repeat, seconds in enumerate(times)], {})
+        self.assertEqual(self.report("--no-charts")[0], 0)
+        row, = self.table("timing.csv")
+        self.assertEqual(float(row["kernel_median_s"]), 0.03)  # over the seeds
+        self.assertAlmostEqual(float(row["tets_removed_per_s"]), 1800 / 0.03)
+
     def test_memory_and_process_time_of_a_search_are_left_out_where_a_repeat_had_none(self):
         lines = [synthetic.record("kidney", "a", 70, searched=True, wall_s=9.0, peak_rss_bytes=900),
                  synthetic.record("kidney", "a", 70, repeat=1, searched=False, wall_s=1.0, peak_rss_bytes=100)]
@@ -125,6 +133,15 @@ class Verdict(ReportTest):
         claim = verdict.Claim("", "", "kernel_s", "a", "b", "c", 1.0, 3.0)
         self.assertEqual(self.decide(1.0, 2.5, [2.4] * 19, claim), verdict.REPRODUCES)
         self.assertEqual(self.decide(1.0, 2.5, [0.9] * 19, claim), verdict.DOES_NOT)
+
+    def test_a_difference_below_the_last_shown_digit_is_a_tie(self):
+        self.assertEqual(verdict.decide(self.CLAIM, 99.934, [99.930], []), (verdict.DOES_NOT, verdict.TIE))
+        self.assertEqual(verdict.decide(self.CLAIM, 99.94, [99.93], [])[0], verdict.SIGN_ONLY)
+        mean = verdict.Claim("", "", "mean_quality", "a", "b", "", None, None)
+        self.assertEqual([verdict.decide(mean, better, [0.6512], [])[0] for better in (0.6514, 0.65122)], [verdict.REPRODUCES, verdict.DOES_NOT])
+        self.assertEqual(mean.signed(0.0002), "+0.0002")
+        seconds = verdict.Claim("", "", "kernel_s", "a", "b", "", 1.0, 3.0)
+        self.assertEqual(verdict.decide(seconds, 0.001, [0.003], [])[0], verdict.SIGN_ONLY)  # times have no last digit
 
     def test_what_is_held_against_it_may_scatter(self):
         decide = lambda values: verdict.decide(self.CLAIM, 80, values, [])[0]

@@ -3,8 +3,8 @@
 import unittest
 
 from support import ReportTest
-from stability import stability
-from stability import stability_charts
+from shared import records
+from stability import stability, stability_charts, stability_page
 import synthetic
 
 PLAN = {"question": "How long may a step be?", "contest": "stability", "contestants": ["motion.symplectic_euler", "motion.plain_float"]}
@@ -84,6 +84,18 @@ class Stability(ReportTest):
         self.assertIn("cube/motion.symplectic_euler/strain strain 2: crashed: signal 11", self.printed)
         rows = {row["extreme"]: row["symplectic_euler"] for row in self.table("failures.csv")}
         self.assertEqual(rows, {"strain": "no answer", "rest": "too slow"})
+
+    def test_what_was_given_up_has_no_ending_and_what_was_rejected_counts_in_no_figure(self):
+        slow = one_run(self.EULER, "rest", "too_slow", {})
+        slow |= {"outcome": "rejected", "violations": ["run 1 was given up after 5 steps for want of time: how it ends is not known"]}
+        wrong = measured(self.EULER, "mass", 1.5, outcome="rejected", violations=["its words differ"])
+        self.write([measured(self.EULER, "nominal", 1.001), slow, wrong])
+        cases = stability.read_cases(records.read_run(self.folder))
+        self.assertEqual(stability_page.verdict_of(cases), ("1 of 1 measured stable steps are within 2% of the predicted one (worst: 1.001 times, symplectic_euler on cube, nominal), and "
+                                                            "2 of 3 cases end in a way that has a name (1 of them rejected); 1 was given up before that was known.", "open"))
+        self.assertEqual([(row["ending"], row["runs"]) for row in stability_page.endings_chart(cases).rows], [("grows", 1), ("diverged", 2)])
+        line = [line for line in self.printed.splitlines() if line.startswith("symplectic_euler")][-1]
+        self.assertEqual(line.split()[1::len(line.split()) - 2], ["3", "2"])  # runs, and cases that were not accepted
 
     def test_slow_growth_has_its_own_name_and_colour_and_is_not_fine(self):
         self.write([one_run(self.EULER, "damping", "growing_slowly", {"damping_ratio": 5e-8})])

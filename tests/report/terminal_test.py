@@ -70,6 +70,25 @@ class Folding(unittest.TestCase):
         self.assertEqual(places, sorted(places))
         self.assertEqual([folded.count(text) for text in ("22% removed", "50% removed", "0.11*", "1.11", "late")], [1] * 5)
 
+    def test_blocks_keep_as_many_names_as_tell_the_rows_apart(self):
+        rows = [["haptic_palpation", label, threads, *("0.123 ms" for _ in range(9)), ""] for label in ("ticks", "a_paced") for threads in ("1", "2")]
+        folded = terminal.fold(tables.pad_columns([["scene", "label", "threads", *(f"measure {k}" for k in range(9)), ""], *rows]), 80)
+        self.assertGreater(len(folded.split("\n\n")), 1)
+        for block in folded.split("\n\n"):
+            self.assertRegex(block, r"\A *scene +label +threads")
+            self.assertEqual([len(re.findall(rf" +{label} +{threads} ", block)) for label in ("ticks", "a_paced") for threads in (1, 2)], [1] * 4, block)
+
+    def test_a_title_that_is_short_is_no_row(self):
+        lines = [["label", *(f"measure {k}" for k in range(12)), "note"], "", "ball", ["a_label_of_some_length", *("0.5" for _ in range(12)), ""], "", "bar", ["b", *("0.6" for _ in range(12)), ""]]
+        folded = terminal.fold(tables.pad_columns(lines), 80).split("\n")
+        self.assertEqual([folded.count(title) for title in ("ball", "bar")], [1, 1])
+        self.assertEqual(folded[:2], ["", "ball"])
+        self.assertEqual([line for line in folded if re.fullmatch("label *|-+", line)], [])
+
+    def test_a_last_column_of_figures_has_a_ruler_and_one_of_words_has_none(self):
+        self.assertEqual(tables.pad_columns([["a", "count"], ["x", "12"]]).split("\n"), ["a  count", "-  -----", "x     12"])
+        self.assertEqual(tables.pad_columns([["a", "count", "note"], ["x", "12", "late"]]).split("\n"), ["a  count  note", "-  -----", "x     12  late"])
+
     def test_prose_is_wrapped_with_its_indentation(self):
         folded = terminal.fold("  " + "word " * 40, 50).split("\n")
         self.assertTrue(all(line.startswith("  word") and len(line) <= 50 for line in folded), folded)
