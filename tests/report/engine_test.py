@@ -131,7 +131,8 @@ class Engine(ReportTest):
         self.assertEqual({row["margin"]: row["hollow"] for row in engine_page.margin_chart(found).rows}, {1.01: False, 1.05: False, 0.4: True})
 
     def test_a_setting_on_two_scenes_is_two_curves(self):
-        other = {**ticks(1000, 1, 2e-4, 9e-4), "mesh": {"name": "stiff", "vertices": 1000, "tets": 1, "hash": "0"}}
+        other = ticks(1000, 1, 2e-4, 9e-4)
+        other = {**other, "case": other["case"].replace("soft", "stiff"), "mesh": {"name": "stiff", "vertices": 1000, "tets": 1, "hash": "0"}}
         self.run_report([ticks(1000, 1, 1e-4, 8e-4), other, ticks(1000, 2, 1e-4, 8e-4)])
         rows = engine_page.tick_chart(engine.read_cases(records.read_run(self.folder))).rows
         self.assertEqual({row["name"] for row in rows}, {"ticks, single, 1 thread, soft", "ticks, single, 1 thread, stiff", "ticks, single, 2 threads"})
