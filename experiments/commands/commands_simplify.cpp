@@ -231,7 +231,8 @@ int simplify(const SimplifyArguments& arguments) {
   task.stop = stop_of(arguments, *method.method);
   task.keep = keep_of(arguments, *method.method, registry);
   check_output_file(arguments.out);
-  refuse_output_over_input("-o", arguments.out, {arguments.mesh});
+  // By its own name the input may be replaced: that is what was asked for.
+  if (arguments.out != arguments.mesh) refuse_output_over_input("-o", arguments.out, {arguments.mesh});
   const TetMesh in = read_valid_mesh(arguments.mesh);
   check_regions_meet(task.keep, in);
   const ScratchFolder scratch;

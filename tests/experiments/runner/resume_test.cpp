@@ -190,7 +190,9 @@ TEST(Records, TornLineIsDroppedAndCutOff) {
                            "\n";
   const auto path = folder.add("records.jsonl", line + line.substr(0, 30));
   EXPECT_EQ(read_records(path).size(), 1U);
-  { RecordFile(path).append(json::parse(line)); }
+  json second = json::parse(line);
+  second["repeat"] = 1;
+  { RecordFile(path).append(second); }
   EXPECT_EQ(read_records(path).size(), 2U);
   folder.add("records.jsonl", "garbage\n" + line);
   EXPECT_THROW(read_records(path), InputError);
