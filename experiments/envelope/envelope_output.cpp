@@ -86,7 +86,7 @@ EnvelopePlace read_place(const json& value) {
 /// An ending as people say it.
 std::string ending_text(const json& ending) {
   if (!ending.is_string()) return "-";
-  const auto name = ending.get<std::string>();
+  auto name = ending.get<std::string>();
   if (name == kPassesTolerance) return "the error passes the tolerance";
   if (name == kNotMeasured) return "no error could be measured, so the border is not known";
   return name;
