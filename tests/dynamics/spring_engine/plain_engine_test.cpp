@@ -20,6 +20,7 @@
 #include "core/dynamics/stability/stability.h"
 #include "core/dynamics/time_loop/plain_run.h"
 #include "core/mesh/shapes/shapes.h"
+#include "experiments/processes/child/sanitizers.h"
 #include "tests/support/dynamics_cases.h"
 #include "tests/support/engine_comparison.h"
 #include "tests/support/motion_cases.h"
@@ -270,9 +271,7 @@ TEST(PlainEngine, RefusesWhatItCannotDo) {
 
 /// Those that were made would wait for the others for ever.
 TEST(PlainEngine, ThreadsThatCannotAllBeMadeEndTheRun) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "a sanitizer's shadow is larger than the bound on memory";
-#endif
+  if (experiments::kIsSanitized) GTEST_SKIP() << "AddressSanitizer leaves no room for a bound";
   const auto step_with_little_memory = [] {
     TeamStep<double> step;
     step.phases = {[](std::size_t, std::size_t, PlainReport&) {}};
